@@ -58,16 +58,6 @@ ORDER BY felt_object, friction, segment, x_m, y_m)",
         kFelt, kPeopleOfMaps);
 }
 
-std::vector<std::string> frictions_of(const Study& study) {
-    std::vector<protocols::FrictionSpec> all = study.protocol().frictions;
-    std::ranges::stable_sort(all, {}, &protocols::FrictionSpec::mu_s);
-    std::vector<std::string> names;
-    for (const auto& one : all) {
-        names.push_back(one.name);
-    }
-    return names;
-}
-
 /// Means of people for each friction, as pairs.
 Panel paired_column(const Rows& rows,
                     const std::vector<std::string>& frictions,
@@ -258,7 +248,10 @@ void add_each_trial(PageWriter& page, const Study& study) {
                      .html = std::move(html),
                      .has_table = true,
                      .data = rows};
-    panel.caption = "Answered main trials that count, also of people who are left out.";
+    panel.caption = fmt::format(
+        "Answered main trials that count, also of people who are left out. One with its path and "
+        "every tick: palpate report {} --trial {} -o trial.html",
+        study.file(), rows.cells.empty() ? "7" : rows.text(0, "trial_id"));
     page.figure(panel);
 }
 

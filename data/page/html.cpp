@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
+#include "data/page/tick_text.hpp"
 #include "data/plot/svg_figure.hpp"
 #include "data/plot/svg_text.hpp"
 
@@ -66,6 +68,13 @@ std::string data_address(std::string_view type, std::string_view text) {
     return out;
 }
 
+/// What a page's policy calls the one script that may run.
+std::string script_hash(std::string_view script) {
+    const Sha256 hash = sha256(script);
+    return "sha256-" +
+           base64(std::string_view(reinterpret_cast<const char*>(hash.data()), hash.size()));
+}
+
 /// A panel as an element of the page: no background, no address, a name for who cannot see it.
 std::string panel_html(const Panel& panel,
                        const std::string& id,
@@ -117,6 +126,11 @@ std::string short_number(const std::string& field) {
 
 std::string interval_text(const Interval& interval) {
     return fmt::format("{:.3f} to {:.3f}", interval.low, interval.high);
+}
+
+std::string html_fact(const std::string& what, const std::string& value, const std::string& small) {
+    return fmt::format("<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n", html_text(what),
+                       html_text(value), html_text(small));
 }
 
 std::string html_table(const std::vector<std::string>& names,
@@ -262,30 +276,29 @@ void PageWriter::table(std::string_view id,
     body_ += "</div>\n";
 }
 
-std::string PageWriter::page() const {
-    const PageOptions& options = study_->options();
-    const bool real = options.kind == "real";
-    const std::string title = html_text(study_->title().empty() ? study_->name() : study_->title());
+std::string PageWriter::page(const PageFrame& frame) const {
+    const bool real = frame.kind == "real";
     std::string out = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n"
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-        "'unsafe-inline'\">\n"
-        "<meta name=\"generator\" content=\"palpate {}\">\n<title>{}{}</title>\n<style>\n{}",
-        html_text(options.version), title, real ? "" : html_text(" (" + options.kind + " data)"),
-        page_style());
+        "'unsafe-inline'{}\">\n"
+        "<meta name=\"generator\" content=\"palpate {}\">\n<title>{}{}</title>\n<style>\n{}{}",
+        frame.script.empty() ? "" : fmt::format("; script-src '{}'", script_hash(frame.script)),
+        html_text(frame.version), html_text(frame.name.empty() ? frame.title : frame.name),
+        real ? "" : html_text(" (" + frame.kind + " data)"), page_style(), frame.style);
     if (!real) {
-        std::string word = options.kind;
+        std::string word = frame.kind;
         std::ranges::transform(word, word.begin(),
                                [](char c) { return static_cast<char>(c - 'a' + 'A'); });
         out += fmt::format("body::after {{ content: \"{}\"; }}\n", word);
     }
-    out += fmt::format("</style>\n</head>\n<body class=\"{}\">\n<header>\n<p class=\"kicker\">",
-                       options.kind);
-    out += fmt::format("Protocol {}, {} data</p>\n<h1>{}</h1>\n", html_text(study_->name()),
-                       options.kind, title);
-    if (options.kind == "simulated") {
+    out += fmt::format(
+        "</style>\n</head>\n<body class=\"{}\">\n<header>\n<p "
+        "class=\"kicker\">{}</p>\n<h1>{}</h1>\n",
+        frame.kind, html_text(frame.kicker), html_text(frame.title));
+    if (frame.kind == "simulated") {
         out +=
             "<p class=\"warning\" role=\"note\"><strong>Simulated data.</strong> Hand and "
             "answers were computed: nobody felt anything. Nothing here is a result.</p>\n";
@@ -296,13 +309,10 @@ std::string PageWriter::page() const {
     }
     out += fmt::format(
         "</header>\n<nav aria-label=\"Contents\">\n<ol>\n{}</ol>\n</nav>\n<main>\n{}{}</main>\n"
-        "<footer><p>Made by palpate {} from {}. No day, no name{} is on this page.</p></footer>\n"
-        "</body>\n</html>\n",
-        contents_, numbered(body_), open_ ? "</section>\n" : "", html_text(options.version),
-        options.codes ? html_text(study_->file())
-                      : "the study's database, called FILE here, whose newest seals stand above",
-        options.codes ? "" : ", no code of a participant and no name of a file");
-    return out;
+        "<footer><p>{}</p></footer>\n",
+        contents_, numbered(body_), open_ ? "</section>\n" : "", html_text(frame.footer));
+    out += frame.script.empty() ? "" : fmt::format("<script>{}</script>\n", frame.script);
+    return out + "</body>\n</html>\n";
 }
 
 }  // namespace palpate::data

@@ -34,10 +34,27 @@ struct PageFigure {
 /// "0.012 to 0.340", three digits after the point.
 [[nodiscard]] std::string interval_text(const Interval& interval);
 
+/// One of the facts in boxes at the top, what it is below.
+[[nodiscard]] std::string html_fact(const std::string& what,
+                                    const std::string& value,
+                                    const std::string& small);
+
 /// A table with a caption; columns of numbers to the right.
 [[nodiscard]] std::string html_table(const std::vector<std::string>& names,
                                      const std::vector<std::vector<std::string>>& cells,
                                      std::string_view caption);
+
+/// What stands round the sections of a page; texts are plain.
+struct PageFrame {
+    std::string kind{};     ///< of its sessions: real, or in a watermark
+    std::string version{};  ///< of the program
+    std::string kicker{};   ///< above the heading
+    std::string title{};    ///< the heading
+    std::string name{};     ///< of the window; empty: the heading
+    std::string footer{};
+    std::string style{};   ///< CSS after page_style()
+    std::string script{};  ///< the only one that a browser may run there; empty: none may
+};
 
 /// The figures of a page, numbered, and its sections.
 class PageWriter {
@@ -59,7 +76,7 @@ public:
     void append(const PageWriter& rest);
 
     /// The whole page, figures and tables counted.
-    [[nodiscard]] std::string page() const;
+    [[nodiscard]] std::string page(const PageFrame& frame) const;
 
 private:
     enum class Shown : std::uint8_t { open, folded, no };  ///< the table

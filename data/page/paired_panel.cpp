@@ -8,6 +8,16 @@
 
 namespace palpate::data {
 
+std::vector<std::string> frictions_of(const Study& study) {
+    std::vector<protocols::FrictionSpec> all = study.protocol().frictions;
+    std::ranges::stable_sort(all, {}, &protocols::FrictionSpec::mu_s);
+    std::vector<std::string> names;
+    for (const auto& one : all) {
+        names.push_back(one.name);
+    }
+    return names;
+}
+
 Ink ink_of(std::size_t friction) {
     constexpr Ink kInks[] = {Ink::blue,   Ink::vermillion, Ink::green,
                              Ink::purple, Ink::orange,     Ink::sky};

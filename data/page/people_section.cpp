@@ -136,33 +136,28 @@ std::string minus(std::string text) {
     return text;
 }
 
-std::string fact(const std::string& what, const std::string& value, const std::string& small) {
-    return fmt::format("<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n", html_text(what),
-                       html_text(value), html_text(small));
-}
-
 }  // namespace
 
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     std::string out = "<dl class=\"facts\">\n";
-    out += fact("People", fmt::format("{}", study.people()),
-                fmt::format("{} left out by the protocol's rules", study.left_out().size()));
+    out += html_fact("People", fmt::format("{}", study.people()),
+                     fmt::format("{} left out by the protocol's rules", study.left_out().size()));
     if (numbers.stats) {
         const StatsReport& stats = *numbers.stats;
-        out += fact("Answers analysed", fmt::format("{}", stats.applied.trials),
-                    fmt::format("of {}; exclusions applied", stats.table.trials.size()));
+        out += html_fact("Answers analysed", fmt::format("{}", stats.applied.trials),
+                         fmt::format("of {}; exclusions applied", stats.table.trials.size()));
         const Measure* share = find_measure(stats.applied, "share");
         for (std::size_t f = 0; share != nullptr && f < share->means.size(); ++f) {
             const std::string& friction = stats.table.frictions[f];
             if (const auto& mean = share->means[f]) {
-                out += fact(fmt::format("{}, friction {}", share->title, friction),
-                            fmt::format("{:.3f}", mean->mean),
-                            mean->interval ? "95 % " + interval_text(*mean->interval)
-                                           : "no interval: one value");
+                out += html_fact(fmt::format("{}, friction {}", share->title, friction),
+                                 fmt::format("{:.3f}", mean->mean),
+                                 mean->interval ? "95 % " + interval_text(*mean->interval)
+                                                : "no interval: one value");
             }
             if (const auto& effect = share->effects[f]) {
                 const auto& ends = effect->mean.interval;
-                out += fact(
+                out += html_fact(
                     fmt::format("{} \u2212 {}, within person", friction,
                                 stats.table.frictions.front()),
                     minus(fmt::format("{:+.3f}", effect->mean.mean)),
@@ -173,14 +168,14 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
     }
     if (numbers.fit) {
         for (const OverPeople& one : numbers.fit->people) {
-            out +=
-                fact(one.what, one.mean.people > 0 ? fmt::format("{:.4g}", one.mean.mean) : "none",
-                     fmt::format("mean of {}{}{}", counted(one.mean.people, "person", "people"),
-                                 one.mean.interval ? "; 95 % " + interval_text(*one.mean.interval)
-                                                   : std::string(),
-                                 one.left_out.empty()
-                                     ? std::string()
-                                     : fmt::format("; {} left out", one.left_out.size())));
+            out += html_fact(
+                one.what, one.mean.people > 0 ? fmt::format("{:.4g}", one.mean.mean) : "none",
+                fmt::format("mean of {}{}{}", counted(one.mean.people, "person", "people"),
+                            one.mean.interval ? "; 95 % " + interval_text(*one.mean.interval)
+                                              : std::string(),
+                            one.left_out.empty()
+                                ? std::string()
+                                : fmt::format("; {} left out", one.left_out.size())));
         }
     }
     page.html(out + "</dl>\n");

@@ -26,6 +26,7 @@ struct PageNumbers {
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers);
 void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers);
 void add_answers(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_ratings(PageWriter& page, const Study& study);
 void add_levels(PageWriter& page, const Study& study, const PageNumbers& numbers);
 void add_times(PageWriter& page, const Study& study, const PageNumbers& numbers);
 void add_exploration(PageWriter& page, const Study& study);
@@ -34,6 +35,8 @@ void add_health(PageWriter& page, const Study& study);
 void add_provenance(PageWriter& page, const Study& study);
 void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers);
 
+/// The protocol's frictions, the least first.
+[[nodiscard]] std::vector<std::string> frictions_of(const Study& study);
 /// The frictions' colours, in their order.
 [[nodiscard]] Ink ink_of(std::size_t friction);
 

@@ -230,11 +230,14 @@ Rows Study::ask(std::string_view sql) const {
             at += value.size();
         }
     }
-    const bool with = text.starts_with("WITH ");
-    std::string before = "WITH " + person_sql_;
-    before += text.find("main") == std::string::npos ? "" : ",\n" + main_sql_;
     Rows rows;
-    rows.sql = before + (with ? ",\n" + text.substr(5) : "\n" + text);
+    rows.sql = text;
+    if (text.find("person") != std::string::npos || text.find("main") != std::string::npos) {
+        const bool with = text.starts_with("WITH ");
+        std::string before = "WITH " + person_sql_;
+        before += text.find("main") == std::string::npos ? "" : ",\n" + main_sql_;
+        rows.sql = before + (with ? ",\n" + text.substr(5) : "\n" + text);
+    }
     rows.csv = printed(*database_, rows.sql);
     rows.cells = fields_of(rows.csv);
     rows.names = rows.cells.front();

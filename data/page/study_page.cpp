@@ -122,11 +122,23 @@ std::string study_page(Database& database, const PageOptions& options) {
     add_facts(page, study, numbers);
     add_flow(page, study, numbers);
     add_answers(page, study, numbers);
+    add_ratings(page, study);
     add_levels(page, study, numbers);
     add_times(page, study, numbers);
     add_methods(last, study, numbers);
     page.append(last);
-    return page.page();
+    const std::string title = study.title().empty() ? study.name() : study.title();
+    return page.page(
+        {.kind = options.kind,
+         .version = options.version,
+         .kicker = fmt::format("Protocol {}, {} data", study.name(), options.kind),
+         .title = title,
+         .footer = fmt::format(
+             "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
+             options.codes ? study.file()
+                           : "the study's database, called FILE here, whose newest seals stand "
+                             "above",
+             options.codes ? "" : ", no code of a participant and no name of a file")});
 }
 
 }  // namespace palpate::data

@@ -20,7 +20,7 @@ struct PageOptions {
     std::string version{};        ///< of the program that makes the page
 };
 
-/// Flow and exclusions, confusions, the effect of friction within person, psychometric functions and their tracks, times,
+/// Flow and exclusions, confusions, the effect of friction within person, ratings, psychometric functions and their tracks, times,
 /// confidence, learning, exploration, the audit, health of the rig, seals, methods; beside every figure its table, CSV
 /// and SQL. Numbers are those of stats_of(), audit_of() and fit_all(). People are numbered from 1 in the order of their
 /// numbers in exports, which follows from the file's secret. No day is named. The same file gives the same bytes.

@@ -96,6 +96,7 @@ body::after {
     --cell: 70 150 215; --deep: .6; --mark: #ff8a95;
   }
   svg [stroke="#444444"] { stroke: #9a9a9a; }
+  svg rect[fill="#ffffff"] { fill: #16181b; }
   svg [stroke="#e4e4e4"] { stroke: #33363b; }
   svg [fill="#777777"] { fill: #a4a4a4; }
   svg [stroke="#777777"] { stroke: #a4a4a4; }

@@ -57,6 +57,10 @@ public:
 
     void add(const engine::TickRecord& tick) noexcept;
     [[nodiscard]] double share() const noexcept;
+    /// The i-th cell along u, the j-th along v, both from 0 and below kSide.
+    [[nodiscard]] bool visited(std::size_t i, std::size_t j) const noexcept {
+        return visited_[i * kSide + j];
+    }
 
 private:
     std::array<bool, kSide * kSide> visited_{};

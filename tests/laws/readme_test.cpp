@@ -2,6 +2,9 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
+
+#include "engine/base/sha256.hpp"
 #include "data/schema/catalogue.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/mixed_study.hpp"
@@ -9,6 +12,7 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
@@ -58,4 +62,16 @@ TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law
         CAPTURE(name);
         CHECK(text.find("`" + name + "`") != std::string::npos);
     }
+}
+
+TEST_CASE("uPlot lies here as its package has it, with its licence", "[docs]") {
+    const std::string folder = PALPATE_SOURCE_DIR "/third_party/uplot/";
+    const std::string readme = tests::slurp(folder + "README.md");
+    for (const char* name : {"uPlot.iife.min.js", "uPlot.min.css", "LICENSE"}) {
+        CAPTURE(name);
+        CHECK_THAT(readme, ContainsSubstring(fmt::format("| `{}` | {} |", name,
+                                                         sha256_hex(tests::slurp(folder + name)))));
+    }
+    CHECK_THAT(tests::slurp(folder + "uPlot.iife.min.js"), ContainsSubstring("(v1.6.32)"));
+    CHECK_THAT(tests::slurp(folder + "LICENSE"), ContainsSubstring("The MIT License"));
 }

@@ -7,6 +7,7 @@
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/page_reader.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
@@ -15,8 +16,11 @@
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using Json = nlohmann::ordered_json;
+using tests::count_of;
 using tests::Finished;
+using tests::of_address;
 using tests::palpate_command;
+using tests::sources_of;
 using tests::TemporaryFolder;
 
 namespace {
@@ -55,60 +59,6 @@ std::string page_of(const std::string& file, std::vector<std::string> words = {}
 }
 
 const std::vector<std::string> kSimulated{"--kind", "simulated"};
-
-std::size_t count_of(const std::string& text, const std::string& what) {
-    std::size_t n = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos;
-         at = text.find(what, at + what.size())) {
-        ++n;
-    }
-    return n;
-}
-
-std::string unescaped(std::string text) {
-    for (const auto& [entity, c] : std::initializer_list<std::pair<const char*, const char*>>{
-             {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "&"}}) {
-        for (std::size_t at = text.find(entity); at != std::string::npos;
-             at = text.find(entity, at + 1)) {
-            text.replace(at, std::string(entity).size(), c);
-        }
-    }
-    return text;
-}
-
-/// The text of an address data:text/csv;charset=utf-8,...
-std::string of_address(const std::string& address) {
-    std::string text;
-    for (std::size_t i = address.find(',') + 1; i < address.size(); ++i) {
-        if (address[i] == '%') {
-            text += static_cast<char>(std::stoi(address.substr(i + 1, 2), nullptr, 16));
-            i += 2;
-        } else {
-            text += address[i];
-        }
-    }
-    return text;
-}
-
-struct Source {
-    std::string sql;
-    std::string csv;
-};
-
-/// SQL and CSV that stand beside figures and tables, by the CSV's name.
-std::map<std::string, Source> sources_of(const std::string& page) {
-    std::map<std::string, Source> found;
-    const std::string sql = "<pre tabindex=\"0\"><code>";
-    for (std::size_t at = page.find(sql); at != std::string::npos; at = page.find(sql, at + 1)) {
-        const std::size_t begin = at + sql.size();
-        const std::size_t name = page.find("download=\"", begin) + 10;
-        const std::size_t href = page.find("href=\"", name) + 6;
-        found[page.substr(name, page.find('"', name) - name)] = {
-            unescaped(page.substr(begin, page.find("</code>", begin) - begin)),
-            of_address(page.substr(href, page.find('"', href) - href))};
-    }
-    return found;
-}
 
 /// All CSV of results, which come from no query.
 std::string results_of(const std::string& page) {
@@ -366,31 +316,21 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
 
 TEST_CASE("a browser opens the page of a study without an error and without a request",
           "[report]") {
-    if (Finished known = tests::Process({"sh", "-c", "command -v chromium"}).wait();
-        known.code != 0) {
-        WARN("Chromium is not installed: skipped");
-        return;
-    }
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
                              "--participant", "P1", "--db", file, "--device", "sim"})
                 .code == 0);
     static_cast<void>(page_of(file, kSimulated));
-    const Finished shown =
-        tests::Process({"chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
-                        "--disable-background-networking", "--disable-component-update",
-                        "--no-first-run", "--enable-logging=stderr", "--window-size=1000,1400",
-                        "--user-data-dir=" + folder.file("profile"),
-                        "--log-net-log=" + folder.file("net.json"),
-                        "--screenshot=" + folder.file("page.png"), "file://" + file + ".html"})
-            .wait();
-    CAPTURE(shown.error);
-    CHECK(shown.code == 0);
-    CHECK_THAT(shown.error, !ContainsSubstring("CONSOLE"));
+    const tests::Browsed shown =
+        tests::browsed(folder, file + ".html", "--screenshot=" + folder.file("page.png"));
+    if (!shown.there) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    CAPTURE(shown.done.error);
+    CHECK(shown.done.code == 0);
+    CHECK_THAT(shown.done.error, !ContainsSubstring("CONSOLE"));
     CHECK(std::filesystem::file_size(folder.file("page.png")) > 20000);
-    // The browser itself asks its maker for news; what a page asks for has an initiator of its own.
-    const std::string net = tests::slurp(folder.file("net.json"));
-    CHECK(net.size() > 10000);
-    CHECK(count_of(net, "\"initiator\":") == count_of(net, "\"initiator\":\"not an origin\""));
+    CHECK(shown.asked_for_nothing());
 }

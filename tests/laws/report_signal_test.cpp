@@ -1,7 +1,11 @@
+#include <cstdio>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/page_reader.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 
@@ -101,4 +105,90 @@ TEST_CASE(
         {"report", file, "-o", folder.file("n.html"), "--kind", "simulated", "--signal", "cube"});
     CHECK(none.code == 2);
     CHECK_THAT(none.error, ContainsSubstring("--signal is cube: give one of"));
+}
+
+TEST_CASE("a report of ratings has each level's share and each person's mean, as summary has them",
+          "[report][summary]") {
+    const TemporaryFolder folder;
+    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 6");
+    write(folder.file("p.toml"),
+          protocol +
+              "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n"
+              "low = \"hollow <5>\"\nhigh = \"round\"\n\n[exclusion]\ntimed_out_share_max = 0.9\n");
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command({"simulate", folder.file("p.toml"), "--participants", "5",
+                             "--no-traces", "--db", file})
+                .code == 0);
+    REQUIRE(palpate_command({"mark", file, "3", "--invalid", "asked"}).code == 0);
+    // The second person is left out by the protocol's rule.
+    data::Database(file, data::Access::write)
+        .execute("UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
+    const Finished made =
+        palpate_command({"report", file, "-o", folder.file("r.html"), "--kind", "simulated"});
+    CAPTURE(made.error);
+    REQUIRE(made.code == 0);
+    const std::string html = tests::slurp(folder.file("r.html"));
+    const auto sources = tests::sources_of(html);
+    for (const char* name : {"simulated-levels-told.csv", "simulated-rated.csv"}) {
+        CAPTURE(name);
+        REQUIRE(sources.contains(name));
+        CHECK(palpate_command({"sql", file, "--csv", "-c", sources.at(name).sql}).out ==
+              sources.at(name).csv);
+    }
+    const auto asked = [&](const std::string& sql) {
+        const Finished done = palpate_command({"sql", file, "--csv", "-c", sql});
+        CAPTURE(sql, done.error);
+        REQUIRE(done.code == 0);
+        return done.out.substr(done.out.find('\n') + 1);
+    };
+    const std::string& levels = sources.at("simulated-levels-told.csv").sql;
+    CHECK(asked("SELECT sum(n), round(sum(share), 9) FROM (" + levels + ")") ==
+          asked("SELECT count(*), 4.0 FROM analysis_trial WHERE counts AND phase = 'main' AND "
+                "session_id <> 2"));
+    CHECK(asked("SELECT sum(n) FROM (" + levels + ") WHERE level = 5 AND friction = 'on'") ==
+          asked("SELECT count(*) FROM analysis_trial WHERE counts AND answer_code = 4 AND "
+                "session_id <> 2 AND friction = 'on'"));
+    CHECK_THAT(html, ContainsSubstring("From 1 (\u201chollow &lt;5&gt;\u201d) to 5 "
+                                       "(\u201cround\u201d)"));
+
+    // Means over people and differences within person: by SQL, and in the words of palpate summary.
+    const std::size_t results = html.find("simulated-rated-results.csv");
+    REQUIRE(results != std::string::npos);
+    const std::size_t href = html.find("href=\"", results) + 6;
+    const std::string csv = tests::of_address(html.substr(href, html.find('"', href) - href));
+    const std::string summary = palpate_command({"summary", file}).out;
+    for (const std::string object : {"convex", "concave"}) {
+        const std::string of = fmt::format(
+            "FROM (SELECT participant_code, friction, avg(answer_code + 1) AS x FROM "
+            "analysis_trial WHERE counts AND session_id <> 2 AND planned_object = '{}' GROUP BY 1, "
+            "2)",
+            object);
+        for (const std::string friction : {"off", "on"}) {
+            const std::string row = fmt::format("\n{},friction {},4,", object, friction);
+            const std::size_t at = csv.find(row);
+            CAPTURE(csv, row);
+            REQUIRE(at != std::string::npos);
+            CHECK(std::stod(csv.substr(at + row.size())) ==
+                  Approx(std::stod(
+                      asked(fmt::format("SELECT avg(x) {} WHERE friction = '{}'", of, friction)))));
+        }
+        const std::string row = fmt::format("\n{},on \u2212 off,4,", object);
+        const std::size_t at = csv.find(row);
+        REQUIRE(at != std::string::npos);
+        double mean = 0.0;
+        double low = 0.0;
+        double high = 0.0;
+        double p = 0.0;
+        REQUIRE(std::sscanf(csv.c_str() + at + row.size(), "%lf,%lf,%lf,%lf", &mean, &low, &high,
+                            &p) == 4);
+        const std::size_t begin = summary.rfind("mean level of " + object);
+        const std::size_t line = summary.find("on - off", begin);
+        const std::string told = summary.substr(line, summary.find('\n', line) - line);
+        CAPTURE(told);
+        CHECK_THAT(told, ContainsSubstring(fmt::format("{:.3f}", mean)) &&
+                             ContainsSubstring(fmt::format("{:.3f}", low)) &&
+                             ContainsSubstring(fmt::format("{:.3f}", high)) &&
+                             ContainsSubstring(fmt::format("sign-flip p = {:.3g} (", p)));
+    }
 }

@@ -1,8 +1,11 @@
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/base/files.hpp"
 #include "data/page/study_page.hpp"
+#include "data/page/trial_page.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"
@@ -13,6 +16,7 @@ namespace {
 struct ReportWords {
     std::string database;
     std::string output;
+    std::optional<std::int64_t> trial;
     std::string kind = "real";
     std::string study;
     bool keep_codes = false;
@@ -24,43 +28,57 @@ struct ReportWords {
 void declare(CommandWords& words, ReportWords& options) {
     words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
     words.add("-o,--output", options.output, "The page, as report.html").required();
+    words.add(
+        "--trial", options.trial,
+        "A page of one trial instead, by its trial_id: what the hand did, its path, every tick "
+        "to zoom into");
     words.add("--kind", options.kind, "Which sessions: real, pilot or simulated; never two of them")
         .among({"real", "pilot", "simulated"})
-        .with_default();
-    words.add("--study", options.study, "Of a file with several studies, which");
+        .with_default()
+        .excludes("--trial");
+    words.add("--study", options.study, "Of a file with several studies, which")
+        .excludes("--trial");
     words.add("--keep-codes", options.keep_codes,
               "People by the lab's codes, not by numbers of the page");
     words
         .add("--signal", options.signals,
              "Of answers yes and no: a shape for which yes is right, as of palpate stats; again "
              "for each")
-        .again_for_each();
+        .again_for_each()
+        .excludes("--trial");
     words
         .add("--simulations", options.simulations,
              "Of the mixed model without an effect, for its p, as of palpate stats; 0: none")
         .within(0, 1000000)
-        .with_default();
+        .with_default()
+        .excludes("--trial");
     words
         .add(
             "--bootstrap", options.bootstrap,
             "Samples for intervals and bands of psychometric functions, as of palpate fit; 0: none")
         .within(0, 1000000)
-        .with_default();
+        .with_default()
+        .excludes("--trial");
 }
 
 int run(const ReportWords& words) {
     require_writable(words.output, "<!DOCTYPE");
     data::Database database(words.database, data::Access::read);
     const std::string page =
-        data::study_page(database, {.kind = words.kind,
-                                    .study = words.study,
-                                    .codes = words.keep_codes,
-                                    .signals = words.signals,
-                                    .simulations = static_cast<std::size_t>(words.simulations),
-                                    .bootstrap = static_cast<std::size_t>(words.bootstrap),
-                                    .version = kVersion});
+        words.trial
+            ? data::trial_page(
+                  database, {.trial = *words.trial, .codes = words.keep_codes, .version = kVersion})
+            : data::study_page(database,
+                               {.kind = words.kind,
+                                .study = words.study,
+                                .codes = words.keep_codes,
+                                .signals = words.signals,
+                                .simulations = static_cast<std::size_t>(words.simulations),
+                                .bootstrap = static_cast<std::size_t>(words.bootstrap),
+                                .version = kVersion});
     write_whole(words.output, page);
-    say("{}: open it in a browser, or print it\n", words.output);
+    say("{} ({} kB): open it in a browser, or print it\n", words.output,
+        (page.size() + 999) / 1000);
     return 0;
 }
 
@@ -68,7 +86,8 @@ int run(const ReportWords& words) {
 
 Command report_command() {
     return make_command<ReportWords>(
-        "report", "A study as one page to hand on: figures, tables, CSV and SQL, to print too",
+        "report",
+        "A study, or a trial, as one page to hand on: figures, tables, CSV and SQL, to print too",
         declare, run);
 }
 

@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kLevels =
+    R"(SELECT felt, friction, level, n, n * 1.0 / sum(n) OVER (PARTITION BY felt, friction) AS share
+FROM (SELECT planned_object AS felt, friction, answer_code + 1 AS level, count(*) AS n,
+             min(curvature_per_m) AS curvature
+      FROM main WHERE counts AND NOT left_out AND run_number IS NULL AND answer_code IS NOT NULL
+      GROUP BY planned_object, friction, level)
+ORDER BY curvature, felt, friction, level)";
+
+constexpr std::string_view kMeans =
+    R"(SELECT felt, friction, person, left_out, n, mean_level
+FROM (SELECT planned_object AS felt, friction, person, left_out, count(*) AS n, avg(answer_code + 1) AS mean_level,
+             min(curvature_per_m) AS curvature
+      FROM main WHERE counts AND run_number IS NULL AND answer_code IS NOT NULL
+      GROUP BY planned_object, friction, person)
+ORDER BY curvature, felt, friction, person)";
+
+/// Shares of each level, a bar for each friction, side by side.
+Panel levels_panel(const Rows& rows,
+                   const std::string& felt,
+                   const std::vector<std::string>& frictions,
+                   std::size_t levels) {
+    const double most = static_cast<double>(levels);
+    Panel panel{.title = felt,
+                .x = {.label = "level", .low = 0.4, .high = most + 0.6},
+                .y = {.label = "share of answers", .low = 0.0},
+                .height = 150.0};
+    for (std::size_t level = 1; level <= levels; ++level) {
+        panel.x.names.emplace_back(static_cast<double>(level), fmt::format("{}", level));
+    }
+    const double width = 0.8 / static_cast<double>(frictions.size());
+    double highest = 0.0;
+    for (std::size_t f = 0; f < frictions.size(); ++f) {
+        Series outline{.name = "friction " + frictions[f],
+                       .ink = ink_of(f),
+                       .stroke = f % 2 == 0 ? Stroke::solid : Stroke::dashed,
+                       .width = 1.4};
+        for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+            if (rows.text(row, "felt") != felt || rows.text(row, "friction") != frictions[f]) {
+                continue;
+            }
+            const double left =
+                rows.number(row, "level") - 0.4 + width * static_cast<double>(f) + 0.02;
+            const double right = left + width - 0.04;
+            const double share = rows.number(row, "share");
+            highest = std::max(highest, share);
+            panel.bands.push_back(
+                {.x = {left, right}, .low = {0.0, 0.0}, .high = {share, share}, .ink = ink_of(f)});
+            for (const auto& [x, y] : {std::pair{left, 0.0}, std::pair{left, share},
+                                       std::pair{right, share}, std::pair{right, 0.0}}) {
+                outline.x.push_back(x);
+                outline.y.push_back(y);
+            }
+            outline.x.push_back(std::nan(""));
+            outline.y.push_back(std::nan(""));
+        }
+        panel.series.push_back(std::move(outline));
+    }
+    panel.y.high = std::min(1.0, std::max(0.1, 1.08 * highest));
+    return panel;
+}
+
+/// Mean levels of people under each friction, of one object.
+struct Rated {
+    std::vector<std::vector<double>> people{};  ///< NaN: none
+    std::vector<std::vector<double>> left_out{};
+};
+
+Rated rated(const Rows& rows, const std::string& felt, const std::vector<std::string>& frictions) {
+    std::map<std::string, std::vector<double>> people;
+    std::map<std::string, std::vector<double>> left_out;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        const auto found = std::ranges::find(frictions, rows.text(row, "friction"));
+        if (rows.text(row, "felt") == felt && found != frictions.end()) {
+            auto& mine =
+                (rows.number(row, "left_out") == 0.0 ? people : left_out)[rows.text(row, "person")];
+            mine.resize(frictions.size(), std::nan(""));
+            mine[static_cast<std::size_t>(found - frictions.begin())] =
+                rows.number(row, "mean_level");
+        }
+    }
+    Rated all;
+    for (auto& [person, mine] : people) {
+        all.people.push_back(std::move(mine));
+    }
+    for (auto& [person, mine] : left_out) {
+        all.left_out.push_back(std::move(mine));
+    }
+    return all;
+}
+
+/// A row of results: a mean over people, or of differences within person.
+std::vector<std::string> mean_cells(const std::string& felt,
+                                    const std::string& what,
+                                    const PeopleMean& mean,
+                                    const std::string& p) {
+    return {felt,
+            what,
+            fmt::format("{}", mean.people),
+            all_digits(mean.mean),
+            mean.interval ? all_digits(mean.interval->low) : "",
+            mean.interval ? all_digits(mean.interval->high) : "",
+            p};
+}
+
+void add_means(PageWriter& page,
+               const Study& study,
+               const std::vector<std::string>& felt,
+               const std::vector<std::string>& frictions) {
+    PageFigure figure{.id = "rated",
+                      .title = "Mean level by friction, within person",
+                      .width = 264.0,
+                      .data = study.ask(kMeans)};
+    Results results{.names = {"felt", "what", "people", "mean", "low", "high", "sign_flip_p"},
+                    .cells = {},
+                    .command = fmt::format("palpate summary {}", study.file()),
+                    .caption =
+                        "Means over people and differences within person, with 95 % "
+                        "intervals"};
+    for (const std::string& object : felt) {
+        Rated all = rated(figure.data, object, frictions);
+        PairedPanel pairs{.title = object,
+                          .label = "mean level",
+                          .frictions = frictions,
+                          .people = all.people,
+                          .left_out = all.left_out,
+                          .height = 170.0};
+        for (std::size_t f = 0; f < frictions.size(); ++f) {
+            std::vector<double> values;
+            std::vector<double> differences;
+            for (const auto& mine : all.people) {
+                if (std::isfinite(mine[f])) {
+                    values.push_back(mine[f]);
+                }
+                if (f > 0 && std::isfinite(mine[f]) && std::isfinite(mine[0])) {
+                    differences.push_back(mine[f] - mine[0]);
+                }
+            }
+            pairs.means.push_back(values.empty() ? std::nullopt
+                                                 : std::optional(mean_over_people(values)));
+            if (!values.empty()) {
+                results.cells.push_back(
+                    mean_cells(object, "friction " + frictions[f], *pairs.means.back(), ""));
+            }
+            if (!differences.empty()) {
+                results.cells.push_back(mean_cells(
+                    object, fmt::format("{} \u2212 {}", frictions[f], frictions[0]),
+                    mean_over_people(differences), all_digits(sign_flip(differences).p)));
+            }
+        }
+        figure.panels.push_back(paired_panel(pairs));
+    }
+    figure.results.push_back(std::move(results));
+    figure.caption =
+        "Level 1 is the lowest. A thin line is a person; bars: means over people with 95 % "
+        "intervals (Student's; the person is the unit). Broken lines: people whom the protocol's "
+        "rules leave out, in no mean. Levels are taken as numbers with equal steps.";
+    page.figure(figure);
+}
+
+}  // namespace
+
+void add_ratings(PageWriter& page, const Study& study) {
+    const protocols::ResponseSpec& asked = study.protocol().response;
+    if (asked.kind != protocols::ResponseKind::rating) {
+        return;
+    }
+    page.section("ratings", "Ratings");
+    PageFigure figure{.id = "levels-told",
+                      .title = "Which level was said of what",
+                      .width = 400.0,
+                      .data = study.ask(kLevels)};
+    if (figure.data.cells.empty()) {
+        page.paragraph("No rating counts yet.");
+        return;
+    }
+    const std::vector<std::string> frictions = frictions_of(study);
+    const std::vector<std::string> felt = figure.data.levels("felt");
+    for (const std::string& object : felt) {
+        figure.panels.push_back(levels_panel(figure.data, object, frictions, asked.levels));
+    }
+    const auto label = [](const std::string& text) {
+        return text.empty() ? std::string() : fmt::format(" (\u201c{}\u201d)", text);
+    };
+    figure.caption = fmt::format(
+        "From 1{} to {}{}. Shares of the answers to each object under each friction, all people "
+        "together, exclusions applied: they describe, and no test rests on them.",
+        label(asked.low), asked.levels, label(asked.high));
+    page.figure(figure);
+    add_means(page, study, felt, frictions);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,336 @@
+#include "data/page/trial_page.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/page/trial_scripts.hpp"
+#include "data/page/trial_trace.hpp"
+#include "data/schema/catalogue.hpp"
+#include "data/store/chain.hpp"
+#include "data/store/stored_chunks.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kAttempt =
+    R"(SELECT trial_id, session_number, trial_number, phase, block, plan_position, attempt, planned_object, friction,
+       object_1, object_2, friction_1, friction_2, curvature_1_per_m, curvature_2_per_m, mu_s_1, mu_s_2,
+       run_name, stimulus, answer_code, chosen_object, correct, confidence, outcome, fault_cause, exclusion, counts,
+       first_contact_s, done_s, reaction_s, confidence_reaction_s
+FROM analysis_trial WHERE trial_id = )";
+
+constexpr std::string_view kStyle = R"css(
+.live button { font: .85rem var(--sans); padding: .25rem .6rem; margin: 0 .3rem .3rem 0; color: var(--text);
+  background: var(--tint); border: 1px solid var(--rule); border-radius: .3rem; cursor: pointer; }
+.live button:focus-visible { outline: 2px solid var(--link); }
+.live output { display: block; font: .82rem var(--sans); color: var(--quiet); min-height: 2.6em; }
+.uplot .u-title { font: 600 13px var(--sans); text-align: left; padding-left: 60px; }
+.uplot .u-legend { font-family: var(--sans); font-size: 12px; text-align: left; margin: 0 0 .5rem 54px; }
+.u-legend th, .u-legend td { border: 0; padding: 0 .3rem 0 0; background: none; }
+.u-select { background: rgb(var(--cell) / .25); }
+.where { display: flex; align-items: center; gap: .5rem; font: .85rem var(--sans); }
+@media screen { .drawn .panels { display: none; } }
+@media print { .live { display: none; } }
+)css";
+
+/// A unit that people read, with its factor.
+struct Shown {
+    const char* unit;
+    double factor;
+};
+Shown shown_unit(std::string_view column) {
+    const std::string_view unit = unit_of(column);
+    return column.ends_with("_share") ? Shown{"%", 100.0}
+         : unit == "m/s"              ? Shown{"mm/s", 1e3}
+         : unit == "m"                ? Shown{"mm", 1e3}
+         : unit == "s"                ? Shown{"s", 1.0}
+         : unit == "N"                ? Shown{"N", 1.0}
+                                      : Shown{"count", 1.0};
+}
+
+/// "speed_p50_m_per_s" is "speed p50".
+std::string measure_words(std::string name) {
+    for (const std::string_view end : {"_m_per_s", "_share", "_m", "_s", "_n"}) {
+        if (name.ends_with(end)) {
+            name.resize(name.size() - end.size());
+            break;
+        }
+    }
+    std::ranges::replace(name, '_', ' ');
+    return name;
+}
+
+/// Measures of the view, in its order: what the hand did.
+std::vector<std::string> measures() {
+    std::vector<std::string> names;
+    const auto view = std::ranges::find(catalogue(), "exploration", &TableManual::name);
+    bool begun = false;
+    for (const ColumnManual& column : view->columns) {
+        begun = begun || column.name == "done_s";
+        if (begun) {
+            names.push_back(column.name);
+        }
+    }
+    return names;
+}
+
+std::string bar_of(const Rows& rows) {
+    const double before = rows.number(0, "before_vertex_s");
+    const double vertex = rows.number(0, "vertex_s");
+    const double after = rows.number(0, "after_vertex_s");
+    const double all = before + vertex + after;
+    return all > 0.0
+             ? fmt::format(
+                   "<p class=\"where\"><span class=\"bar\" "
+                   "style=\"--a:{:.1f}%;--b:{:.1f}%\"></span> "
+                   "contact before the vertex {:.2f} s, on it {:.2f} s, after it {:.2f} s</p>\n",
+                   100.0 * before / all, 100.0 * (before + vertex) / all, before, vertex, after)
+             : std::string();
+}
+
+void add_measures(PageWriter& page, const Study& study, const TrialTrace& trace) {
+    PageFigure figure{.id = "measures" + trace.place,
+                      .title = "What the hand did" + trace.title,
+                      .has_table = true};
+    const std::vector<std::string> names = measures();
+    figure.data =
+        study.ask(fmt::format("SELECT {}\nFROM exploration WHERE trial_id = {} AND interval = {}",
+                              fmt::join(names, ", "), trace.trial, trace.interval));
+    if (figure.data.cells.empty()) {
+        page.paragraph(
+            fmt::format("It was cut off before done: nothing was added up of what the hand did{}.",
+                        trace.title));
+        return;
+    }
+    std::vector<std::vector<std::string>> cells;
+    for (const std::string& name : names) {
+        const Shown unit = shown_unit(name);
+        const double value = unit.factor * figure.data.number(0, name);
+        const bool whole = std::string_view(unit.unit) == "count";
+        const ColumnManual* column = find_column("exploration." + name);
+        cells.push_back({measure_words(name),
+                         !std::isfinite(value) ? "\u2013"
+                         : whole               ? fmt::format("{:.0f}", value)
+                                               : fmt::format("{:.3f}", value),
+                         unit.unit, column->meaning});
+    }
+    figure.html = bar_of(figure.data) +
+                  html_table({"measure", "value", "unit", "what it is"}, cells,
+                             "Added up at the trial's end, as the view exploration has it");
+    figure.caption =
+        "To done. Computed once, when the trial ended, and again from the ticks by palpate verify.";
+    page.figure(figure);
+}
+
+/// Whose a trial is.
+struct Owner {
+    std::int64_t session = 0;
+    std::string study;
+    std::string kind;
+    std::string code;
+    std::string seal;  ///< of the trial; empty: it did not end
+};
+
+Owner owner_of(Database& database, const TrialPageOptions& options) {
+    Statement row = database.prepare(
+        "SELECT session_id, study_name, session_kind, participant_code, trial.seal, consent IS 0 "
+        "FROM trial JOIN session USING (session_id) JOIN study USING (study_id) JOIN participant "
+        "USING (participant_id) WHERE trial_id = ?1");
+    if (!row.bind(1, options.trial).step()) {
+        Statement all =
+            database.prepare("SELECT count(*), min(trial_id), max(trial_id) FROM trial");
+        all.step();
+        throw std::invalid_argument(
+            all.integer(0) == 0
+                ? fmt::format("{} has no trial", database.file())
+                : fmt::format("{} has no trial {}: its trial_id go from {} to {}", database.file(),
+                              options.trial, all.integer(1), all.integer(2)));
+    }
+    if (row.integer(5) != 0) {
+        throw std::invalid_argument(
+            fmt::format("trial {} is of somebody who is noted as not consenting: there is no page "
+                        "of it",
+                        options.trial));
+    }
+    return {row.integer(0), row.text(1), row.text(2), row.text(3),
+            row.null(4) ? std::string() : row.text(4)};
+}
+
+std::string answer_text(const Study& study, const Rows& rows) {
+    const double code = rows.number(0, "answer_code");
+    if (!std::isfinite(code)) {
+        return "none";
+    }
+    const protocols::ResponseSpec& asked = study.protocol().response;
+    switch (asked.kind) {
+        case protocols::ResponseKind::two_interval:
+            return fmt::format("interval {:.0f}", code + 1.0);
+        case protocols::ResponseKind::yes_no:
+            return code > 0.0 ? "yes" : "no";
+        case protocols::ResponseKind::rating:
+            return fmt::format("level {:.0f} of {}", code + 1.0, asked.levels);
+        case protocols::ResponseKind::identification:
+            break;
+    }
+    return rows.text(0, "chosen_object");
+}
+
+std::string seconds_text(const Rows& rows, const char* column) {
+    const double value = rows.number(0, column);
+    return std::isfinite(value) ? fmt::format("{:.3f} s", value) : "none";
+}
+
+std::string felt_text(const Rows& rows, const char* place) {
+    const std::string object = rows.text(0, fmt::format("object_{}", place));
+    const double curvature = rows.number(0, fmt::format("curvature_{}_per_m", place));
+    return fmt::format(
+        "{}friction {}{}",
+        std::isfinite(curvature) ? fmt::format("curvature {:g} 1/m, ", curvature) : std::string(),
+        rows.text(0, fmt::format("friction_{}", place)),
+        fmt::format(" (static {:g})", rows.number(0, fmt::format("mu_s_{}", place))));
+}
+
+std::string seal_text(Database& database, const Owner& owner, std::int64_t trial) {
+    if (owner.seal.empty()) {
+        return "none: it has not ended";
+    }
+    bool other = false;
+    for (const ChainBreak& broken : chain_breaks(database, owner.session)) {
+        if (broken.trial == trial) {
+            return "does not hold: " + broken.what;
+        }
+        other = true;
+    }
+    return other ? "holds; another of the session does not" : "holds";
+}
+
+void add_facts(PageWriter& page,
+               Database& database,
+               const Study& study,
+               const Owner& owner,
+               const Rows& rows) {
+    const bool two = !rows.text(0, "object_2").empty();
+    std::string out = "<dl class=\"facts\">\n";
+    out += html_fact("Person", study.person(owner.code),
+                     fmt::format("session {}, attempt {} of it", rows.text(0, "session_number"),
+                                 rows.text(0, "trial_number")));
+    out += html_fact(two ? "Felt first" : "Felt", rows.text(0, "object_1"), felt_text(rows, "1"));
+    if (two) {
+        out += html_fact("Felt second", rows.text(0, "object_2"), felt_text(rows, "2"));
+    }
+    const std::string right = rows.text(0, "correct");
+    out += html_fact("Answer", answer_text(study, rows),
+                     right.empty()  ? "neither right nor wrong"
+                     : right == "1" ? "right"
+                                    : "wrong");
+    out += html_fact("Response time", seconds_text(rows, "reaction_s"), "question to answer");
+    if (!rows.text(0, "confidence").empty()) {
+        out += html_fact("Confidence", rows.text(0, "confidence"), "1 a guess, 4 sure");
+    }
+    const std::string why = rows.text(0, "exclusion");
+    out += html_fact("Outcome", rows.text(0, "outcome"),
+                     rows.text(0, "counts") == "1" ? "the answer counts"
+                     : !why.empty()                ? "does not count: " + why
+                                                   : "no answer that counts");
+    if (const std::string cause = rows.text(0, "fault_cause"); !cause.empty()) {
+        out += html_fact("The force went off", cause, "after " + seconds_text(rows, "done_s"));
+    }
+    out += html_fact("In the plan",
+                     fmt::format("{}, block {}", rows.text(0, "phase"), rows.text(0, "block")),
+                     fmt::format("position {}, attempt {}", rows.text(0, "plan_position"),
+                                 rows.text(0, "attempt")));
+    const std::string run = rows.text(0, "run_name");
+    if (!run.empty()) {
+        out += html_fact("Run", run, "stimulus " + short_number(rows.text(0, "stimulus")));
+    }
+    out += html_fact("Seal", seal_text(database, owner, std::stoll(rows.text(0, "trial_id"))),
+                     "computed again for this page, with all of its session");
+    PageFigure figure{
+        .id = "attempt", .title = "The attempt", .html = out + "</dl>\n", .data = rows};
+    figure.caption = "The table has the attempt as the view analysis_trial has it.";
+    page.figure(figure);
+    if (!owner.seal.empty()) {
+        page.html(
+            fmt::format("<p class=\"from\">Seal of this trial: <code>{}</code></p>\n", owner.seal));
+    }
+}
+
+}  // namespace
+
+std::string trial_page(Database& database, const TrialPageOptions& options) {
+    const Snapshot now(database);
+    const Owner owner = owner_of(database, options);
+    const Study study(database, {.kind = owner.kind,
+                                 .study = owner.study,
+                                 .codes = options.codes,
+                                 .version = options.version});
+    PageWriter page(study);
+    page.section("who", "Who and what");
+    const Rows attempt = study.ask(fmt::format("{}{}", kAttempt, options.trial));
+    add_facts(page, database, study, owner, attempt);
+
+    SessionTraces traces = session_traces(database, owner.session);
+    Statement row = database.prepare(
+        "SELECT interval, ticks FROM presentation WHERE trial_id = ?1 ORDER BY interval");
+    row.bind(1, options.trial);
+    std::vector<TrialTrace> intervals;
+    while (row.step()) {
+        TrialTrace& one = intervals.emplace_back();
+        one.trial = options.trial;
+        one.interval = row.integer(0);
+        if (!row.null(1)) {
+            one.felt = row.integer(1);
+        }
+    }
+    bool drawn = false;
+    for (TrialTrace& one : intervals) {
+        if (intervals.size() > 1) {
+            one.place = fmt::format("-{}", one.interval);
+            one.title = fmt::format(", interval {}", one.interval);
+        }
+        one.fault_cause = &one == &intervals.back() ? attempt.text(0, "fault_cause") : "";
+        const TrialContext context = trial_context(database, options.trial, one.interval);
+        const StoredChunks chunks = stored_chunks(database, options.trial, one.interval);
+        one.scene = traces.scene_of(context.trial);
+        Replayed replayed = traces.replay(context.trial, chunks.views);
+        if (replayed.differs_from) {
+            throw ReplayError(replay_sentence(options.trial, *replayed.differs_from));
+        }
+        one.ticks = std::move(replayed.ticks);
+        page.section("felt" + one.place, "Exploration" + one.title);
+        add_measures(page, study, one);
+        if (one.ticks.empty()) {
+            page.paragraph(fmt::format(
+                "No ticks are kept of this trial{}: there is no path and no trace of it.",
+                one.title));
+            continue;
+        }
+        add_path(page, study, one);
+        add_strips(page, study, one);
+        drawn = true;
+    }
+    PageFrame frame{
+        .kind = owner.kind,
+        .version = options.version,
+        .kicker = fmt::format("Protocol {}, {} data", study.name(), owner.kind),
+        .title = fmt::format("Trial {}", options.trial),
+        .name = fmt::format("Trial {} of {}", options.trial, study.name()),
+        .footer = fmt::format(
+            "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
+            options.codes ? study.file() : "the study's database, called FILE here",
+            options.codes ? "" : ", no code of a participant and no name of a file")};
+    if (drawn) {
+        frame.footer +=
+            " Ticks are drawn by uPlot (MIT), whose licence stands in the page's source.";
+        frame.style = std::string(uplot_style()) + std::string(kStyle);
+        const std::string_view uplot = uplot_script();
+        frame.script = fmt::format("\n/* uPlot:\n{}*/\n{}{}", uplot_licence(),
+                                   uplot.substr(uplot.find('\n') + 1), trial_script());
+    }
+    return page.page(frame);
+}
+
+}  // namespace palpate::data

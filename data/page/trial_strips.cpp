@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "data/export/json_text.hpp"
+#include "data/page/tick_text.hpp"
+#include "data/page/trial_trace.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+/// Over which a speed is taken: as presentation.speed_p50_m_per_s.
+constexpr std::int64_t kWindow = 20'000'000;  // ns
+
+/// One line of a strip.
+struct Line {
+    std::string name{};   ///< as `sample` calls it, if it has it
+    std::string label{};  ///< for people
+    std::string unit{};   ///< as shown
+    double step = 1.0;    ///< of the stored whole numbers, in SI (lateness in us)
+    double shown = 1.0;   ///< factor from SI to what is shown
+    Ink ink = Ink::blue;
+    Stroke stroke = Stroke::solid;
+    std::vector<double> values{};  ///< NaN: none
+};
+
+struct Strip {
+    std::string title{};
+    double height = 130.0;             ///< px
+    std::vector<std::string> names{};  ///< of the values 0, 1, ..: it is a strip of words
+    std::vector<Line> lines{};
+};
+
+template <class Value>
+std::vector<double> of_each(const std::vector<TickRecord>& ticks, const Value& value) {
+    std::vector<double> all;
+    all.reserve(ticks.size());
+    for (const TickRecord& tick : ticks) {
+        all.push_back(value(tick));
+    }
+    return all;
+}
+
+/// Way by time since the latest tick that is kWindow or longer ago, m/s.
+std::vector<double> speeds(const std::vector<TickRecord>& ticks) {
+    std::vector<double> all;
+    std::size_t from = 0;
+    for (const TickRecord& tick : ticks) {
+        while (tick.time_ns - ticks[from + 1 < ticks.size() ? from + 1 : from].time_ns >= kWindow) {
+            ++from;
+        }
+        const std::int64_t time = tick.time_ns - ticks[from].time_ns;
+        all.push_back(time < kWindow ? kNoValue
+                                     : glm::length(hip_in_space(tick) - hip_in_space(ticks[from])) /
+                                           (1e-9 * static_cast<double>(time)));
+    }
+    return all;
+}
+
+std::vector<Strip> strips_of(const TrialTrace& trace) {
+    const auto& ticks = trace.ticks;
+    const auto micro = [&](const char* name, const char* label, Ink ink, Stroke stroke,
+                           double (*value)(const TickRecord&)) {
+        return Line{name, label, "mm", 1e-6, 1e3, ink, stroke, of_each(ticks, value)};
+    };
+    Strip place{.title = "Hand (HIP)", .height = 170.0};
+    place.lines = {micro("hip_x_m", "to the right", Ink::blue, Stroke::solid,
+                         [](const TickRecord& tick) { return tick.hip.x; }),
+                   micro("hip_y_m", "away", Ink::vermillion, Stroke::dashed,
+                         [](const TickRecord& tick) { return tick.hip.y; })};
+    if (trace.scene->space() != nullptr) {
+        place.lines.push_back(micro("hip_z_m", "up", Ink::green, Stroke::dotted,
+                                    [](const TickRecord& tick) { return tick.hip_z; }));
+    }
+    Strip force{.title = "Rendered force", .height = 150.0};
+    force.lines = {
+        {"rendered_normal_n", "normal", "N", 1e-3, 1.0, Ink::blue, Stroke::solid,
+         of_each(ticks, [](const TickRecord& tick) { return tick.normal_force; })},
+        {"rendered_tangential_n", "friction", "N", 1e-3, 1.0, Ink::vermillion, Stroke::dashed,
+         of_each(ticks, [](const TickRecord& tick) { return tick.tangential_force; })}};
+    Strip speed{.title = "Speed of the hand, over 20 ms"};
+    speed.lines = {
+        {"speed_m_per_s", "speed", "mm/s", 1e-4, 1e3, Ink::blue, Stroke::solid, speeds(ticks)}};
+    Strip mode{.title = "Mode of the contact", .height = 110.0};
+    for (const auto one :
+         {engine::Mode::free, engine::Mode::stuck, engine::Mode::slip, engine::Mode::transition}) {
+        mode.names.emplace_back(to_string(one));
+    }
+    mode.lines = {{"mode", "mode", "", 1.0, 1.0, Ink::blue, Stroke::solid,
+                   of_each(ticks, [](const TickRecord& tick) {
+                       return static_cast<double>(static_cast<int>(tick.mode));
+                   })}};
+    Strip late{.title = "Wake-up after the deadline", .height = 100.0};
+    late.lines = {{"lateness_us", "lateness", "us", 0.1, 1.0, Ink::blue, Stroke::solid,
+                   of_each(ticks, [](const TickRecord& tick) {
+                       return static_cast<double>(tick.lateness_us);
+                   })}};
+    return {place, force, speed, mode, late};
+}
+
+std::string ticks_text(const std::vector<double>& values, double step) {
+    std::vector<std::int64_t> steps;
+    steps.reserve(values.size());
+    for (const double value : values) {
+        constexpr double kMost = 1e12;  // further out nothing is drawn
+        const double n = std::round(value / step);
+        steps.push_back(std::isfinite(n) && std::fabs(n) < kMost ? static_cast<std::int64_t>(n)
+                                                                 : kNoNumber);
+    }
+    return tick_text(steps);
+}
+
+std::string_view colour_name(Ink ink) {
+    return ink == Ink::blue ? "blue" : ink == Ink::vermillion ? "vermillion" : "green";
+}
+
+int dash_of(Stroke stroke) {
+    return stroke == Stroke::solid ? 0 : stroke == Stroke::dashed ? 6 : 2;
+}
+
+/// What trial_script.js draws.
+std::string json_of(const TrialTrace& trace,
+                    const std::vector<Strip>& strips,
+                    const std::vector<double>& times) {
+    std::string out =
+        fmt::format("{{\"ticks\":{},\"time\":{{\"step\":1e-6,\"text\":\"{}\"}},\"strips\":[",
+                    times.size(), ticks_text(times, 1e-6));
+    for (const Strip& strip : strips) {
+        out += fmt::format("{}{{\"title\":{},\"height\":{},\"names\":[",
+                           &strip == &strips[0] ? "" : ",", json_string(strip.title), strip.height);
+        for (std::size_t i = 0; i < strip.names.size(); ++i) {
+            out += fmt::format("{}{}", i == 0 ? "" : ",", json_string(strip.names[i]));
+        }
+        out += "],\"lines\":[";
+        for (const Line& line : strip.lines) {
+            out += fmt::format(
+                "{}\n{{\"name\":{},\"label\":{},\"unit\":{},\"step\":{},\"shown\":{},\"ink\":{},"
+                "\"dash\":{},\"text\":\"{}\"}}",
+                &line == &strip.lines[0] ? "" : ",", json_string(line.name),
+                json_string(line.label), json_string(line.unit), line.step, line.shown,
+                json_string(colour_name(line.ink)), dash_of(line.stroke),
+                ticks_text(line.values, line.step));
+        }
+        out += "]}";
+    }
+    out += "],\"marks\":[";
+    if (const auto done = trace.done_s()) {
+        out += fmt::format(
+            "{{\"at\":{},\"fault\":{},\"text\":{}}}", *done, !trace.fault_cause.empty(),
+            json_string(trace.fault_cause.empty() ? "done" : "force off: " + trace.fault_cause));
+    }
+    out += "],\"sticks\":[";
+    const auto sticks = stick_events(trace);
+    for (std::size_t i = 0; i < sticks.size(); ++i) {
+        out +=
+            fmt::format("{}{}", i == 0 ? "" : ",", 1e-9 * static_cast<double>(sticks[i].time_ns));
+    }
+    out += "]}";
+    for (std::size_t at = out.find('<'); at != std::string::npos; at = out.find('<', at)) {
+        out.replace(at, 1, "\\u003c");  // nothing may end the element
+    }
+    return out;
+}
+
+/// A line with the least and the largest value of each of kBins stretches of ticks.
+Series least_and_largest(const Line& line, const std::vector<double>& times) {
+    constexpr std::size_t kBins = 400;
+    Series out{.name = line.label, .ink = line.ink, .stroke = line.stroke, .width = 1.0};
+    const auto put = [&](std::size_t i) {
+        out.x.push_back(times[i]);
+        out.y.push_back(line.shown * line.values[i]);
+    };
+    const std::size_t size = times.size();
+    const std::size_t bins = std::min(kBins, size);
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+        const std::size_t from = bin * size / bins;
+        const std::size_t to = (bin + 1) * size / bins;
+        std::size_t low = from;
+        std::size_t high = from;
+        for (std::size_t i = from; i < to; ++i) {
+            const double value = line.values[i];
+            low = !(line.values[low] <= value) && std::isfinite(value) ? i : low;
+            high = !(line.values[high] >= value) && std::isfinite(value) ? i : high;
+        }
+        put(std::min(low, high));
+        if (low != high) {
+            put(std::max(low, high));
+        }
+    }
+    return out;
+}
+
+Panel still_panel(const TrialTrace& trace, const Strip& strip, const std::vector<double>& times) {
+    Panel panel{.title = strip.title,
+                .x = {.label = "time", .unit = "s", .low = times.front(), .high = times.back()},
+                .y = {.label = strip.lines.size() > 1 ? "" : strip.lines.front().label,
+                      .unit = strip.lines.front().unit},
+                .height = 0.8 * strip.height};
+    for (std::size_t i = 0; i < strip.names.size(); ++i) {
+        panel.y.names.emplace_back(static_cast<double>(i), strip.names[i]);
+        panel.y.low = -0.4;
+        panel.y.high = static_cast<double>(i) + 0.4;
+    }
+    for (const Line& line : strip.lines) {
+        panel.series.push_back(least_and_largest(line, times));
+        if (strip.lines.size() == 1) {
+            panel.series.back().name.clear();
+        }
+    }
+    if (const auto done = trace.done_s(); done && *done < times.back()) {
+        panel.shades.push_back(
+            {.from = *done,
+             .to = times.back(),
+             .name = trace.fault_cause.empty() ? "after done" : "force off: " + trace.fault_cause});
+    }
+    return panel;
+}
+
+}  // namespace
+
+void add_strips(PageWriter& page, const Study& study, const TrialTrace& trace) {
+    const std::vector<Strip> strips = strips_of(trace);
+    const auto times = of_each(trace.ticks, [](const TickRecord& tick) {
+        return 1e-9 * static_cast<double>(tick.time_ns);
+    });
+    const std::string of =
+        fmt::format("trial_id = {} AND interval = {}", trace.trial, trace.interval);
+    const char* third = trace.scene->space() != nullptr ? ", avg(hip_z_m) AS hip_z_m" : "";
+    PageFigure figure{
+        .id = "strips" + trace.place, .title = "Every tick" + trace.title, .width = 760.0};
+    figure.data = study.ask(fmt::format(
+        "SELECT CAST(time_s AS INTEGER) AS second, count(*) AS ticks, avg(hip_x_m) AS hip_x_m, "
+        "avg(hip_y_m) AS hip_y_m{},\n       avg(iif(mode = 'free', NULL, rendered_normal_n)) AS "
+        "normal_force_n, max(rendered_normal_n) AS normal_force_max_n,\n       "
+        "max(abs(rendered_tangential_n)) AS friction_force_max_n, sum(mode = 'free') AS "
+        "free_ticks, sum(mode = 'stuck') AS stuck_ticks,\n       sum(mode IN ('slip', "
+        "'transition')) AS sliding_ticks, max(lateness_us) AS lateness_max_us\nFROM sample WHERE "
+        "{}\nGROUP BY second ORDER BY second",
+        third, of));
+    figure.html = fmt::format(
+        "<div class=\"live\" hidden></div>\n<script type=\"application/json\" "
+        "class=\"ticks\">{}</script>\n",
+        json_of(trace, strips, times));
+    for (const Strip& strip : strips) {
+        figure.panels.push_back(still_panel(trace, strip, times));
+    }
+    const std::size_t lost = static_cast<std::size_t>(trace.ticks.back().tick + 1) - times.size();
+    figure.caption = fmt::format(
+        "All {} ticks{}: zoom by dragging along the time or with the buttons, a double click shows "
+        "all again. Drawn in steps of 1 um, 1 mN, 0.1 mm/s and 0.1 us; printed, the least and the "
+        "largest value of each of 400 stretches. Triangles: stick events. The table has a row a "
+        "second; every number of every tick: palpate sql {} --csv -c \"SELECT * FROM sample WHERE "
+        "{}\", or palpate export --traces.",
+        times.size(),
+        lost == 0 ? "" : fmt::format("; {} more were lost on their way to the disk", lost),
+        study.file(), of);
+    page.figure(figure);
+}
+
+}  // namespace palpate::data

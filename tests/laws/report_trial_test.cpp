@@ -1,0 +1,388 @@
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/page_reader.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/short_text.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using tests::count_of;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+constexpr const char* kCode = "Quokka8";
+
+std::string session_of(const TemporaryFolder& folder, const std::string& protocol) {
+    std::string file = folder.file("a.sqlite");
+    const Finished done = palpate_command(
+        {"run", protocol, "--participant", kCode, "--db", file, "--device", "sim", "--headless"});
+    CAPTURE(done.out, done.error);
+    REQUIRE(std::filesystem::exists(file));
+    return file;
+}
+
+std::string four_trials(const TemporaryFolder& folder) {
+    return session_of(folder, PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+}
+
+std::string page_of(const std::string& file, int trial, std::vector<std::string> words = {}) {
+    const std::string page = file + ".html";
+    words.insert(words.begin(), {"report", file, "--trial", std::to_string(trial), "-o", page});
+    const Finished done = palpate_command(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return tests::slurp(page);
+}
+
+/// Rows of a query, its head first.
+std::vector<std::vector<std::string>> ask(const std::string& file, const std::string& sql) {
+    const Finished done = palpate_command({"sql", file, "--csv", "-c", sql});
+    CAPTURE(sql, done.error);
+    REQUIRE(done.code == 0);
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream text(done.out);
+    for (std::string line; std::getline(text, line);) {
+        auto& row = rows.emplace_back();
+        std::istringstream fields(line);
+        for (std::string field; std::getline(fields, field, ',');) {
+            row.push_back(field);
+        }
+    }
+    return rows;
+}
+
+double number(const std::string& text) {
+    return text.empty() ? std::numeric_limits<double>::quiet_NaN() : std::stod(text);
+}
+
+/// What tick_text.hpp promises, read by its words. NaN: none.
+std::vector<double> numbers(const std::string& text, double step) {
+    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bits;
+    for (const char c : text) {
+        for (int k = 5; k >= 0 && c != '='; --k) {
+            bits += (digits.find(c) >> static_cast<unsigned>(k)) % 2 == 1 ? '1' : '0';
+        }
+    }
+    std::vector<int> bytes;
+    for (std::size_t i = 0; i + 8 <= bits.size(); i += 8) {
+        bytes.push_back(std::stoi(bits.substr(i, 8), nullptr, 2));
+    }
+    const int order = bytes.at(0);
+    std::vector<double> out;
+    double last = 0.0;
+    double before = 0.0;
+    std::size_t at = 1;
+    const auto next = [&] {
+        double value = 0.0;
+        double factor = 1.0;
+        do {
+            value += factor * (bytes.at(at) % 128);
+            factor *= 128.0;
+        } while (bytes.at(at++) > 127);
+        return value;
+    };
+    while (at < bytes.size()) {
+        const double folded = next();
+        const double again = folded == 0.0 ? next() : 0.0;
+        const double rest = std::fmod(folded, 2.0) == 0.0 ? folded / 2.0 : -(folded + 1.0) / 2.0;
+        for (double k = 0.0; k <= again; k += 1.0) {
+            const double value = rest + (order == 0   ? 0.0
+                                         : order == 1 ? last
+                                                      : 2.0 * last - before);
+            before = last;
+            last = value;
+            out.push_back(value == -2147483648.0 ? std::nan("") : step * value);
+        }
+    }
+    return out;
+}
+
+/// What the script draws, one for each interval.
+std::vector<Json> drawn_in(const std::string& page) {
+    std::vector<Json> all;
+    const std::string open = "class=\"ticks\">";
+    for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at + 1)) {
+        const std::size_t begin = at + open.size();
+        all.push_back(Json::parse(page.substr(begin, page.find("</script>", begin) - begin)));
+    }
+    return all;
+}
+
+std::vector<double> line_of(const Json& drawn, const std::string& name) {
+    for (const Json& strip : drawn["strips"]) {
+        for (const Json& line : strip["lines"]) {
+            if (line["name"] == name) {
+                return numbers(line["text"], line["step"]);
+            }
+        }
+    }
+    FAIL("no line " << name);
+    return {};
+}
+
+/// Every number of every tick, as the trace has it.
+void check_ticks(const Json& drawn, const std::string& file, int trial, int interval, bool space) {
+    std::vector<std::pair<std::string, double>> columns{
+        {"hip_x_m", 1e-6},           {"hip_y_m", 1e-6},
+        {"rendered_normal_n", 1e-3}, {"rendered_tangential_n", 1e-3},
+        {"lateness_us", 0.1},        {"mode", 1.0}};
+    if (space) {
+        columns.emplace_back("hip_z_m", 1e-6);
+    }
+    std::string sql = "SELECT time_s, hip_z_m";
+    for (const auto& [name, step] : columns) {
+        sql += name == "mode" ? ", instr('free  stuck slip  transition', mode) / 6" : ", " + name;
+    }
+    const auto rows = ask(file, fmt::format("{} FROM sample WHERE trial_id = {} AND interval = {}",
+                                            sql, trial, interval));
+    const std::vector<double> times = numbers(drawn["time"]["text"], drawn["time"]["step"]);
+    REQUIRE(times.size() == rows.size() - 1);
+    REQUIRE(drawn["ticks"] == times.size());
+    double worst = 0.0;  // in steps
+    std::vector<std::array<double, 4>> hand;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        worst = std::max(worst, std::fabs(times[i] - number(rows[i + 1][0])) / 1e-6);
+        hand.push_back({number(rows[i + 1][0]), number(rows[i + 1][2]), number(rows[i + 1][3]),
+                        number(rows[i + 1][1])});
+    }
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        const std::vector<double> values = line_of(drawn, columns[c].first);
+        REQUIRE(values.size() == times.size());
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            worst = std::max(worst,
+                             std::fabs(values[i] - number(rows[i + 1][c + 2])) / columns[c].second);
+        }
+    }
+    CHECK(worst <= 0.5001);
+    const std::vector<double> speed = line_of(drawn, "speed_m_per_s");
+    REQUIRE(speed.size() == times.size());
+    double off = 0.0;  // m/s
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        if (i < 20) {
+            CHECK(std::isnan(speed[i]));
+            continue;
+        }
+        const auto& [t, x, y, z] = hand[i];
+        const auto& [t0, x0, y0, z0] = hand[i - 20];
+        off = std::max(off, std::fabs(speed[i] - std::hypot(x - x0, y - y0, z - z0) / (t - t0)));
+    }
+    CHECK(off <= 0.5001e-4);
+}
+
+/// The table of what the hand did says what the view says, in its units.
+void check_measures(const std::string& page, const std::string& file, int trial, int interval) {
+    const auto view =
+        ask(file, fmt::format("SELECT * FROM exploration WHERE trial_id = {} AND interval = {}",
+                              trial, interval));
+    const std::size_t begin = page.find("<h3", page.find("What the hand did"));
+    const std::string table = page.substr(page.find("What the hand did"), begin);
+    std::size_t looked = 0;
+    const auto from = std::ranges::find(view[0], std::string("done_s"));
+    for (auto c = static_cast<std::size_t>(from - view[0].begin()); c < view[0].size(); ++c) {
+        std::string words = view[0][c];
+        double factor = 1.0;
+        for (const auto& [end, times] :
+             {std::pair{"_m_per_s", 1e3}, std::pair{"_share", 1e2}, std::pair{"_m", 1e3},
+              std::pair{"_s", 1.0}, std::pair{"_n", 1.0}}) {
+            if (words.ends_with(end)) {
+                words.resize(words.size() - std::string(end).size());
+                factor = times;
+                break;
+            }
+        }
+        std::ranges::replace(words, '_', ' ');
+        const std::string row = "<th scope=\"row\">" + words + "</th><td class=\"n\">";
+        CAPTURE(words);
+        const std::size_t at = table.find(row);
+        REQUIRE(at != std::string::npos);
+        std::string told = table.substr(at + row.size(), 12);
+        told.resize(told.find('<'));
+        const bool minus = told.starts_with("\u2212");
+        const double value = (minus ? -1.0 : 1.0) * std::stod(minus ? told.substr(3) : told);
+        const double exact = factor * number(view[1][c]);
+        CHECK(std::fabs(value - exact) <= std::max(0.000501, 0.006 * std::fabs(exact)));
+        ++looked;
+    }
+    CHECK(looked == 23);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "palpate report --trial draws a trial on one page: the view's measures, every tick of the "
+    "trace, nobody's code",
+    "[report][law]") {
+    const TemporaryFolder folder;
+    const std::string file = four_trials(folder);
+    for (const int trial : {1, 4}) {
+        const std::string page = page_of(file, trial);
+        CAPTURE(trial);
+        check_measures(page, file, trial, 1);
+        const auto drawn = drawn_in(page);
+        REQUIRE(drawn.size() == 1);
+        check_ticks(drawn[0], file, trial, 1, false);
+        const auto view =
+            ask(file, fmt::format("SELECT stick_events, felt_object, friction, done_s "
+                                  "FROM exploration WHERE trial_id = {}",
+                                  trial));
+        CHECK(std::to_string(drawn[0]["sticks"].size()) == view[1][0]);
+        CHECK(count_of(page, "class=\"point\"") == drawn[0]["sticks"].size());
+        CHECK_THAT(page, ContainsSubstring("<dd>" + view[1][1]) &&
+                             ContainsSubstring("friction " + view[1][2] + " ("));
+        REQUIRE(drawn[0]["marks"].size() == 1);
+        CHECK(drawn[0]["marks"][0]["at"].get<double>() ==
+              Approx(number(view[1][3]) - 0.001).margin(1e-9));
+        for (const auto& [name, source] : tests::sources_of(page)) {
+            CAPTURE(name);
+            CHECK(palpate_command({"sql", file, "--csv", "-c", source.sql}).out == source.csv);
+            CHECK(name.starts_with("simulated-"));
+        }
+        CHECK(tests::sources_of(page).size() >= 4);
+        CHECK(page.find(kCode) == std::string::npos);
+        CHECK_THAT(page, ContainsSubstring("content: \"SIMULATED\"") &&
+                             ContainsSubstring("<strong>Simulated data.</strong>") &&
+                             ContainsSubstring("<dt>Seal</dt><dd>holds<"));
+        CHECK(page_of(file, trial) == page);
+        CHECK_THAT(page_of(file, trial, {"--keep-codes"}), ContainsSubstring(kCode));
+        for (const char* foreign :
+             {"http:", "https:", "//www", "<link", "<img", "src=", "@import", "url(h", "onload"}) {
+            CAPTURE(foreign);
+            CHECK(page.find(foreign) == std::string::npos);
+        }
+        CHECK_THAT(page, ContainsSubstring("Permission is hereby granted"));
+    }
+    // Somebody changed an answer: the page says that its seal does not hold.
+    data::Database(file, data::Access::write)
+        .execute("UPDATE response SET reaction_s = 0.5 WHERE trial_id = 4");
+    CHECK_THAT(page_of(file, 4), ContainsSubstring("<dt>Seal</dt><dd>does not hold"));
+}
+
+TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or has no ticks",
+          "[report]") {
+    const TemporaryFolder folder;
+    SECTION("the force went off: cause and instant") {
+        tests::write(folder.file("p.toml"),
+                     tests::short_text("shape_friction_demo",
+                                       {{"[safety]\n", "[safety]\nspeed_limit_m_per_s = 0.05\n"}}));
+        const std::string file = session_of(folder, folder.file("p.toml"));
+        const std::string page = page_of(file, 1);
+        const auto fault = ask(file, "SELECT max(time_s) FROM fault_tick WHERE trial_id = 1");
+        const auto drawn = drawn_in(page);
+        REQUIRE(drawn.size() == 1);
+        CHECK(drawn[0]["marks"][0]["text"] == "force off: over_speed");
+        CHECK(drawn[0]["marks"][0]["at"].get<double>() == Approx(number(fault[1][0])));
+        CHECK_THAT(page, ContainsSubstring("<dd>over_speed<") && ContainsSubstring("<dd>none<"));
+        check_ticks(drawn[0], file, 1, 1, false);
+    }
+    SECTION("two intervals, each with its own") {
+        const std::string file = folder.file("two.sqlite");
+        tests::write(folder.file("p.toml"),
+                     tests::short_text("curvature_2afc",
+                                       {{"explore_min_s = 2", "explore_min_s = 0.4"},
+                                        {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
+                                        {"explore_timeout_s = 15", "explore_timeout_s = 3"}}));
+        const Finished made = palpate_command(
+            {"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
+        CAPTURE(made.error);
+        REQUIRE(made.code == 0);
+        const std::string page = page_of(file, 2);
+        const auto drawn = drawn_in(page);
+        REQUIRE(drawn.size() == 2);
+        check_ticks(drawn[0], file, 2, 1, false);
+        check_ticks(drawn[1], file, 2, 2, false);
+        CHECK_THAT(page, ContainsSubstring("Exploration, interval 2") &&
+                             ContainsSubstring("<dt>Felt second</dt>"));
+    }
+    SECTION("in space") {
+        tests::write(folder.file("p.toml"),
+                     tests::short_text("patch_friction",
+                                       {{"repetitions = 5", "repetitions = 1"},
+                                        {"practice_repetitions = 1", "practice_repetitions = 0"}}));
+        const std::string file = session_of(folder, folder.file("p.toml"));
+        const std::string page = page_of(file, 2);
+        const auto drawn = drawn_in(page);
+        REQUIRE(drawn.size() == 1);
+        check_ticks(drawn[0], file, 2, 1, true);
+        check_measures(page, file, 2, 1);
+        const double share =
+            number(ask(file, "SELECT covered_share FROM exploration WHERE trial_id = 2")[1][0]);
+        const auto cells = static_cast<std::size_t>(std::lround(144.0 * share));
+        CHECK(count_of(page, "class=\"point\"") ==
+              cells + 2 * drawn[0]["sticks"].size());  // seen from above and from the front
+    }
+    SECTION("no ticks, and what is refused") {
+        const std::string file = folder.file("none.sqlite");
+        REQUIRE(palpate_command({"simulate", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                                 "--participants", "1", "--no-traces", "--db", file})
+                    .code == 0);
+        const std::string page = page_of(file, 3);
+        CHECK_THAT(page, ContainsSubstring("No ticks are kept of this trial") &&
+                             !ContainsSubstring("<script"));
+        check_measures(page, file, 3, 1);
+        const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+            words.insert(words.begin(), {"report", file, "-o", folder.file("r.html")});
+            const Finished done = palpate_command(words);
+            CAPTURE(words);
+            CHECK(done.code == 2);
+            CHECK_THAT(done.error, ContainsSubstring(why));
+            CHECK_FALSE(std::filesystem::exists(folder.file("r.html")));
+        };
+        refused({"--trial", "99"}, "has no trial 99: its trial_id go from 1 to 4");
+        refused({"--trial", "3", "--kind", "simulated"}, "--kind");
+        refused({"--trial", "3", "--signal", "convex"}, "--signal");
+        const std::string code = ask(file, "SELECT participant_code FROM participant")[1][0];
+        REQUIRE(palpate_command({"participant", file, code, "--consent", "no"}).code == 0);
+        refused({"--trial", "3"}, "not consenting");
+    }
+}
+
+TEST_CASE("a browser draws every tick of a page of a trial, without an error or a request",
+          "[report]") {
+    const TemporaryFolder folder;
+    const std::string file = four_trials(folder);
+    static_cast<void>(page_of(file, 2));
+    const tests::Browsed shown = tests::browsed(folder, file + ".html", "--dump-dom");
+    if (!shown.there) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    CAPTURE(shown.done.error);
+    CHECK(shown.done.code == 0);
+    CHECK_THAT(shown.done.error, !ContainsSubstring("CONSOLE"));
+    CHECK(shown.asked_for_nothing());
+    const std::string& page = shown.done.out;
+    CHECK(count_of(page, "<canvas") == 5);
+    CHECK_THAT(page, ContainsSubstring("class=\"drawn\""));
+    // The script's own sum of what it drew, in steps of what it was given.
+    const std::size_t at = page.find("<output");
+    const std::string told = page.substr(at, page.find("</output>", at) - at);
+    const auto rows =
+        ask(file,
+            "SELECT count(*), max(time_s), 1000 * min(hip_x_m), 1000 * max(hip_x_m), "
+            "min(rendered_normal_n), max(rendered_normal_n), min(rendered_tangential_n), "
+            "max(rendered_tangential_n) FROM sample WHERE trial_id = 2");
+    CHECK_THAT(told, ContainsSubstring(fmt::format(
+                         "0.000 s to {:.3f} s, {} ticks: ", number(rows[1][1]), rows[1][0])));
+    std::size_t c = 2;
+    for (const std::string words : {"to the right ", "normal ", "friction "}) {
+        const std::size_t low = told.find(words) + words.size();
+        const std::size_t high = told.find(" to ", low) + 4;
+        CAPTURE(words, told);
+        CHECK(std::fabs(number(told.substr(low)) - number(rows[1][c++])) < 0.00101);
+        CHECK(std::fabs(number(told.substr(high)) - number(rows[1][c++])) < 0.00101);
+    }
+}

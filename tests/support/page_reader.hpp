@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+/// Reads a page of palpate report as text.
+namespace palpate::tests {
+
+/// How often `what` is in a text.
+inline std::size_t count_of(const std::string& text, const std::string& what) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos;
+         at = text.find(what, at + what.size())) {
+        ++n;
+    }
+    return n;
+}
+
+/// Text that stood between tags.
+inline std::string unescaped(std::string text) {
+    for (const auto& [entity, c] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "&"}}) {
+        for (std::size_t at = text.find(entity); at != std::string::npos;
+             at = text.find(entity, at + 1)) {
+            text.replace(at, std::string(entity).size(), c);
+        }
+    }
+    return text;
+}
+
+/// The text of an address data:text/csv;charset=utf-8,...
+inline std::string of_address(const std::string& address) {
+    std::string text;
+    for (std::size_t i = address.find(',') + 1; i < address.size(); ++i) {
+        if (address[i] == '%') {
+            text += static_cast<char>(std::stoi(address.substr(i + 1, 2), nullptr, 16));
+            i += 2;
+        } else {
+            text += address[i];
+        }
+    }
+    return text;
+}
+
+/// What stands beside a figure.
+struct Source {
+    std::string sql;
+    std::string csv;
+};
+
+/// SQL and CSV that stand beside figures and tables, by the CSV's name.
+inline std::map<std::string, Source> sources_of(const std::string& page) {
+    std::map<std::string, Source> found;
+    const std::string sql = "<pre tabindex=\"0\"><code>";
+    for (std::size_t at = page.find(sql); at != std::string::npos; at = page.find(sql, at + 1)) {
+        const std::size_t begin = at + sql.size();
+        const std::size_t name = page.find("download=\"", begin) + 10;
+        const std::size_t href = page.find("href=\"", name) + 6;
+        found[page.substr(name, page.find('"', name) - name)] = {
+            unescaped(page.substr(begin, page.find("</code>", begin) - begin)),
+            of_address(page.substr(href, page.find('"', href) - href))};
+    }
+    return found;
+}
+
+/// What a browser without a window makes of a page, once.
+struct Browsed {
+    bool there = false;  ///< Chromium is installed
+    Finished done{};     ///< with --dump-dom the page as its script left it
+    std::string net{};   ///< its log of the network
+
+    /// The browser itself asks its maker for news; what a page asks for has an initiator of its own.
+    [[nodiscard]] bool asked_for_nothing() const {
+        return net.size() > 10000 &&
+               count_of(net, "\"initiator\":") == count_of(net, "\"initiator\":\"not an origin\"");
+    }
+};
+/// @param what  "--dump-dom" or "--screenshot=FILE"
+inline Browsed browsed(const TemporaryFolder& folder,
+                       const std::string& page,
+                       const std::string& what) {
+    if (Process({"sh", "-c", "command -v chromium"}).wait().code != 0) {
+        return {};
+    }
+    Browsed all{.there = true};
+    all.done = Process({"chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
+                        "--disable-background-networking", "--disable-component-update",
+                        "--no-first-run", "--enable-logging=stderr", "--window-size=1000,1400",
+                        "--user-data-dir=" + folder.file("profile"),
+                        "--log-net-log=" + folder.file("net.json"), what, "file://" + page})
+                   .wait();
+    all.net = slurp(folder.file("net.json"));
+    return all;
+}
+
+}  // namespace palpate::tests
