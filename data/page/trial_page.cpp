@@ -100,9 +100,8 @@ void add_measures(PageWriter& page, const Study& study, const TrialTrace& trace)
         study.ask(fmt::format("SELECT {}\nFROM exploration WHERE trial_id = {} AND interval = {}",
                               fmt::join(names, ", "), trace.trial, trace.interval));
     if (figure.data.cells.empty()) {
-        page.paragraph(
-            fmt::format("It was cut off before done: nothing was added up of what the hand did{}.",
-                        trace.title));
+        page.paragraph(fmt::format(
+            "It did not come to done: nothing was added up of what the hand did{}.", trace.title));
         return;
     }
     std::vector<std::vector<std::string>> cells;
@@ -222,10 +221,12 @@ void add_facts(PageWriter& page,
         out += html_fact("Felt second", rows.text(0, "object_2"), felt_text(rows, "2"));
     }
     const std::string right = rows.text(0, "correct");
+    const bool answered = !rows.text(0, "answer_code").empty();
     out += html_fact("Answer", answer_text(study, rows),
-                     right.empty()  ? "neither right nor wrong"
-                     : right == "1" ? "right"
-                                    : "wrong");
+                     !answered       ? ""
+                     : right.empty() ? "neither right nor wrong"
+                     : right == "1"  ? "right"
+                                     : "wrong");
     out += html_fact("Response time", seconds_text(rows, "reaction_s"), "question to answer");
     if (!rows.text(0, "confidence").empty()) {
         out += html_fact("Confidence", rows.text(0, "confidence"), "1 a guess, 4 sure");
@@ -246,8 +247,9 @@ void add_facts(PageWriter& page,
     if (!run.empty()) {
         out += html_fact("Run", run, "stimulus " + short_number(rows.text(0, "stimulus")));
     }
-    out += html_fact("Seal", seal_text(database, owner, std::stoll(rows.text(0, "trial_id"))),
-                     "computed again for this page, with all of its session");
+    out += html_fact(
+        "Seal", seal_text(database, owner, std::stoll(rows.text(0, "trial_id"))),
+        owner.seal.empty() ? "" : "computed again for this page, with all of its session");
     PageFigure figure{
         .id = "attempt", .title = "The attempt", .html = out + "</dl>\n", .data = rows};
     figure.caption = "The table has the attempt as the view analysis_trial has it.";

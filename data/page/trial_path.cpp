@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -246,6 +247,8 @@ void add_path(PageWriter& page, const Study& study, const TrialTrace& trace) {
         figure.panels.push_back(path_panel(trace, {.front = true}));
         figure.panels.push_back(cells_panel(trace));
         where = "Cells of the patch that the god-object was in are filled.";
+    } else if (trace.scene->plane()->soft() != nullptr) {
+        where += " The object yields: it is drawn at rest.";
     }
     figure.caption = fmt::format(
         "From 1, the first tick, to 2, {}. The thick line is where the god-object was in contact, "
