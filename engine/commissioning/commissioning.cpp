@@ -4,22 +4,51 @@
 #include <cmath>
 
 #include "engine/base/text.hpp"
+#include "engine/commissioning/pulse_match.hpp"
+#include "engine/commissioning/straight_axes.hpp"
+#include "engine/device/gantry.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/safety/passivity.hpp"
 
 namespace palpate::engine {
 namespace {
 
-constexpr double kLook = 0.25;                           ///< s at a mark
-constexpr double kStrong = 0.3;                          ///< N, of the pulses that find numbers
-constexpr std::array<double, 3> kForces{0.1, 0.2, 0.3};  ///< N, until the handle moves
+constexpr double kLook = 0.25;        ///< s at a mark
+constexpr double kStrong = 0.3;       ///< N, of the pulses that find numbers
 constexpr std::int32_t kEnough = 12;  ///< counts that a pulse has to move an encoder
 constexpr double kCertain = 0.8;      ///< share of the damping found that is relied upon
-constexpr double kTick = 1e-3;        ///< s, of the stiffness that is said to be usable
+constexpr const char* kCorrect = ": correct the wiring or the calibration, then commission again";
+constexpr const char* kAgain = ". Commission again once that is right";
+constexpr double kTick = 1e-3;  ///< s, of the stiffness that is said to be usable
 
-std::string mm(const Vec2& place) {
-    return "(" + number_text(std::round(place.x * 1e4) / 10.0) + ", " +
-           number_text(std::round(place.y * 1e4) / 10.0) + ") mm";
+/// @throws std::invalid_argument for marks that do not tell how encoders are connected
+void check_marks(const Calibration& machine, const std::vector<Vec3>& places) {
+    if (machine.gantry) {
+        return check_straight_places(*machine.gantry, places);
+    }
+    std::vector<Vec2> plane;
+    for (const Vec3& place : places) {
+        plane.emplace_back(place);
+    }
+    if (!(told_apart(machine.pantograph, plane) > 2.0 * kPlaced)) {
+        throw std::invalid_argument(
+            "these marks do not tell how the encoders are connected: give others, further apart "
+            "and not in one line with home");
+    }
+}
+
+PulsePlan plan_of(const Calibration& machine,
+                  const Vec3& direction,
+                  double force,
+                  const Vec3& mass) {
+    return machine.gantry ? straight_pulse(force, glm::dot(glm::abs(direction), mass))
+                          : PulsePlan{.force = force};
+}
+
+/// Of the pulses that find numbers, N. @param force  that moves the handle
+double strong(const Calibration& machine, double force) {
+    const double most = pulse_forces(machine.axes()).back();
+    return std::fmax(kStrong, machine.gantry ? std::fmin(3.0 * force, most) : force);
 }
 
 std::string encoders_text(const EncoderProof& proof) {
@@ -27,7 +56,7 @@ std::string encoders_text(const EncoderProof& proof) {
         explained(proof.connection, "encoder", "counts twice as much as counts_per_turn says",
                   "counts half as much as counts_per_turn says");
     if (proof.fits && !what.empty()) {
-        return what + ": correct the wiring or the calibration, then commission again";
+        return what + kCorrect;
     }
     return "the encoders do not say where the handle is, whatever their wiring: the nearest guess "
            "misses a mark by " +
@@ -35,38 +64,62 @@ std::string encoders_text(const EncoderProof& proof) {
            " mm: check the marks, the lengths of the links and counts_per_turn";
 }
 
-/// Marks in the order of the places; nothing but zero force meanwhile.
+/// Encoders at the places, in their order; nothing but zero force meanwhile.
 /// @return what is wrong
 std::string read_marks(PulseRunner& runner,
                        const Device& device,
-                       const std::vector<Vec2>& places,
+                       const std::vector<Vec3>& places,
                        const CommissioningDesk& desk,
-                       std::vector<MarkReading>& marks,
+                       std::vector<Rest>& marks,
                        bool& given_up) {
-    for (const Vec2& place : places) {
+    const auto axes = static_cast<std::size_t>(device.traits().axes);
+    for (const Vec3& place : places) {
         given_up = !desk.bring(place);
         if (given_up) {
             return "it was given up";
         }
-        MarkReading mark = runner.watch(kLook);
+        const Rest mark = runner.watch(kLook);
         if (!std::isfinite(mark.place.x)) {
             const std::string trouble = device.trouble();
-            return "the device said nothing at " + mm(place) +
+            return "the device said nothing at " + place_text(place, axes) +
                    (trouble.empty() ? "" : ": " + trouble);
         }
-        if (mark.span.x > 2.0 || mark.span.y > 2.0) {
-            return "the handle did not rest at " + mm(place) + ": let go of it, on a level desk";
+        if (mark.span.x > 2.0 || mark.span.y > 2.0 || mark.span.z > 2.0) {
+            return "the handle did not rest at " + place_text(place, axes) +
+                   (axes > 2 ? ": let go of it; one that sinks by itself needs a counterweight or "
+                               "a spring"
+                             : ": let go of it, on a level desk");
         }
-        mark.place = place;
         marks.push_back(mark);
     }
     return {};
 }
 
-/// The four directions, twice where `times` says so.
-void push(PulseRunner& runner, double force, std::vector<Pulse>& pulses) {
-    for (const Vec2& direction : kPulseDirections) {
-        pulses.push_back(runner.give(direction, {.force = force}));
+/// What speaks against the encoders, which were read at the places.
+std::string prove_marks(const Calibration& machine,
+                        const std::vector<Vec3>& places,
+                        const std::vector<Rest>& rests,
+                        EncoderProof& proof) {
+    if (machine.gantry) {
+        const std::string what = wrong_encoders(machine, places, rests);
+        return what.empty() ? what : what + kAgain;
+    }
+    std::vector<MarkReading> marks;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        marks.push_back({.place = Vec2(places[i]), .counts = Vec2(rests[i].counts)});
+    }
+    proof = prove_encoders(machine.pantograph, marks);
+    return proof.fits && proof.connection == Connection{} ? std::string() : encoders_text(proof);
+}
+
+/// All directions once.
+void push(PulseRunner& runner,
+          const Calibration& machine,
+          double force,
+          const Vec3& mass,
+          std::vector<Pulse>& pulses) {
+    for (const Vec3& direction : pulse_directions(machine.axes())) {
+        pulses.push_back(runner.give(direction, plan_of(machine, direction, force, mass)));
     }
 }
 
@@ -80,21 +133,53 @@ std::string tripped(std::span<const Pulse> pulses) {
 
 /// The weakest force that moves the handle, and the pulses of it.
 /// @return what is wrong
-std::string find_force(PulseRunner& runner, double& force, std::vector<Pulse>& pulses) {
-    for (const double newtons : kForces) {
-        force = newtons;
-        pulses.clear();
-        push(runner, force, pulses);
+std::string find_force(PulseRunner& runner,
+                       const Calibration& machine,
+                       const Vec3& mass,
+                       double& force,
+                       std::vector<Pulse>& pulses) {
+    const auto enough = [&](const Pulse& pulse) {
+        return machine.gantry ? moved_enough(Gantry(*machine.gantry), pulse)
+                              : moved(pulse) >= kEnough;
+    };
+    const auto directions = pulse_directions(machine.axes());
+    pulses.assign(directions.size(), Pulse{});
+    std::vector<bool> moves(directions.size(), false);
+    for (const double newtons : pulse_forces(machine.axes())) {
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            if (!moves[i]) {  // what moves is not pushed harder
+                force = newtons;
+                pulses[i] =
+                    runner.give(directions[i], plan_of(machine, directions[i], newtons, mass));
+                moves[i] = enough(pulses[i]);
+            }
+        }
         if (std::string what = tripped(pulses); !what.empty()) {
             return what;
         }
-        if (std::all_of(pulses.begin(), pulses.end(),
-                        [](const Pulse& pulse) { return moved(pulse) >= kEnough; })) {
+        if (std::find(moves.begin(), moves.end(), false) == moves.end()) {
             return {};
         }
     }
+    if (machine.gantry) {
+        return {};  // which motor it is tells wrong_motors()
+    }
     return "0.3 N do not move the handle: is it free, are the motors connected and switched on, is "
            "a switch pressed";
+}
+
+/// Which motor turns which joint, and which way.
+/// @return what is wrong
+std::string prove_order(const Calibration& machine,
+                        const std::vector<Pulse>& pulses,
+                        double delay) {
+    if (machine.gantry) {
+        const std::string what = wrong_motors(machine, pulses);
+        return what.empty() ? what : what + kAgain;
+    }
+    const std::string what =
+        explained(order_of_motors(machine.pantograph, pulses, delay), "motor", "", "");
+    return what.empty() ? what : what + kCorrect;
 }
 
 std::string motors_text(const Connection& connection, const std::array<double, 2>& gain) {
@@ -110,43 +195,79 @@ std::string motors_text(const Connection& connection, const std::array<double, 2
 }
 
 double least_friction(const Pantograph& machine,
-                      const std::vector<Vec2>& places,
+                      const std::vector<Vec3>& places,
                       const HandleDynamics& dynamics) {
     double least = 1e9;
-    for (const Vec2& place : places) {
-        const auto fix = machine.locate(*machine.reach(place));
+    for (const Vec3& place : places) {
+        const auto fix = machine.locate(*machine.reach(Vec2(place)));
         least = std::fmin(least, dynamics.friction.x / glm::length(fix->jacobian.column_1()));
         least = std::fmin(least, dynamics.friction.y / glm::length(fix->jacobian.column_2()));
     }
     return least;
 }
 
+/// How strong the motors are, and how the handle moves.
+/// @return what is wrong
+std::string prove_strength(const Calibration& machine,
+                           const Vec3& mass,
+                           double delay,
+                           Commissioned& done) {
+    std::string what;
+    if (machine.gantry) {
+        done.record.axes = fit_axes(Gantry(*machine.gantry), done.pulses, mass, delay);
+        what = wrong_strength(done.record.axes, mass);
+        return what.empty()
+                 ? what
+                 : what +
+                       ": correct torque_limit_mn_m or the amplifier, or weigh what each "
+                       "motor moves and give --moved-g, then commission again";
+    }
+    done.motors = prove_motors(machine.pantograph, done.pulses, mass.x, delay);
+    done.record.dynamics = done.motors->dynamics;
+    what = motors_text(done.motors->connection, done.motors->gain);
+    return what.empty()
+             ? what
+             : what + " for a handle of " + number_text(std::round(mass.x * 1e4) / 10.0) +
+                   " g: correct the amplifiers or the calibration, or weigh the handle "
+                   "and give --handle-g, then commission again";
+}
+
 void fill_record(RigRecord& record,
                  const Device& device,
-                 const PantographSpec& spec,
-                 const std::vector<Vec2>& places,
-                 const HandleDynamics& dynamics) {
+                 const Calibration& machine,
+                 const std::vector<Vec3>& places) {
     const DeviceTraits traits = device.traits();
-    record.dynamics = dynamics;
-    record.damping = kCertain * min_handle_damping({.machine = spec, .damping = dynamics.damping});
-    record.friction = least_friction(Pantograph(spec), places, dynamics);
+    double damping = 0.0;
+    if (machine.gantry) {
+        const auto& axes = record.axes;
+        damping = std::fmin(axes[0].damping, std::fmin(axes[1].damping, axes[2].damping));
+        record.friction =
+            std::fmin(axes[0].friction, std::fmin(axes[1].friction, axes[2].friction));
+        record.mark = Vec3(places.at(1).x, places.at(2).y, places.at(3).z);
+    } else {
+        damping =
+            min_handle_damping({.machine = machine.pantograph, .damping = record.dynamics.damping});
+        record.friction = least_friction(Pantograph(machine.pantograph), places, record.dynamics);
+        record.mark = places.at(1);
+    }
+    record.damping = kCertain * damping;
     record.round_trip = traits.round_trip;
     record.rate_hz = traits.round_trip > 0.0 ? std::fmin(1.0 / traits.round_trip, 1e4) : 1e4;
     record.stiffness = record.damping / min_damping(1.0, kTick, traits.delay_ticks);
-    record.mark = places.at(1);
 }
 
-/// Pulses at all places, the last one first: the handle is there.
+/// Pulses at all places, the last one first: the handle is there. Straight axes are the same everywhere.
 std::string prove_pushes(PulseRunner& runner,
                          const Device& device,
-                         const PantographSpec& spec,
-                         const std::vector<Vec2>& places,
-                         double mass,
+                         const Calibration& machine,
+                         const std::vector<Vec3>& places,
+                         const Vec3& mass,
                          const CommissioningDesk& desk,
-                         double period,
                          Commissioned& done) {
-    const double delay = device.traits().delay_ticks * period;
-    for (std::size_t i = places.size(); i-- > 0;) {
+    const double delay = device.traits().delay_ticks * desk.period;
+    double& force = done.record.force;
+    const std::size_t last = machine.gantry ? places.size() - 1 : 0;
+    for (std::size_t i = places.size(); i-- > last;) {
         const bool first = i + 1 == places.size();
         done.given_up = !first && !desk.bring(places[i]);
         if (done.given_up) {
@@ -154,80 +275,79 @@ std::string prove_pushes(PulseRunner& runner,
         }
         std::vector<Pulse> here;
         if (first) {
-            if (std::string what = find_force(runner, done.record.force, here); !what.empty()) {
+            std::string what = find_force(runner, machine, mass, force, here);
+            what = what.empty() ? prove_order(machine, here, delay) : what;
+            if (!what.empty()) {
                 return what;
             }
-            const Connection order = order_of_motors(spec, here, delay);
-            if (!(order == Connection{})) {
-                return explained(order, "motor", "", "") +
-                       ": correct the wiring or the calibration, then commission again";
-            }
         } else {
-            push(runner, done.record.force, here);
+            push(runner, machine, force, mass, here);
         }
-        push(runner, std::fmax(kStrong, done.record.force), here);
+        push(runner, machine, strong(machine, force), mass, here);
         if (std::string what = tripped(here); !what.empty()) {
             return what;
         }
         done.pulses.insert(done.pulses.end(), here.begin(), here.end());
     }
-    done.motors = prove_motors(spec, done.pulses, mass, delay);
-    const std::string what = motors_text(done.motors->connection, done.motors->gain);
-    if (!what.empty()) {
-        return what + " for a handle of " + number_text(std::round(mass * 1e4) / 10.0) +
-               " g: correct the amplifiers or the calibration, or weigh the handle and give "
-               "--handle-g, then commission again";
-    }
-    return wrong_with(spec, done.pulses, done.motors->dynamics, delay);
+    const std::string what = prove_strength(machine, mass, delay, done);
+    return what.empty() ? wrong_with(Machine(machine), done.pulses, done.record, delay) : what;
 }
 
 }  // namespace
 
 Commissioned commission(Device& device,
-                        const PantographSpec& spec,
-                        const std::vector<Vec2>& places,
-                        double mass,
+                        const Calibration& machine,
+                        const std::vector<Vec3>& places,
+                        const Vec3& mass,
                         const CommissioningDesk& desk) {
-    if (!(told_apart(spec, places) > 2.0 * kPlaced)) {
-        throw std::invalid_argument(
-            "these marks do not tell how the encoders are connected: give others, further apart "
-            "and not in one line with home");
-    }
-    if (!(mass > 0.0 && std::isfinite(mass))) {
-        throw std::invalid_argument("the handle weighs " + number_text(mass) +
-                                    " kg: give a number above 0");
+    check_marks(machine, places);
+    for (int i = 0; i < static_cast<int>(machine.gantry ? machine.axes() : 1); ++i) {
+        if (!(mass[i] > 0.0 && std::isfinite(mass[i]))) {
+            throw std::invalid_argument("the handle weighs " + number_text(mass[i]) +
+                                        " kg: give a number above 0");
+        }
     }
     Commissioned done;
-    PulseRunner runner(device, spec, desk.period, desk.wait);
-    std::vector<MarkReading> marks;
+    PulseRunner runner(device, Machine(machine), desk.period, desk.wait);
+    std::vector<Rest> marks;
     done.refused = read_marks(runner, device, places, desk, marks, done.given_up);
-    if (!done.refused.empty()) {
-        return done;
-    }
-    done.encoders = prove_encoders(spec, marks);
-    if (!done.encoders.fits || !(done.encoders.connection == Connection{})) {
-        done.refused = encoders_text(done.encoders);
-        return done;
-    }
-    done.refused = prove_pushes(runner, device, spec, places, mass, desk, desk.period, done);
     if (done.refused.empty()) {
-        fill_record(done.record, device, spec, places, done.motors->dynamics);
+        done.refused = prove_marks(machine, places, marks, done.encoders);
+    }
+    if (done.refused.empty()) {
+        done.refused = prove_pushes(runner, device, machine, places, mass, desk, done);
+    }
+    if (done.refused.empty()) {
+        fill_record(done.record, device, machine, places);
     }
     return done;
 }
 
+std::vector<Vec3> places_to_commission(const Calibration& machine, const Vec2& home) {
+    if (machine.gantry) {
+        return straight_places(*machine.gantry);
+    }
+    std::vector<Vec3> places;
+    for (const Vec2& place : commissioning_places(machine.pantograph, home)) {
+        places.emplace_back(place, 0.0);
+    }
+    return places;
+}
+
 ShortForm prove_again(PulseRunner& runner,
-                      const PantographSpec& spec,
+                      const Calibration& machine,
                       const RigRecord& record,
                       double delay) {
     ShortForm form;
-    for (const Vec2& direction : kPulseDirections) {
-        const Pulse pulse = runner.give(direction, {.force = record.force});
-        form.refused = wrong_with(spec, {&pulse, 1}, record.dynamics, delay);
+    const Machine whole(machine);
+    const Vec3 mass(record.axes[0].mass, record.axes[1].mass, record.axes[2].mass);
+    for (const Vec3& direction : pulse_directions(machine.axes())) {
+        const Pulse pulse = runner.give(direction, plan_of(machine, direction, record.force, mass));
+        form.refused = wrong_with(whole, {&pulse, 1}, record, delay);
         if (!form.refused.empty()) {
             return form;
         }
-        const PulseMatch found = match(spec, pulse, record.dynamics, delay);
+        const PulseMatch found = match(whole, pulse, record, delay);
         form.found += (form.found.empty() ? "" : ", ") +
                       number_text(std::round(100.0 * found.share)) + " % at " +
                       number_text(std::round(found.angle * 180.0 / kPi)) + " deg";

@@ -9,13 +9,13 @@
 
 /// A rig is proved from nothing: first its encoders, by places to which a person brings the handle and
 /// while no motor turns; then its motors, by weak pulses on a handle that nobody holds. Whatever is
-/// wrong is found before a force is more than 0.3 N.
+/// wrong is found before a force is more than 0.3 N, on three straight axes 1 N.
 namespace palpate::engine {
 
 /// What the procedure needs of the world.
 struct CommissioningDesk {
     /// A person brings the handle there and lets go. @return false: they gave up
-    std::function<bool(const Vec2&)> bring;
+    std::function<bool(const Vec3&)> bring;
     PulseRunner::Wait wait;  ///< see PulseRunner
     double period = 1e-3;    ///< s
 };
@@ -27,28 +27,32 @@ struct Commissioned {
     /// Without device, calibration and program, which are of whoever keeps it.
     RigRecord record{};
     std::vector<Pulse> pulses;
-    EncoderProof encoders{};
-    std::optional<MotorProof> motors{};  ///< none: no motor was turned at all places
+    EncoderProof encoders{};             ///< of a pantograph
+    std::optional<MotorProof> motors{};  ///< the same; none: no motor was turned at all places
 };
 
-/// @param places  home first, then those of commissioning_places() or others that tell the encoders
-/// @param mass    what the handle weighs, kg
+/// Where the handle is brought: home first, then so few places that they tell the encoders.
+/// @param home  of a pantograph   @throws std::invalid_argument if there are none
+[[nodiscard]] std::vector<Vec3> places_to_commission(const Calibration& machine, const Vec2& home);
+
+/// @param places  those of places_to_commission(), or others that tell the encoders, home first
+/// @param mass    kg: what the handle of a pantograph weighs, or what each of three motors moves
 /// @throws std::invalid_argument for places that do not tell how encoders are connected, and for a mass that
 ///         cannot be
 [[nodiscard]] Commissioned commission(Device& device,
-                                      const PantographSpec& spec,
-                                      const std::vector<Vec2>& places,
-                                      double mass,
+                                      const Calibration& machine,
+                                      const std::vector<Vec3>& places,
+                                      const Vec3& mass,
                                       const CommissioningDesk& desk);
 
-/// The short form that opens each session, and is given again in its breaks: four pulses where the
-/// handle rests, until one says that something is wrong.
+/// The short form that opens each session, and is given again in its breaks: a pulse in each direction where
+/// the handle rests, until one says that something is wrong.
 struct ShortForm {
     std::string refused;  ///< as above
     std::string found;    ///< shares and directions of those that were right, for the record
 };
 [[nodiscard]] ShortForm prove_again(PulseRunner& runner,
-                                    const PantographSpec& spec,
+                                    const Calibration& machine,
                                     const RigRecord& record,
                                     double delay);
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/commissioning/least_squares.hpp"
+#include "engine/commissioning/nearest_numbers.hpp"
 #include "engine/device/dry_friction.hpp"
 
 namespace palpate::engine {
@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kSubSteps = 4;
 constexpr std::size_t kEvery = 4;  ///< ticks between two that are compared
-constexpr int kRounds = 14;
 
 /// Inertia 1, 2, mass, damping 1, 2, friction 1, 2, ratio.
 using Numbers = LeastSquares::Row;
@@ -42,7 +41,7 @@ FittedHandle handle_of(const Numbers& x) {
 
 /// (I + m J^T J) v' = tau - B v - f sgn v from rest, damping and friction taken implicitly; J is that
 /// of the measured way. Appends the counts of both joints at every kEvery-th tick.
-void predict(const Track& track, const Numbers& x, std::vector<Vec2>& counts) {
+void predict(const Track& track, const Numbers& x, std::vector<double>& counts) {
     const double h = track.period / kSubSteps;
     Vec2 rate{};
     Vec2 turned{};
@@ -61,65 +60,10 @@ void predict(const Track& track, const Numbers& x, std::vector<Vec2>& counts) {
             rate = after;
         }
         if (k % kEvery == 0) {
-            counts.push_back(turned / track.per_count);
+            counts.push_back(turned.x / track.per_count.x);
+            counts.push_back(turned.y / track.per_count.y);
         }
     }
-}
-
-std::vector<Vec2> predicted(std::span<const Track> tracks, const Numbers& x) {
-    std::vector<Vec2> all;
-    for (const Track& track : tracks) {
-        predict(track, x, all);
-    }
-    return all;
-}
-
-std::vector<Vec2> missed(std::span<const Track> tracks, const std::vector<Vec2>& predicted) {
-    std::vector<Vec2> all;
-    for (const Track& track : tracks) {
-        for (std::size_t k = 0; k < track.steps.size(); k += kEvery) {
-            all.push_back(track.steps[k].fresh ? track.steps[k].turned - predicted[all.size()]
-                                               : Vec2{});
-        }
-    }
-    return all;
-}
-
-double squares_of(const std::vector<Vec2>& missed) {
-    double sum = 0.0;
-    for (const Vec2& one : missed) {
-        sum += glm::dot(one, one);
-    }
-    return sum;
-}
-
-/// Where the numbers should go from `x`.
-LeastSquares slopes_at(std::span<const Track> tracks,
-                       const Numbers& x,
-                       const std::vector<Vec2>& here,
-                       const std::vector<Vec2>& missed,
-                       std::size_t unknowns) {
-    std::array<std::vector<Vec2>, LeastSquares::kMost> slope;
-    for (std::size_t i = 0; i < unknowns; ++i) {
-        Numbers beside = x;
-        const double step = std::fmax(0.02 * x[i], kSmall[i]);
-        beside[i] += step;
-        slope[i] = predicted(tracks, beside);
-        for (std::size_t k = 0; k < here.size(); ++k) {
-            slope[i][k] = (slope[i][k] - here[k]) / step;
-        }
-    }
-    LeastSquares squares(unknowns);
-    for (std::size_t k = 0; k < here.size(); ++k) {
-        for (int joint = 0; joint < 2; ++joint) {
-            Numbers row{};
-            for (std::size_t i = 0; i < unknowns; ++i) {
-                row[i] = slope[i][k][joint];
-            }
-            squares.add(row, missed[k][joint]);
-        }
-    }
-    return squares;
 }
 
 }  // namespace
@@ -131,15 +75,9 @@ Track track_of(
     const auto start = samples.front().counts;
     track.per_count = {machine.spec().axes[0].count_angle(), machine.spec().axes[1].count_angle()};
     track.period = samples.size() > 1 ? samples[1].time - samples[0].time : 1e-3;
-    const double behind = delay / track.period;
-    const auto whole = static_cast<std::size_t>(behind);
-    const double part = behind - static_cast<double>(whole);
-    const auto torque = [&](std::size_t k, std::size_t back) {
-        return k >= back + 1 ? samples[k - back - 1].torque : Vec2{};
-    };
     for (std::size_t k = 1; k < samples.size(); ++k) {
-        const Vec2 asked = (1.0 - part) * torque(k, whole) + part * torque(k, whole + 1);
-        const auto fix = machine.locate(machine.angles(samples[k].counts));
+        const Vec2 asked(acting_torque(samples, k, delay));
+        const auto fix = machine.locate(machine.angles(samples[k].joints()));
         if (!fix) {
             break;
         }
@@ -157,35 +95,23 @@ Track track_of(
 }
 
 FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start, bool free_ratio) {
-    const std::size_t unknowns = free_ratio ? 8 : 7;
-    Numbers x = numbers_of(start);
-    std::vector<Vec2> here = predicted(tracks, x);
-    std::vector<Vec2> wrong = missed(tracks, here);
-    double damped = 1e-2;
-    for (int round = 0; round < kRounds && damped < 1e6; ++round) {
-        const LeastSquares squares = slopes_at(tracks, x, here, wrong, unknowns);
-        bool better = false;
-        for (; !better && damped < 1e6; damped *= better ? 0.2 : 5.0) {
-            const Numbers change = squares.solved(damped);
-            Numbers next = x;
-            for (std::size_t i = 0; i < unknowns; ++i) {
-                next[i] = std::clamp(x[i] + change[i], kLeast[i], kMost[i]);
-            }
-            std::vector<Vec2> there = predicted(tracks, next);
-            std::vector<Vec2> left = missed(tracks, there);
-            better = squares_of(left) < squares_of(wrong);
-            if (better) {
-                const bool enough = squares_of(left) > 0.999 * squares_of(wrong);
-                x = next;
-                here = std::move(there);
-                wrong = std::move(left);
-                if (enough) {
-                    return handle_of(x);
-                }
-            }
+    std::vector<double> measured;
+    for (const Track& track : tracks) {
+        for (std::size_t k = 0; k < track.steps.size(); k += kEvery) {
+            const Track::Step& step = track.steps[k];
+            measured.push_back(step.fresh ? step.turned.x : kUnknown);
+            measured.push_back(step.fresh ? step.turned.y : kUnknown);
         }
     }
-    return handle_of(x);
+    const auto predicted = [&](const Numbers& x) {
+        std::vector<double> counts;
+        for (const Track& track : tracks) {
+            predict(track, x, counts);
+        }
+        return counts;
+    };
+    return handle_of(nearest_numbers(predicted, measured, numbers_of(start),
+                                     {kLeast, kMost, kSmall}, free_ratio ? 8 : 7));
 }
 
 }  // namespace palpate::engine

@@ -6,16 +6,13 @@
 #include <limits>
 #include <vector>
 
-#include "engine/base/text.hpp"
 #include "engine/commissioning/handle_fit.hpp"
 #include "engine/commissioning/least_squares.hpp"
-#include "engine/device/pantograph_plant.hpp"
 
 namespace palpate::engine {
 namespace {
 
 constexpr std::int32_t kFewestCounts = 4;  ///< of a joint that is said to have moved
-constexpr double kDegree = 180.0 / kPi;
 
 /// What stands in the equation of a joint at one moment.
 struct Moment {
@@ -44,7 +41,7 @@ public:
         const double to = time - delay_;
         while (next_ < samples_.size() && samples_[next_].time <= to) {
             go_to(samples_[next_].time);
-            torque_ = samples_[next_++].torque;
+            torque_ = Vec2(samples_[next_++].torque);
         }
         if (to > now_) {
             go_to(to);
@@ -71,7 +68,7 @@ private:
 
 std::vector<Moment> moments_of(const Pantograph& machine, const Pulse& pulse, double delay) {
     const auto& samples = pulse.samples;
-    const auto start = machine.angles(samples.front().counts);
+    const auto start = machine.angles(samples.front().joints());
     const auto fix = machine.locate(start);
     std::vector<Moment> moments;
     if (!fix) {
@@ -82,7 +79,7 @@ std::vector<Moment> moments_of(const Pantograph& machine, const Pulse& pulse, do
     Moment now;
     for (std::size_t k = 1; k < samples.size(); ++k) {
         const double step = samples[k].time - samples[k - 1].time;
-        const auto angles = machine.angles(samples[k].counts);
+        const auto angles = machine.angles(samples[k].joints());
         const Vec2 turned{angles[0] - start[0], angles[1] - start[1]};
         const Vec2 sign{sign_of_rate(samples, k, 0), sign_of_rate(samples, k, 1)};
         now.summed += 0.5 * step * (turned + now.turned);
@@ -234,7 +231,7 @@ std::vector<Moments> moments_of_all(const Pantograph& machine,
                                     double delay) {
     std::vector<Moments> all;
     for (const Pulse& pulse : pulses) {
-        all.push_back({.place = pulse.place,
+        all.push_back({.place = Vec2(pulse.place),
                        .all = moments_of(machine, pulse, delay),
                        .moved = {joint_moved(pulse, 0), joint_moved(pulse, 1)}});
     }
@@ -246,27 +243,6 @@ double nearest_factor(double gain) {
     const double size = std::fabs(gain);
     const double factor = size < std::sqrt(0.5) ? 0.5 : size > std::sqrt(2.0) ? 2.0 : 1.0;
     return gain < 0.0 ? -factor : factor;
-}
-
-PantographPlant free_handle(const PantographSpec& spec, const HandleDynamics& dynamics) {
-    return PantographPlant(
-        {.machine = spec,
-         .inertia = dynamics.inertia,
-         .damping = dynamics.damping,
-         .coulomb = dynamics.friction,
-         .current_time = 0.0,
-         .handle_mass = dynamics.handle_mass,
-         .hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0}});
-}
-
-std::string pushed_text(const Pulse& pulse) {
-    const Vec2& f = pulse.force;
-    const std::string way = f.x > 0.0 ? "to the right"
-                          : f.x < 0.0 ? "to the left"
-                          : f.y > 0.0 ? "away"
-                                      : "near";
-    return "pushed " + way + " at (" + number_text(std::round(pulse.place.x * 1e3)) + ", " +
-           number_text(std::round(pulse.place.y * 1e3)) + ") mm the handle ";
 }
 
 }  // namespace
@@ -309,72 +285,6 @@ MotorProof prove_motors(const PantographSpec& spec,
         proof.dynamics = fit_handle(tracks, {fitted.dynamics, 1.0}, false).dynamics;
     }
     return proof;
-}
-
-PulseMatch match(const PantographSpec& spec,
-                 const Pulse& pulse,
-                 const HandleDynamics& dynamics,
-                 double delay) {
-    const Pantograph machine(spec);
-    const auto& samples = pulse.samples;
-    const std::size_t last = std::min(pulse.turn, samples.size() - 1);
-    const auto start = machine.angles(samples.front().counts);
-    const auto end = machine.angles(samples[last].counts);
-    const auto from = machine.locate(start);
-    if (!from) {
-        return {.share = 0.0, .angle = kPi};
-    }
-    PantographPlant plant = free_handle(spec, dynamics);
-    plant.begin({.start = from->hip, .tremor = 0.0});
-    std::size_t next = 0;
-    double now = 0.0;
-    while (now < samples[last].time) {
-        const double change = next < last ? samples[next].time + delay : samples[last].time;
-        const double until = std::fmin(change, samples[last].time);
-        plant.advance(until - now);
-        now = until;
-        if (next < last) {
-            plant.set_torque(samples[next++].torque);
-        }
-    }
-    const Vec2 expected{plant.angles()[0] - start[0], plant.angles()[1] - start[1]};
-    const Vec2 measured{end[0] - start[0], end[1] - start[1]};
-    const double length = glm::length(expected);
-    if (!(length > 0.0)) {
-        return {.share = 0.0, .angle = kPi};
-    }
-    return {.share = glm::length(measured) / length,
-            .angle = std::fabs(arc_tan2(cross(expected, measured), glm::dot(expected, measured)))};
-}
-
-std::string wrong_with(const PantographSpec& spec,
-                       std::span<const Pulse> pulses,
-                       const HandleDynamics& dynamics,
-                       double delay) {
-    for (const Pulse& pulse : pulses) {
-        if (pulse.trip != Trip::none) {
-            return pushed_text(pulse) +
-                   "tripped the safety chain: " + std::string(explanation(pulse.trip));
-        }
-        const PulseMatch found = match(spec, pulse, dynamics, delay);
-        const std::string share = number_text(std::round(100.0 * found.share)) + " %";
-        if (!(found.share >= 1.0 - kMostGainError)) {
-            return pushed_text(pulse) + "moved " + share +
-                   " of what it should: is somebody holding it, does something block it, or is a "
-                   "motor too weak";
-        }
-        if (!(found.angle <= kMostTurn)) {
-            return pushed_text(pulse) + "went " + number_text(std::round(found.angle * kDegree)) +
-                   " degrees beside that: a motor or an encoder is reversed or swapped, or the "
-                   "handle was not at home";
-        }
-        if (!(found.share <= 1.0 + kMostGainError)) {
-            return pushed_text(pulse) + "moved " + share +
-                   " of what it should: a motor is too strong, or the handle is lighter than it "
-                   "was";
-        }
-    }
-    return {};
 }
 
 }  // namespace palpate::engine

@@ -1,12 +1,11 @@
 #pragma once
 
+#include <array>
 #include <span>
-#include <string>
 
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/commissioning/pulses.hpp"
 #include "engine/commissioning/rig_record.hpp"
-#include "engine/math/elementary.hpp"
 
 /// What pulses say of motors and handle.
 ///
@@ -39,31 +38,5 @@ struct MotorProof {
                                       std::span<const Pulse> pulses,
                                       double mass,
                                       double delay);
-
-/// How the joints turned, against how they should have. Joints and not the handle: near a singular
-/// pose, where a machine may well be at home, a count is a large step of the handle.
-struct PulseMatch {
-    double share = 0.0;  ///< size of the turn of both, by the predicted one
-    double angle = 0.0;  ///< rad between them, in the plane of both turns
-};
-
-/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within 20
-/// degrees.
-inline constexpr double kMostGainError = 0.3;
-inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
-
-/// The turn until the force was reversed, measured and predicted by the plant.
-/// @param delay  s from a tick's reading to the force of that tick
-[[nodiscard]] PulseMatch match(const PantographSpec& spec,
-                               const Pulse& pulse,
-                               const HandleDynamics& dynamics,
-                               double delay);
-
-/// What speaks against a rig whose handle should move by `dynamics`: a sentence without a full stop,
-/// empty if nothing does.
-[[nodiscard]] std::string wrong_with(const PantographSpec& spec,
-                                     std::span<const Pulse> pulses,
-                                     const HandleDynamics& dynamics,
-                                     double delay);
 
 }  // namespace palpate::engine

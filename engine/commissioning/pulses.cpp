@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {
 
-constexpr double kMostForce = 0.35;    ///< N, whatever is asked for
+constexpr double kMoreForce = 0.05;    ///< N beyond the strongest pulse, whatever is asked for
 constexpr double kMostSpeed = 0.5;     ///< m/s: nobody pushes a handle that is free
 constexpr double kMostJump = 10.0;     ///< m/s between two readings
 constexpr double kSilence = 0.010;     ///< s without a new reading
@@ -39,57 +43,94 @@ Trip found(const Reading& reading) noexcept {
     return Trip::device_lost;
 }
 
+Machine::Counts counts_of(const Reading& reading) noexcept {
+    return {reading.counts[0], reading.counts[1], reading.count_3};
+}
+
+Vec3 hip_of(const Reading& reading) noexcept {
+    return {reading.hip, reading.hip_z};
+}
+
+constexpr std::array<double, 5> kForces{0.1, 0.2, 0.3, 0.5, 1.0};
+constexpr std::array<Vec3, 6> kDirections{Vec3{1.0, 0.0, 0.0}, Vec3{-1.0, 0.0, 0.0},
+                                          Vec3{0.0, 1.0, 0.0}, Vec3{0.0, -1.0, 0.0},
+                                          Vec3{0.0, 0.0, 1.0}, Vec3{0.0, 0.0, -1.0}};
+
 }  // namespace
 
-PulseRunner::PulseRunner(Device& device, const PantographSpec& machine, double period, Wait wait)
+std::span<const double> pulse_forces(std::size_t axes) noexcept {
+    return std::span(kForces).first(axes > 2 ? 5 : 3);
+}
+
+std::string place_text(const Vec3& place, std::size_t axes) {
+    const auto text = [](double metres) {
+        return number_text(std::round(metres * 1e4) / 10.0 + 0.0);
+    };
+    return "(" + text(place.x) + ", " + text(place.y) +
+           (axes > 2 ? ", " + text(place.z) : std::string()) + ") mm";
+}
+
+std::span<const Vec3> pulse_directions(std::size_t axes) noexcept {
+    return std::span(kDirections).first(2 * axes);
+}
+
+PulseRunner::PulseRunner(Device& device, const Machine& machine, double period, Wait wait)
     : device_(&device), machine_(machine), period_(period), wait_(std::move(wait)) {
     const double motor_time = device.traits().motor_time;
     limits_ = {.period = period,
-               .max_force = kMostForce,
+               .max_force = pulse_forces(machine.axes()).back() + kMoreForce,
                .ramp_step = 1.0,
                .speed = kMostSpeed,
                .jump = kMostJump * period,
                .silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period)),
                .delay_ticks = device.traits().delay_ticks,
-               .heat_step = motor_time > 0.0 ? period / motor_time : 0.0};
+               .heat_step = motor_time > 0.0 ? period / motor_time : 0.0,
+               .axes = static_cast<int>(machine.axes())};
 }
 
 PulseRunner::~PulseRunner() {
-    device_->write(Vec2{});
+    device_->press(Vec3{});
 }
 
-PulseRunner::Tick PulseRunner::tick(const Vec2& force) {
+PulseRunner::Tick PulseRunner::tick(const Vec3& force) {
     const bool in_time = wait_();
     Tick tick{.reading = device_->read(), .in_time = in_time};
     tick.command = make_safe(safety_, limits_,
-                             {.force = force,
+                             {.force = Vec2(force),
                               .hip = tick.reading.hip,
                               .counts = tick.reading.counts,
                               .found = found(tick.reading),
                               .fresh = tick.reading.fresh,
                               .time_ns = ticks_++ * static_cast<std::int64_t>(period_ * 1e9 + 0.5),
-                              .load = load_});
-    load_ = device_->write(tick.command.force).load;
+                              .load = Vec2(load_),
+                              .force_z = force.z,
+                              .hip_z = tick.reading.hip_z,
+                              .load_3 = load_.z,
+                              .count_3 = tick.reading.count_3});
+    const Applied applied = device_->press(Vec3(tick.command.force, tick.command.force_z));
+    load_ = {applied.load, applied.load_3};
     return tick;
 }
 
-/// Until both encoders have stood still within a count, or the time is up.
+/// Until all encoders have stood still within a count, or the time is up.
 void PulseRunner::settle() {
     safety_ = fresh_state(safety_, limits_, 0.0);
     const auto still = static_cast<int>(kStill / period_);
-    std::array<std::int32_t, 2> from{};
+    Machine::Counts from{};
     int since = 0;
     for (double waited = 0.0; waited < kPatience && since < still; waited += period_) {
-        const Reading reading = tick({}).reading;
-        const bool moved =
-            std::abs(reading.counts[0] - from[0]) > 1 || std::abs(reading.counts[1] - from[1]) > 1;
+        const Machine::Counts now = counts_of(tick(Vec3{}).reading);
+        bool moved = false;
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            moved = moved || std::abs(now[i] - from[i]) > 1;
+        }
         since = moved ? 0 : since + 1;
-        from = moved ? reading.counts : from;
+        from = moved ? now : from;
     }
 }
 
 /// A machine that is busy may keep the board's answers back: the zeros are out, and it is asked again.
-Pulse PulseRunner::give(const Vec2& direction, const PulsePlan& plan) {
+Pulse PulseRunner::give(const Vec3& direction, const PulsePlan& plan) {
     Pulse pulse = give_once(direction, plan);
     const auto is_worth_another = [&] {
         return pulse.trip == Trip::none ? !pulse.steady
@@ -104,7 +145,7 @@ Pulse PulseRunner::give(const Vec2& direction, const PulsePlan& plan) {
     return pulse;
 }
 
-Pulse PulseRunner::give_once(const Vec2& direction, const PulsePlan& plan) {
+Pulse PulseRunner::give_once(const Vec3& direction, const PulsePlan& plan) {
     settle();
     safety_ = fresh_state(safety_, limits_, 0.0);
     Pulse pulse;
@@ -112,7 +153,7 @@ Pulse PulseRunner::give_once(const Vec2& direction, const PulsePlan& plan) {
     const auto longest = static_cast<std::size_t>(plan.longest / period_);
     const auto rest = static_cast<std::size_t>(kAfterwards / period_);
     std::size_t end = 2 * longest + rest;
-    Vec2 force = pulse.force;
+    Vec3 force = pulse.force;
     int late_answers = 0;
     int late_ticks = 0;
     for (std::size_t k = 0; k < end && pulse.trip == Trip::none; ++k) {
@@ -121,49 +162,71 @@ Pulse PulseRunner::give_once(const Vec2& direction, const PulsePlan& plan) {
         late_ticks += now.in_time ? 0 : 1;
         pulse.steady = pulse.steady && late_ticks <= kLateTicks && late_answers <= kLateAnswers;
         if (k == 0) {
-            pulse.place = now.reading.hip;
+            pulse.place = hip_of(now.reading);
         }
-        const auto fix = machine_.locate(machine_.angles(now.reading.counts));
-        pulse.samples.push_back(
-            {.time = static_cast<double>(k) * period_,
-             .counts = now.reading.counts,
-             .torque = fix ? machine_.drive(*fix, now.command.force).torque : Vec2{},
-             .fresh = now.reading.fresh && now.reading.ok()});
+        const Machine::Counts counts = counts_of(now.reading);
+        const auto place = machine_.locate(counts);
+        const Vec3 given(now.command.force, now.command.force_z);
+        pulse.samples.push_back({.time = static_cast<double>(k) * period_,
+                                 .counts = counts,
+                                 .torque = place ? machine_.drive(*place, given).torque : Vec3{},
+                                 .fresh = now.reading.fresh && now.reading.ok()});
         pulse.trip = now.command.trip;
-        const bool far = glm::length(now.reading.hip - pulse.place) >= plan.travel;
+        const bool far = glm::length(hip_of(now.reading) - pulse.place) >= plan.travel;
         if (pulse.turn == 0 && k > 0 && (far || k >= longest)) {
             pulse.turn = k + 1;
             end = 2 * pulse.turn + rest;
         }
-        force = pulse.turn == 0 ? pulse.force : k + 1 < 2 * pulse.turn ? -pulse.force : Vec2{};
+        force = pulse.turn == 0 ? pulse.force : k + 1 < 2 * pulse.turn ? -pulse.force : Vec3{};
     }
-    device_->write(Vec2{});
+    device_->press(Vec3{});
     return pulse;
 }
 
-MarkReading PulseRunner::watch(double seconds) {
-    MarkCounts counts;
-    Vec2 last{};
+Rest PulseRunner::watch(double seconds) {
+    Rest rest;
+    Vec3 last = rest.place;
+    Vec3 least(std::numeric_limits<double>::infinity());
+    Vec3 most = -least;
+    double readings = 0.0;
     for (double waited = 0.0; waited < seconds; waited += period_) {
         static_cast<void>(wait_());
         const Reading reading = device_->read();
-        device_->write(Vec2{});
+        device_->press(Vec3{});
         if (reading.fault == DeviceFault::silent) {
             static_cast<void>(device_->reconnect());
         }
         const bool usable = reading.ok() || reading.fault == DeviceFault::unreachable;
         if (usable && reading.fresh) {
-            counts.add(reading.counts);
-            last = reading.hip;
+            const Machine::Counts counts = counts_of(reading);
+            const Vec3 now(counts[0], counts[1], counts[2]);
+            rest.counts += now;
+            least = glm::min(least, now);
+            most = glm::max(most, now);
+            last = hip_of(reading);
+            readings += 1.0;
         }
     }
-    return counts.readings() > 0 ? counts.at(last) : MarkReading{.place = {NAN, NAN}};
+    if (readings > 0.0) {
+        rest = {.place = last, .counts = rest.counts / readings, .span = most - least};
+    }
+    return rest;
+}
+
+Vec3 acting_torque(std::span<const PulseSample> samples, std::size_t k, double delay) noexcept {
+    const double behind = delay / (samples[k].time - samples[k - 1].time);
+    const auto whole = static_cast<std::size_t>(behind);
+    const double part = behind - static_cast<double>(whole);
+    const auto torque = [&](std::size_t back) {
+        return k >= back + 1 ? samples[k - back - 1].torque : Vec3{};
+    };
+    return (1.0 - part) * torque(whole) + part * torque(whole + 1);
 }
 
 std::int32_t moved(const Pulse& pulse) noexcept {
     std::int32_t most = 0;
     for (const PulseSample& sample : pulse.samples) {
-        for (std::size_t i = 0; i < 2; ++i) {
+        for (std::size_t i = 0; i < sample.counts.size(); ++i) {
             most = std::max(most, std::abs(sample.counts[i] - pulse.samples.front().counts[i]));
         }
     }

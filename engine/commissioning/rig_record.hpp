@@ -16,20 +16,31 @@ struct HandleDynamics {
     Vec2 friction{};             ///< N m of dry friction at each motor
 };
 
+/// How one straight axis moves when nobody holds it.
+struct AxisDynamics {
+    double mass = 0.120;    ///< kg that its motor moves
+    double damping = 0.0;   ///< N s/m
+    double friction = 0.0;  ///< N, dry
+    double pull = 0.0;      ///< N that pull it backwards all the time: weight, of the vertical axis
+
+    friend bool operator==(const AxisDynamics&, const AxisDynamics&) = default;
+};
+
 /// What `palpate commission` found of one rig: which device, with which calibration, by which
 /// program. Without it nobody holds a handle that gives force in a session that counts.
 struct RigRecord {
-    std::string device;       ///< as --device names it
-    std::string calibration;  ///< SHA-256 of its canonical text
-    std::string program;      ///< version
-    HandleDynamics dynamics{};
-    double force = 0.1;          ///< N of the pulses that moved the handle
-    double damping = 0.0;        ///< b at the handle, N s/m, the least in the workspace
+    std::string device;                  ///< as --device names it
+    std::string calibration;             ///< SHA-256 of its canonical text
+    std::string program;                 ///< version
+    HandleDynamics dynamics{};           ///< of a pantograph
+    std::array<AxisDynamics, 3> axes{};  ///< of three straight axes
+    double force = 0.1;                  ///< N of the pulses that moved the handle
+    double damping = 0.0;                ///< b at the handle, N s/m, the least in the workspace
     double friction = 0.0;       ///< N of dry friction at the handle, the least of its poses
     double round_trip = 0.0;     ///< s from a question to its answer; 0: the device is not asked
     double rate_hz = 0.0;        ///< at which every tick has a new reading one tick old
     double stiffness = 0.0;      ///< N/m, usable at 1 kHz by the passivity condition
-    std::optional<Vec2> mark{};  ///< m, where the handle is brought at each opening; none: asked
+    std::optional<Vec3> mark{};  ///< m, where the handle is brought at each opening; none: asked
 };
 
 }  // namespace palpate::engine

@@ -48,6 +48,7 @@ TimedWay<3> way_of(const SurfaceExploration& plan) {
 GantryPlant::GantryPlant(const GantryModel& model) : model_(model) {
     require_range(model.mass, 1e-3, 10.0, "mass (kg)");
     require_range(model.damping, 0.0, 100.0, "damping (N s/m)");
+    burden(model.friction, model.weight);
     require_range(model.force_limit, 0.1, 100.0, "motor's limit (N)");
     require_range(model.current_time, 0.0, 1.0, "current's time constant (s)");
     require_range(model.hand.mass, 0.0, 10.0, "hand mass (kg)");
@@ -55,6 +56,13 @@ GantryPlant::GantryPlant(const GantryModel& model) : model_(model) {
     require_range(model.hand.damping, 0.0, 1e3, "hand damping (N s/m)");
     require_range(model.hand.strength, 0.0, 1e3, "hand strength (N)");
     begin({});
+}
+
+void GantryPlant::burden(double friction, double weight) {
+    require_range(friction, 0.0, 100.0, "dry friction (N)");
+    require_range(weight, -100.0, 100.0, "weight (N)");
+    model_.friction = friction;
+    model_.weight = weight;
 }
 
 void GantryPlant::begin(const SurfaceExploration& plan) {
@@ -86,9 +94,12 @@ void GantryPlant::advance(double seconds) noexcept {
         }
         const Vec3 next = current_ + share * (command_ - current_);
         const Vec3 given = model_.current_time > 0.0 ? 0.5 * (current_ + next) : next;
-        const Vec3 drive = given + pull + hand.damping * aim.velocity;
+        const Vec3 drive =
+            given + pull + hand.damping * aim.velocity - Vec3(0.0, 0.0, model_.weight);
         current_ = next;
-        velocity_ = ((mass - damping) * velocity_ + h * drive) / (mass + damping);
+        const Vec3 kick = (mass - damping) * velocity_ + h * drive;
+        const Vec3 rub = glm::min(glm::abs(kick), Vec3(h * model_.friction));
+        velocity_ = (kick - glm::sign(kick) * rub) / (mass + damping);
         position_ += 0.5 * h * velocity_;
         time_ += h;
     }

@@ -22,17 +22,19 @@ struct SurfaceExploration {
 /// Numbers of a machine with three straight axes that move by themselves, each with a motor and an
 /// encoder, and of the hand that holds it.
 struct GantryModel {
-    double mass = 0.120;            ///< kg moved by each motor, handle included
-    double damping = 3.0;           ///< N s/m of each axis
-    double force_limit = 12.0;      ///< N of each motor
+    double mass = 0.120;        ///< kg moved by each motor, handle included
+    double damping = 3.0;       ///< N s/m of each axis
+    double friction = 0.0;      ///< N, dry, of each axis
+    double weight = 0.0;        ///< N that pull the handle down, less what a counterweight holds
+    double force_limit = 12.0;  ///< N of each motor
     double current_time = 0.15e-3;  ///< s, time constant of the motors' current; 0: at once
     HandModel hand{};
 };
 
 /// The motion of three straight axes x, y, z and of the hand that holds their handle.
 ///
-/// On each axis a mass with damping, pulled by motor and hand: the kick of a step takes both dampers by
-/// the trapezoidal rule, in steps of at most 250 us; deterministic to the bit.
+/// On each axis a mass with damping and dry friction, pulled by motor, weight and hand: the kick of a step
+/// takes both dampers by the trapezoidal rule, the friction implicitly, in steps of at most 250 us; deterministic to the bit.
 class GantryPlant {
 public:
     /// @throws std::invalid_argument for a number outside its range
@@ -42,6 +44,8 @@ public:
     void begin(const SurfaceExploration& plan);
     /// What the motors are told to give from now on, N.
     void set_force(const Vec3& force) noexcept { command_ = force; }
+    /// From now on it rubs and weighs so much. @throws std::invalid_argument for a number outside its range
+    void burden(double friction, double weight);
     /// @param seconds  > 0
     void advance(double seconds) noexcept;
     /// m

@@ -102,6 +102,38 @@ Calibration read_pantograph(TableReader& table) {
     return part.checked(calibration);
 }
 
+constexpr std::array<const char*, 3> kAxisNames{"axis_x", "axis_y", "axis_z"};
+
+/// @param straight  of three straight axes, each of which has a table
+RigRecord read_record(TableReader& table, bool straight) {
+    RigRecord record;
+    table.read(record_keys(), &record);
+    if (!straight) {
+        LinkageRecord linkage;
+        table.read(linkage_record_keys(), &linkage);
+        record.dynamics = linkage.dynamics;
+        if (linkage.mark) {
+            record.mark = engine::Vec3(*linkage.mark, 0.0);
+        }
+    }
+    for (std::size_t i = 0; i < kAxisNames.size() && straight; ++i) {
+        AxisRecord axis;
+        if (auto reader = table.table(kAxisNames[i])) {
+            reader->read(axis_record_keys(), &axis);
+            reader->refuse_unknown();
+        } else {
+            table.refuse(kAxisNames[i], fmt::format("there is no table [commissioning.{}]: run "
+                                                    "palpate commission",
+                                                    kAxisNames[i]));
+        }
+        record.axes[i] = axis.dynamics;
+        record.mark = record.mark.value_or(engine::Vec3{});
+        (*record.mark)[static_cast<int>(i)] = axis.mark;
+    }
+    table.refuse_unknown();
+    return record;
+}
+
 /// Every machine of a file, and its record, if it has one.
 std::vector<Calibration> parse_rig(std::string_view text,
                                    std::string_view file_name,
@@ -128,8 +160,7 @@ std::vector<Calibration> parse_rig(std::string_view text,
         keep(table, read_gantry(table));
     }
     if (auto reader = top.table("commissioning")) {
-        reader->read(record_keys(), &record.emplace());
-        reader->refuse_unknown();
+        record = read_record(*reader, !found.empty() && found.front().gantry);
     }
     if (found.empty() && problems.none()) {
         problems.add({}, "the file holds no machine: add a [[pantograph]] or a [[gantry]] table");
@@ -223,8 +254,21 @@ std::string calibration_id(const Calibration& calibration) {
 }
 
 std::string to_toml(const Calibration& calibration, const RigRecord& record) {
-    return sealed(fmt::format("{}\n[commissioning]\n{}", to_toml(calibration),
-                              toml_lines(record_keys(), &record)));
+    std::string text = fmt::format("{}\n[commissioning]\n{}", to_toml(calibration),
+                                   toml_lines(record_keys(), &record));
+    if (!calibration.gantry) {
+        const LinkageRecord linkage{
+            .dynamics = record.dynamics,
+            .mark = record.mark ? std::optional(engine::Vec2(*record.mark)) : std::nullopt};
+        return sealed(text + toml_lines(linkage_record_keys(), &linkage));
+    }
+    for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
+        const AxisRecord axis{.dynamics = record.axes[i],
+                              .mark = record.mark.value_or(engine::Vec3{})[static_cast<int>(i)]};
+        text += fmt::format("\n[commissioning.{}]\n{}", kAxisNames[i],
+                            toml_lines(axis_record_keys(), &axis));
+    }
+    return sealed(text);
 }
 
 }  // namespace palpate::protocols

@@ -221,21 +221,7 @@ constexpr Key kRecord[]{
      .meaning = "version of the program that did it"},
     {.name = "calibration_sha256", .slot = at<&RigRecord::calibration>, .need = required, .form = Form::free,
      .meaning = "of the calibration's canonical text"},
-    {.name = "handle_g", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.handle_mass; }>, .need = required, .range = {0, 1e4}, .per_si = kGrams,
-     .meaning = "handle and free links, lumped at the handle"},
-    {.name = "inertia_1_g_cm2", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.inertia.x; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
-     .meaning = "driven link 1 with its motor"},
-    {.name = "inertia_2_g_cm2", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.inertia.y; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
-     .meaning = "driven link 2 with its motor"},
-    {.name = "damping_1_mn_m_s", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.damping.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
-     .meaning = "at motor 1, by rad/s"},
-    {.name = "damping_2_mn_m_s", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.damping.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
-     .meaning = "at motor 2, by rad/s"},
-    {.name = "friction_1_mn_m", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.friction.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
-     .meaning = "dry, at motor 1"},
-    {.name = "friction_2_mn_m", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.friction.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
-     .meaning = "dry, at motor 2"},
-    {.name = "pulse_n", .slot = at<&RigRecord::force>, .need = required, .range = {0.01, 0.3},
+    {.name = "pulse_n", .slot = at<&RigRecord::force>, .need = required, .range = {0.01, 1},
      .meaning = "force of the pulses that open a session"},
     {.name = "damping_n_s_per_m", .slot = at<&RigRecord::damping>, .need = required, .range = {0, 1e3},
      .meaning = "at the handle, the least in the workspace, less a fifth"},
@@ -247,8 +233,38 @@ constexpr Key kRecord[]{
      .meaning = "at which every tick has a new reading, one tick old"},
     {.name = "stiffness_n_per_m", .slot = at<&RigRecord::stiffness>, .need = required, .range = {0, 1e6},
      .meaning = "usable at 1 kHz"},
-    {.name = "mark_mm", .slot = at<&RigRecord::mark>, .range = {-1000, 1000}, .per_si = kMilli,
+};
+
+constexpr Key kLinkageRecord[]{
+    {.name = "handle_g", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.handle_mass; }>, .need = required, .range = {0, 1e4}, .per_si = kGrams,
+     .meaning = "handle and free links, lumped at the handle"},
+    {.name = "inertia_1_g_cm2", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.inertia.x; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
+     .meaning = "driven link 1 with its motor"},
+    {.name = "inertia_2_g_cm2", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.inertia.y; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
+     .meaning = "driven link 2 with its motor"},
+    {.name = "damping_1_mn_m_s", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.damping.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "at motor 1, by rad/s"},
+    {.name = "damping_2_mn_m_s", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.damping.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "at motor 2, by rad/s"},
+    {.name = "friction_1_mn_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.friction.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "dry, at motor 1"},
+    {.name = "friction_2_mn_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.friction.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "dry, at motor 2"},
+    {.name = "mark_mm", .slot = at<&LinkageRecord::mark>, .range = {-1000, 1000}, .per_si = kMilli,
      .meaning = "where the handle is brought at each opening; left out: the operator's word"},
+};
+
+constexpr Key kAxisRecord[]{
+    {.name = "mass_g", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.mass; }>, .need = required, .range = {0, 1e5}, .per_si = kGrams,
+     .meaning = "that its motor moves"},
+    {.name = "damping_n_s_per_m", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.damping; }>, .need = required, .range = {0, 1e3},
+     .meaning = "of the axis"},
+    {.name = "friction_n", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.friction; }>, .need = required, .range = {0, 1e3},
+     .meaning = "dry, of the axis"},
+    {.name = "pull_n", .slot = in<AxisRecord, [](auto& r) -> auto& { return r.dynamics.pull; }>, .need = required, .range = {-1e3, 1e3},
+     .meaning = "that pulls it backward all the time: weight, of the vertical axis"},
+    {.name = "mark_mm", .slot = at<&AxisRecord::mark>, .need = required, .range = {-2000, 2000}, .per_si = kMilli,
+     .meaning = "where the handle is brought at each opening"},
 };
 // clang-format on
 
@@ -294,6 +310,14 @@ Keys record_keys() noexcept {
     return kRecord;
 }
 
+Keys linkage_record_keys() noexcept {
+    return kLinkageRecord;
+}
+
+Keys axis_record_keys() noexcept {
+    return kAxisRecord;
+}
+
 std::vector<TableText> calibration_reference() {
     return {{"[[pantograph]]", "once for each machine", kPantograph},
             {"[pantograph.linkage]", "required", kLinkage},
@@ -304,7 +328,9 @@ std::vector<TableText> calibration_reference() {
             {"[[gantry]]", "a machine of three straight axes, instead of a pantograph", kGantry},
             {"[gantry.axis_x]", "and [gantry.axis_y], [gantry.axis_z], required", kStraightAxis},
             {"[gantry.board]", "its open board, required", kGantryBoard},
-            {"[commissioning]", "written by palpate commission", kRecord}};
+            {"[commissioning]", "written by palpate commission", kRecord},
+            {"[commissioning]", "and of a pantograph", kLinkageRecord},
+            {"[commissioning.axis_x]", "and axis_y, axis_z, of three straight axes", kAxisRecord}};
 }
 
 }  // namespace palpate::protocols

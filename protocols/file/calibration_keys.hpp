@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/commissioning/rig_record.hpp"
 #include "engine/device/calibration.hpp"
 #include "protocols/file/schema.hpp"
 
@@ -26,5 +27,18 @@ struct Machine : engine::Calibration {
 [[nodiscard]] Keys gantry_board_keys() noexcept;
 /// Of engine::RigRecord.
 [[nodiscard]] Keys record_keys() noexcept;
+
+/// What a record says of a pantograph alone.
+struct LinkageRecord {
+    engine::HandleDynamics dynamics{};
+    std::optional<engine::Vec2> mark{};
+};
+/// What it says of one straight axis.
+struct AxisRecord {
+    engine::AxisDynamics dynamics{};
+    double mark = 0.0;
+};
+[[nodiscard]] Keys linkage_record_keys() noexcept;
+[[nodiscard]] Keys axis_record_keys() noexcept;
 
 }  // namespace palpate::protocols

@@ -69,12 +69,12 @@ private:
 };
 
 Commissioned commissioned_on_card(RigOnCard& rig) {
-    static const std::vector<Vec2> places = commissioning_places(rig.how.pantograph, *rig.how.home);
+    static const std::vector<Vec3> places = places_to_commission(rig.how, *rig.how.home);
     const auto device = plug(rig.bench, rig.how);
-    return commission(*device, rig.how.pantograph, places, PlantModel{}.handle_mass,
+    return commission(*device, rig.how, places, Vec3(PlantModel{}.handle_mass),
                       {.bring =
-                           [&](const Vec2& place) {
-                               rig.bring(place);
+                           [&](const Vec3& place) {
+                               rig.bring(Vec2(place));
                                return true;
                            },
                        .wait =

@@ -25,8 +25,8 @@ PlantModel plant_of(std::string_view preset) {
 
 CommissioningDesk desk_of(MiswiredMachine& device) {
     return {.bring =
-                [&device](const Vec2& place) {
-                    device.bring(place);
+                [&device](const Vec3& place) {
+                    device.bring(Vec2(place));
                     return true;
                 },
             .wait = [] { return true; },
@@ -39,13 +39,14 @@ Commissioned commissioned(const PlantModel& plant,
                           double* strongest = nullptr,
                           double* most_asked = nullptr) {
     MiswiredMachine device(plant, encoders, motors);
-    static std::map<std::string, std::vector<Vec2>> known;  // they are looked for among thousands
+    const Calibration machine{.pantograph = plant.machine};
+    static std::map<std::string, std::vector<Vec3>> known;  // they are looked for among thousands
     auto& places = known[plant.machine.name];
     if (places.empty()) {
-        places = commissioning_places(plant.machine, kHome);
+        places = places_to_commission(machine, kHome);
     }
     const Commissioned done =
-        commission(device, plant.machine, places, plant.handle_mass, desk_of(device));
+        commission(device, machine, places, Vec3(plant.handle_mass), desk_of(device));
     if (strongest != nullptr) {
         *strongest = device.strongest();
     }
@@ -146,8 +147,9 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
     const auto opened = [&](const PlantModel& now, const Connection& motors) {
         MiswiredMachine device(now, {}, motors);
         device.bring(kHome);
-        PulseRunner runner(device, now.machine, kPeriod, [] { return true; });
-        return prove_again(runner, now.machine, record, kPeriod * device.traits().delay_ticks);
+        const Calibration machine{.pantograph = now.machine};
+        PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod, [] { return true; });
+        return prove_again(runner, machine, record, kPeriod * device.traits().delay_ticks);
     };
     CHECK(opened(plant, {}).refused.empty());
     CHECK_THAT(opened(plant, {}).found, ContainsSubstring(" % at "));
@@ -171,15 +173,16 @@ TEST_CASE("a pulse in which four ticks came late is given again, and at last ref
     int tick = 0;
     bool pushed = false;
     const PlantModel plant = plant_of("gen3");
-    PulseRunner runner(device, plant.machine, kPeriod, [&] {
-        const bool pushes = device.pushes();
-        pulses += pushes && !pushed ? 1 : 0;
-        tick = pushes ? tick + 1 : 0;
-        pushed = pushes;
-        const bool is_late = tick >= 20 && tick < 20 + late * apart && (tick - 20) % apart == 0;
-        return !is_late || pulses > spoilt;
-    });
-    const Pulse pulse = runner.give({1.0, 0.0}, {.force = 0.3});
+    PulseRunner runner(
+        device, palpate::engine::Machine({.pantograph = plant.machine}), kPeriod, [&] {
+            const bool pushes = device.pushes();
+            pulses += pushes && !pushed ? 1 : 0;
+            tick = pushes ? tick + 1 : 0;
+            pushed = pushes;
+            const bool is_late = tick >= 20 && tick < 20 + late * apart && (tick - 20) % apart == 0;
+            return !is_late || pulses > spoilt;
+        });
+    const Pulse pulse = runner.give({1.0, 0.0, 0.0}, {.force = 0.3});
     const bool borne = late <= 3 || spoilt < 1000;
     CHECK(pulse.trip == (borne ? Trip::none : Trip::late));
     CHECK(pulse.steady == borne);
@@ -190,7 +193,8 @@ TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioni
     const PlantModel plant = plant_of("gen3");
     CHECK(told_apart(plant.machine, commissioning_places(plant.machine, kHome)) > 2.0 * kPlaced);
     MiswiredMachine device(plant, {}, {});
-    CHECK_THROWS_WITH(commission(device, plant.machine, {kHome, {0.0, 0.050}, {0.0, 0.040}}, 0.06,
-                                 desk_of(device)),
+    CHECK_THROWS_WITH(commission(device, {.pantograph = plant.machine},
+                                 {Vec3(kHome, 0.0), {0.0, 0.050, 0.0}, {0.0, 0.040, 0.0}},
+                                 Vec3(0.06), desk_of(device)),
                       ContainsSubstring("do not tell how the encoders are connected"));
 }

@@ -68,7 +68,7 @@ Commissioned commissioned_on(Board& board,
                              MiswiredHandle& handle,
                              const Calibration& machine,
                              MakeLine make_line) {
-    static const std::vector<Vec2> places = commissioning_places(machine.pantograph, *machine.home);
+    static const std::vector<Vec3> places = places_to_commission(machine, *machine.home);
     BoardCable cable(board);
     ScriptedGuard::Script guard;
     BoardDevice device(machine, std::make_unique<BoardLink>(cable), make_line,
@@ -78,12 +78,12 @@ Commissioned commissioned_on(Board& board,
         cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
         return true;
     };
-    const auto bring = [&](const Vec2& place) {
-        handle.bring(place);
+    const auto bring = [&](const Vec3& place) {
+        handle.bring(Vec2(place));
         cable.pass(200'000'000);
         return true;
     };
-    return commission(device, machine.pantograph, places, PlantModel{}.handle_mass,
+    return commission(device, machine, places, Vec3(PlantModel{}.handle_mass),
                       {.bring = bring, .wait = tick, .period = 1e-3});
 }
 

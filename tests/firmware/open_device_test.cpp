@@ -341,21 +341,21 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is
     ScriptedGuard::Script guard;
     BoardDevice device(machine, std::make_unique<BoardLink>(cable), open_line,
                        std::make_unique<ScriptedGuard>(guard));
-    const Commissioned done = commission(
-        device, machine.pantograph, commissioning_places(machine.pantograph, *machine.home), 0.060,
-        {.bring =
-             [&](const Vec2& place) {
-                 handle.bring(place);
-                 cable.pass(200'000'000);
-                 return true;
-             },
-         .wait =
-             [&, next = std::int64_t{0}]() mutable {
-                 next = std::max(next + 1'000'000, cable.now_ns());
-                 cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
-                 return true;
-             },
-         .period = 1e-3});
+    const Commissioned done =
+        commission(device, machine, places_to_commission(machine, *machine.home), Vec3(0.060),
+                   {.bring =
+                        [&](const Vec3& place) {
+                            handle.bring(Vec2(place));
+                            cable.pass(200'000'000);
+                            return true;
+                        },
+                    .wait =
+                        [&, next = std::int64_t{0}]() mutable {
+                            next = std::max(next + 1'000'000, cable.now_ns());
+                            cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+                            return true;
+                        },
+                    .period = 1e-3});
     CAPTURE(done.refused);
     CHECK(done.refused.empty() == !reversed);
     CHECK_THAT(done.refused, ContainsSubstring(reversed ? "motor 1 is reversed" : ""));

@@ -3,6 +3,7 @@
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/free_board.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/slurp.hpp"
@@ -14,9 +15,13 @@ using Catch::Matchers::ContainsSubstring;
 using tests::commissioned_rig;
 using tests::eventually;
 using tests::Finished;
+using tests::FreeBoard;
+using tests::operate;
+using tests::operated;
 using tests::palpate_command;
 using tests::palpate_program;
 using tests::TemporaryFolder;
+using tests::times;
 using tests::TypedTo;
 
 // A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal whose handle
@@ -28,105 +33,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     const std::size_t at = text.find(what);
     REQUIRE(at != std::string::npos);
     return text.replace(at, what.size(), by);
-}
-
-int times(const std::string& text, const std::string& what) {
-    int found = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
-        ++found;
-    }
-    return found;
-}
-
-/// The place of the last "Bring the handle to (X, Y) mm" as the emulator takes it: "X,Y".
-std::string last_place(const std::string& text) {
-    const std::size_t from = text.rfind("mark (") != std::string::npos ? text.rfind("mark (") + 6
-                                                                       : text.rfind("to (") + 4;
-    const std::string place = text.substr(from, text.find(')', from) - from);
-    return place.substr(0, place.find(',')) + "," + place.substr(place.find(',') + 2);
-}
-
-/// An emulated board whose handle nobody holds.
-class FreeBoard {
-public:
-    explicit FreeBoard(const TemporaryFolder& folder, const std::string& words = "")
-        : word_((words == "--open" ? "board:" : "haply:") + folder.file("board")),
-          emulator_(folder,
-                    "hand",
-                    "haply-emulator --free --link '" + folder.file("board") + "' " + words) {
-        emulator_.type("");
-        REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
-    }
-    /// The example of a device that is a program, at a UDP port.
-    FreeBoard(const TemporaryFolder& folder, std::uint16_t port)
-        : word_("board:udp:127.0.0.1:" + std::to_string(port)),
-          silent_(true),
-          emulator_(folder, "hand", std::to_string(port), {}, PALPATE_UDP_DEVICE) {
-        emulator_.type("");
-    }
-    [[nodiscard]] std::string word() const { return word_; }
-    /// A place, or what else the emulator takes.
-    void bring(const std::string& line) {
-        const std::size_t before = emulator_.program().out().size();
-        emulator_.type(line);
-        tests::pause(0.2);
-        CHECK((silent_ || eventually([&] { return emulator_.program().out().size() > before; })));
-    }
-
-private:
-    std::string word_;
-    bool silent_ = false;  ///< does not say what it did
-    TypedTo emulator_;
-};
-
-/// Does what the program asks for until it has ended or shows `seen`.
-void operate(TypedTo& operated, FreeBoard& board, const std::string& seen = "no such words") {
-    int yes = 0;
-    int brought = 0;
-    CHECK(eventually([&] {
-        const std::string out = operated.program().out();
-        if (times(out, "Type yes:") > yes) {
-            ++yes;
-            operated.type("yes");
-        }
-        if (times(out, "Bring the handle to") > brought) {
-            ++brought;
-            board.bring(last_place(out.substr(out.rfind("Bring the handle to"))));
-            operated.type("");
-        }
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        return !operated.program().running() || out.find(seen) != std::string::npos;
-    }));
-}
-
-/// A busy machine left the board, or the program, without its turn.
-bool starved(const std::string& error) {
-    for (const char* said :
-         {"stopped answering", "switched its motors off", "falls silent", "runs wrong",
-          "does not answer", "too long for a force", "late too often", "became later", "is gone"}) {
-        if (error.find(said) != std::string::npos) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// What a command comes to that the operator at the desk sees through. A busy machine may leave the board
-/// without its turn in the middle of a pulse: the handle is brought back, and it is run again.
-Finished operated(const TemporaryFolder& folder,
-                  FreeBoard& board,
-                  const std::string& words,
-                  const std::string& home = "0,89.3") {
-    for (int attempt = 0;; ++attempt) {
-        static int number = 0;
-        TypedTo program(folder, fmt::format("desk{}", ++number), words, {"SDL_VIDEODRIVER=dummy"});
-        operate(program, board);
-        const Finished end = program.program().wait();
-        if (attempt == 8 || !starved(end.error)) {
-            return end;
-        }
-        board.bring(home);
-    }
 }
 
 std::string study(const TemporaryFolder& folder) {

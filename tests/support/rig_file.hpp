@@ -31,16 +31,16 @@ inline std::string commissioned_rig(const TemporaryFolder& folder,
     const engine::Vec2 home =
         machine.home.value_or(pantograph.locate(pantograph.angles({0, 0}))->hip);
     MiswiredMachine right(plant, {}, {});
-    engine::Commissioned done = engine::commission(
-        right, machine.pantograph, engine::commissioning_places(machine.pantograph, home),
-        plant.handle_mass,
-        {.bring =
-             [&](const engine::Vec2& place) {
-                 right.bring(place);
-                 return true;
-             },
-         .wait = [] { return true; },
-         .period = 1e-3});
+    engine::Commissioned done =
+        engine::commission(right, machine, engine::places_to_commission(machine, home),
+                           engine::Vec3(plant.handle_mass),
+                           {.bring =
+                                [&](const engine::Vec3& place) {
+                                    right.bring(engine::Vec2(place));
+                                    return true;
+                                },
+                            .wait = [] { return true; },
+                            .period = 1e-3});
     if (!done.refused.empty()) {
         throw std::runtime_error(done.refused);
     }

@@ -144,8 +144,8 @@ int run(const CalibrateOptions& options) {
 
     std::vector<engine::MarkReading> readings;
     for (const Vec2& mark : marks) {
-        if (!wait_for_enter(
-                fmt::format("Bring the handle to {} and press Enter. ", place_text(mark)))) {
+        if (!wait_for_enter(fmt::format("Bring the handle to {} and press Enter. ",
+                                        engine::place_text({mark, 0.0}, 2)))) {
             say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
             return kExitStopped;
         }

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
@@ -21,17 +22,32 @@ namespace palpate::ui {
 namespace {
 
 using engine::Vec2;
+using engine::Vec3;
 
 struct CommissionOptions {
     std::string device = "sim";
     std::string calibration;         ///< as RunOptions::calibration
     std::vector<std::string> marks;  ///< X_MM,Y_MM of two; none: chosen
     double handle_g = 60.0;
+    std::string moved_g;  ///< X_G,Y_G,Z_G of three axes
     bool handle_free = false;
     std::string output;
 };
 
 constexpr double kPeriod = 1e-3;
+
+/// Somebody ended it by a signal: thrown within a pulse, whose motors are then at zero.
+struct Stopped {};
+
+/// Ticks that end at a signal.
+engine::PulseRunner::Wait ticks_until_stopped() {
+    return [tick = wall_ticks(kPeriod)]() mutable {
+        if (interrupted()) {
+            throw Stopped{};
+        }
+        return tick();
+    };
+}
 
 /// A device whose handle nobody holds, and how it comes to a place.
 struct Rig {
@@ -52,7 +68,7 @@ Rig simulated_rig(const engine::Calibration& machine) {
     auto device = std::make_unique<engine::SimulatedPantograph>(
         engine::PantographModel{.plant = free_plant(machine)}, kPeriod);
     rig.desk = {.bring = [simulated = device.get()](
-                             const Vec2& place) { return bring_handle(*simulated, place); },
+                             const Vec3& place) { return bring_handle(*simulated, Vec2(place)); },
                 .wait = [] { return true; },
                 .period = kPeriod};
     rig.device = device.get();
@@ -72,11 +88,11 @@ Rig emulated_rig(engine::Calibration& machine) {
         engine::GuardTiming{.wait_ms = 5, .patience = 1000, .alive_ms = 5000});
     rig.device = &rig.emulated->device();
     rig.desk = {.bring =
-                    [emulated = rig.emulated.get()](const Vec2& place) {
-                        emulated->begin({.start = place, .tremor = 0.0});
+                    [emulated = rig.emulated.get()](const Vec3& place) {
+                        emulated->begin({.start = Vec2(place), .tremor = 0.0});
                         return true;
                     },
-                .wait = wall_ticks(kPeriod),
+                .wait = ticks_until_stopped(),
                 .period = kPeriod};
     return rig;
 }
@@ -90,15 +106,15 @@ Rig real_rig(const CommissionOptions& options,
     rig.own = open_device(choice, machine, kPeriod);
     rig.device = rig.own.get();
     rig.desk = {.bring =
-                    [there = home_of(machine)](const Vec2& place) mutable {
+                    [there = home_of(machine), axes = machine.axes()](const Vec3& place) mutable {
                         const bool already = place == there;
                         there = place;
                         return already ||
                                wait_for_enter(fmt::format(
                                    "Bring the handle to {}, let go of it and press Enter. ",
-                                   place_text(place)));
+                                   engine::place_text(place, axes)));
                     },
-                .wait = wall_ticks(kPeriod),
+                .wait = ticks_until_stopped(),
                 .period = kPeriod};
     return rig;
 }
@@ -122,14 +138,18 @@ Rig open_rig(const CommissionOptions& options, engine::Calibration& machine) {
         fmt::format("--device {} gives no force: there is nothing to commission", options.device));
 }
 
-std::vector<Vec2> places_of(const CommissionOptions& options, const engine::Calibration& machine) {
-    const Vec2 home = home_of(machine);
+std::vector<Vec3> places_of(const CommissionOptions& options, const engine::Calibration& machine) {
+    const Vec3 home = home_of(machine);
     if (options.marks.empty()) {
-        return engine::commissioning_places(machine.pantograph, home);
+        return engine::places_to_commission(machine, Vec2(home));
     }
-    std::vector<Vec2> places{home};
+    if (machine.gantry) {
+        throw std::invalid_argument(
+            "--mark: the marks of three axes lie along them and are chosen: leave it out");
+    }
+    std::vector<Vec3> places{home};
     for (const std::string& text : options.marks) {
-        places.push_back(parse_place(text, "--mark"));
+        places.emplace_back(parse_place(text, "--mark"), 0.0);
     }
     if (places.size() < 3) {
         throw std::invalid_argument("--mark: pulses need two marks besides home; give it twice");
@@ -137,11 +157,50 @@ std::vector<Vec2> places_of(const CommissionOptions& options, const engine::Cali
     return places;
 }
 
-void print_found(const engine::RigRecord& record) {
+/// kg
+Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machine) {
+    constexpr double kMostG = 20000.0;
+    if (!machine.gantry) {
+        if (!options.moved_g.empty()) {
+            throw std::invalid_argument(
+                "--moved-g is of three axes: give --handle-g for this pantograph");
+        }
+        return Vec3(1e-3 * options.handle_g);
+    }
+    const auto grams = three_numbers(options.moved_g);
+    const auto weighs = [](double g) {
+        return g >= 1.0 && g <= kMostG;
+    };
+    if (!grams || !weighs(grams->x) || !weighs(grams->y) || !weighs(grams->z)) {
+        throw std::invalid_argument(fmt::format(
+            "--moved-g {}: give what the motors of the axes x, y and z move, the handle and all "
+            "that comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is told by "
+            "it",
+            options.moved_g, kMostG));
+    }
+    return 1e-3 * *grams;
+}
+
+void print_axes(const engine::RigRecord& record) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const engine::AxisDynamics& axis = record.axes[i];
+        say("axis {}: {:.0f} g, damping {:.2g} N s/m, dry friction {:.2f} N, pulled {} by {:.2f} "
+            "N\n",
+            "xyz"[i], 1e3 * axis.mass, axis.damping, axis.friction,
+            axis.pull < 0.0 ? "forward" : "backward", std::fabs(axis.pull));
+    }
+    say("relied upon: damping {:.2g} N s/m\n", record.damping);
+}
+
+void print_found(const engine::RigRecord& record, bool straight) {
     const engine::HandleDynamics& d = record.dynamics;
-    say("encoders and motors: as the calibration says\n"
-        "handle: {:.0f} g, damping {:.2g} N s/m (relied upon: {:.2g}), dry friction {:.2g} N\n",
-        1e3 * d.handle_mass, record.damping / 0.8, record.damping, record.friction);
+    say("encoders and motors: as the calibration says\n");
+    if (straight) {
+        print_axes(record);
+    } else {
+        say("handle: {:.0f} g, damping {:.2g} N s/m (relied upon: {:.2g}), dry friction {:.2g} N\n",
+            1e3 * d.handle_mass, record.damping / 0.8, record.damping, record.friction);
+    }
     if (record.round_trip > 0.0) {
         say("answers after {:.2f} ms: up to {:.0f} Hz without a tick of delay more\n",
             1e3 * record.round_trip, record.rate_hz);
@@ -154,36 +213,35 @@ int run(const CommissionOptions& options) {
     if (parse_device(options.device).kind == DeviceChoice::Kind::haply_emulator) {
         machine.home = engine::Exploration{}.start;
     }
-    if (machine.gantry) {
-        throw std::invalid_argument(fmt::format(
-            "--calibration {}: pulses prove a pantograph and no machine of three axes yet: prove "
-            "its signs by hand with its motors weak, and run --kind pilot",
-            options.calibration));
-    }
-    const std::vector<Vec2> places = places_of(options, machine);
+    const std::vector<Vec3> places = places_of(options, machine);
+    const Vec3 mass = mass_of(options, machine);
     require_writable(options.output,
                      protocols::to_toml(machine));  // before anybody brings a handle
+    catch_signals();
     Rig rig = open_rig(options, machine);
     say("{}: {} with the numbers of {}; the handle is free\n", options.output, rig.device->name(),
-        machine.pantograph.name);
+        machine.name());
     engine::Commissioned done;
-    in_real_time([&] {
-        done = engine::commission(*rig.device, machine.pantograph, places, 1e-3 * options.handle_g,
-                                  rig.desk);
-    });
+    try {
+        in_real_time(
+            [&] { done = engine::commission(*rig.device, machine, places, mass, rig.desk); });
+    } catch (const Stopped&) {
+        done.given_up = true;
+    }
     if (done.given_up) {
-        say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
+        say_to(stderr, fmt::format("\npalpate: {}; the motors are off and nothing was written\n",
+                                   interrupted() ? "stopped" : "standard input ended"));
         return kExitStopped;
     }
     if (!done.refused.empty()) {
         throw std::runtime_error(
             fmt::format("{}. The motors are off and nothing was written", done.refused));
     }
-    machine.pantograph.damping = done.record.damping;
+    (machine.gantry ? machine.gantry->damping : machine.pantograph.damping) = done.record.damping;
     done.record.device = options.device;
     done.record.program = PALPATE_VERSION;
     done.record.calibration = protocols::calibration_id(machine);
-    print_found(done.record);
+    print_found(done.record, machine.gantry.has_value());
     write_whole(options.output, protocols::to_toml(machine, done.record));
     say("Rig {} written to {}: give it by --calibration\n",
         done.record.calibration.substr(0, kShownId), options.output);
@@ -201,6 +259,11 @@ void declare(CommandWords& words, CommissionOptions& options) {
              "What the handle weighs with the near halves of its links: strength is told by it")
         .within(1.0, 2000.0)
         .with_default();
+    words
+        .add("--moved-g", options.moved_g,
+             "Of three axes instead: X_G,Y_G,Z_G, what each motor moves, the handle and all that "
+             "comes along")
+        .excludes("--handle-g");
     words.add(
         "--handle-free", options.handle_free,
         "Says beforehand that nobody holds the handle and that it rests at home, for scripts");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -5,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -70,7 +72,8 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         "--free", options.free,
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
         "it there (X_MM,Y_MM,Z_MM on a machine of three axes), and gain G lets motors give G times "
-        "what they are told to");
+        "what they are told to. On three axes motor N G does so of one, swap N M lets two change "
+        "places, friction N and weight N burden the handle, hold and let go bring a hand to it");
     words
         .add("--at", options.at,
              "Where a free handle rests at first, X_MM,Y_MM or X_MM,Y_MM,Z_MM; left out: at home")
@@ -200,6 +203,45 @@ void live(const EmulatorOptions& options,
     serve(terminal, set_delay, heed_board, delay);
 }
 
+/// "motor 2 -1", "swap 1 2": a motor, and another or a number. @return none: it is another line
+std::optional<std::pair<std::size_t, double>> motor_and(const std::string& line,
+                                                        const std::string& word) {
+    const std::size_t gap = line.find(' ', word.size());
+    const auto motor = number_after(line.substr(0, gap), word, 1.0, 3.0);
+    if (!motor || gap == std::string::npos) {
+        return std::nullopt;
+    }
+    const auto number = number_after(line.substr(gap), " ", -100.0, 100.0);
+    return std::pair(static_cast<std::size_t>(*motor) - 1, number.value_or(0.0));
+}
+
+/// Lines about what is wrong with a free handle on three axes. @return false: it is another line
+bool heed_gantry(engine::GantryHand& hand, const std::string& line) {
+    if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
+        hand.strengthen(*gain);
+        say("The motors give {:g} times what they are asked for\n", *gain);
+    } else if (const auto one = motor_and(line, "motor ")) {
+        hand.strengthen(one->first, one->second);
+        say("Motor {} gives {:g} times what it is asked for\n", one->first + 1, one->second);
+    } else if (const auto two = motor_and(line, "swap ")) {
+        hand.swap_motors(two->first,
+                         static_cast<std::size_t>(std::clamp(two->second, 1.0, 3.0)) - 1);
+        say("Motors {} and {:g} have changed places\n", two->first + 1, two->second);
+    } else if (const auto friction = number_after(line, "friction ", 0.0, 100.0)) {
+        hand.burden(*friction, hand.model().weight);
+        say("Each axis rubs by {:g} N\n", *friction);
+    } else if (const auto weight = number_after(line, "weight ", -100.0, 100.0)) {
+        hand.burden(hand.model().friction, *weight);
+        say("The handle weighs {:g} N more than its counterweight\n", *weight);
+    } else if (line == "hold" || line == "let go") {
+        hand.hold(line == "hold");
+        say("{} the handle\n", line == "hold" ? "A hand holds" : "Nobody holds");
+    } else {
+        return false;
+    }
+    return true;
+}
+
 /// A machine of three straight axes, held or free.
 void live_in_space(const EmulatorOptions& options, const engine::Calibration& machine) {
     engine::GantryHand hand(machine, !options.free);
@@ -210,10 +252,7 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
         if (!options.free) {
             return false;
         }
-        if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
-            hand.strengthen(*gain);
-            say("The motors give {:g} times what they are asked for\n", *gain);
-        } else {
+        if (!heed_gantry(hand, line)) {
             hand.bring(parse_place_3(line, "brought to"));
             say("The handle is at {} mm\n", line);
         }
@@ -224,8 +263,8 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
     engine::PlantModel plant;
     plant.machine = machine.pantograph;
-    engine::FreeHandle handle(
-        plant, options.at.empty() ? home_of(machine) : parse_place(options.at, "--at"));
+    engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(home_of(machine))
+                                                        : parse_place(options.at, "--at"));
     live(options, machine, handle, [&](const std::string& line) {
         if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
             handle.strengthen(*gain);

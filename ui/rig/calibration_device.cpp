@@ -16,28 +16,35 @@ namespace {
 constexpr std::array<double, 2> kHidden{0.2345, -0.1234};
 constexpr double kPeriod = 1e-3;
 
-/// @return m, z = 0 of two numbers
+/// "1,2" or "1,2,3"; the third of two is 0.
 template <int kNumbers>
-engine::Vec3 place_of(const std::string& text, const std::string& word, const char* example) {
-    constexpr double kFar = 1000.0;
-    engine::Vec3 mm{};
+std::optional<engine::Vec3> numbers_of(const std::string& text) {
+    engine::Vec3 numbers{};
     const char* const end = text.data() + text.size();
     const char* at = text.data();
     bool good = true;
     for (int i = 0; i < kNumbers && good; ++i) {
-        const auto number = std::from_chars(at, end, mm[i]);
+        const auto number = std::from_chars(at, end, numbers[i]);
         at = number.ptr;
         good = number.ec == std::errc{};
         if (good && i + 1 < kNumbers) {
             good = at != end && *at++ == ',';
         }
     }
-    if (!good || at != end || !(glm::length(mm) <= kFar)) {
+    return good && at == end ? std::optional(numbers) : std::nullopt;
+}
+
+/// @return m, z = 0 of two numbers
+template <int kNumbers>
+engine::Vec3 place_of(const std::string& text, const std::string& word, const char* example) {
+    constexpr double kFar = 1000.0;
+    const auto mm = numbers_of<kNumbers>(text);
+    if (!mm || !(glm::length(*mm) <= kFar)) {
         throw std::invalid_argument(
             fmt::format("{0} {1}: give its place in the object's frame in mm, as in {0} {2}", word,
                         text, example));
     }
-    return mm / 1000.0;
+    return *mm / 1000.0;
 }
 
 }  // namespace
@@ -80,18 +87,25 @@ engine::Vec3 parse_place_3(const std::string& text, const std::string& word) {
     return place_of<3>(text, word, "0,40,20");
 }
 
+std::optional<engine::Vec3> three_numbers(const std::string& text) {
+    return numbers_of<3>(text);
+}
+
 bool starts_at_home(const engine::Calibration& calibration) {
     return calibration.home || calibration.haply || calibration.board;
 }
 
-engine::Vec2 home_of(const engine::Calibration& calibration) {
+engine::Vec3 home_of(const engine::Calibration& calibration) {
+    if (calibration.gantry) {
+        return calibration.gantry->home();
+    }
     if (calibration.home) {
-        return *calibration.home;
+        return {*calibration.home, 0.0};
     }
     const engine::Pantograph machine(calibration.pantograph);
     const auto fix =
         starts_at_home(calibration) ? machine.locate(machine.angles({0, 0})) : std::nullopt;
-    return fix ? fix->hip : engine::Vec2{0.0, 0.020};
+    return {fix ? fix->hip : engine::Vec2{0.0, 0.020}, 0.0};
 }
 
 }  // namespace palpate::ui

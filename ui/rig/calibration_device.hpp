@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/device/calibration.hpp"
@@ -17,7 +18,7 @@ namespace palpate::ui {
 [[nodiscard]] std::unique_ptr<engine::Device> open_for_calibration(
     const std::string& device, const engine::Calibration& calibration);
 
-/// Brings the handle of a simulated machine to `place`, object frame, m.
+/// Brings the handle of a simulated machine in the plane to `place`, object frame, m.
 /// @return false for a device that a person has to move
 bool bring_handle(engine::Device& device, const engine::Vec2& place);
 
@@ -28,6 +29,9 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place);
 /// X_MM,Y_MM,Z_MM, of a machine of three axes. As above.
 [[nodiscard]] engine::Vec3 parse_place_3(const std::string& text, const std::string& word);
 
+/// "480,300,120". @return none: it is no three numbers
+[[nodiscard]] std::optional<engine::Vec3> three_numbers(const std::string& text);
+
 /// As many digits of a calibration's id tell it from others, for people.
 inline constexpr std::size_t kShownId = 12;
 
@@ -36,6 +40,6 @@ inline constexpr std::size_t kShownId = 12;
 
 /// Where the handle rests when the device is switched on: the calibration's home, or where its counts
 /// are 0 on a Haply or open board, or a place in the middle of the workspace.
-[[nodiscard]] engine::Vec2 home_of(const engine::Calibration& calibration);
+[[nodiscard]] engine::Vec3 home_of(const engine::Calibration& calibration);
 
 }  // namespace palpate::ui

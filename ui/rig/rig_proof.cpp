@@ -28,10 +28,12 @@ constexpr double kLook = 0.25;        ///< s at the second mark
 constexpr double kStillCounts = 1.0;  ///< an encoder at rest may flicker by one
 constexpr double kOffHome = 2.0;      ///< counts between set-up and now
 
-std::string commission_words(const std::string& device, const std::string& calibration) {
+std::string commission_words(const std::string& device,
+                             const std::string& calibration,
+                             bool straight) {
     return "palpate commission --device " + shell_word(device) +
            (calibration.empty() ? std::string() : " --calibration " + shell_word(calibration)) +
-           " -o rig.toml";
+           (straight ? " --moved-g X_G,Y_G,Z_G -o rig.toml" : " -o rig.toml");
 }
 
 /// A line of standard input, byte by byte: a signal that asks to stop is heeded while nobody types.
@@ -59,22 +61,20 @@ std::optional<std::string> typed_line() {
 
 /// The handle did not move since the device took its pose for home.
 void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibration) {
-    const engine::MarkReading rest = runner.watch(kRest);
+    const engine::Rest rest = runner.watch(kRest);
     if (!std::isfinite(rest.place.x)) {
         throw std::runtime_error("the device said nothing new for a second: check its cable");
     }
-    if (rest.span.x > kStillCounts || rest.span.y > kStillCounts) {
+    if (rest.span.x > kStillCounts || rest.span.y > kStillCounts || rest.span.z > kStillCounts) {
         throw std::runtime_error(
             "the handle moves: let it rest, free, at home, and run the same command again");
     }
     if (!starts_at_home(calibration)) {
         return;  // its counts are its own: where it rests is told by them alone
     }
-    const engine::Pantograph machine(calibration.pantograph);
-    const auto angles = machine.reach(home_of(calibration));
-    const auto home = angles ? machine.counts(*angles) : engine::Pantograph::Counts{};
-    if (std::fabs(rest.counts.x - home[0]) > kOffHome ||
-        std::fabs(rest.counts.y - home[1]) > kOffHome) {
+    const engine::Machine::Counts home = engine::Machine(calibration).home();
+    const engine::Vec3 off = glm::abs(rest.counts - engine::Vec3(home[0], home[1], home[2]));
+    if (off.x > kOffHome || off.y > kOffHome || off.z > kOffHome) {
         throw std::runtime_error(
             "the handle moved while the device was opened, so that its home is lost: let it rest, "
             "free, at home, and run the same command again");
@@ -83,53 +83,44 @@ void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibrat
 
 OpeningFact prove_mark(engine::PulseRunner& runner,
                        const engine::Calibration& calibration,
-                       const engine::Vec2& mark) {
+                       const engine::Vec3& mark) {
+    const auto text = [&](const engine::Vec3& place) {
+        return engine::place_text(place, calibration.axes());
+    };
     if (!wait_for_enter(
             fmt::format("Bring the handle to the second mark {}, let go of it and press Enter. ",
-                        place_text(mark)))) {
+                        text(mark)))) {
         throw std::runtime_error(
             interrupted() ? "stopped before the second mark was tried; no session was begun"
                           : "standard input ended before the second mark was tried: --handle-free "
                             "gives your word instead");
     }
-    const engine::MarkReading seen = runner.watch(kLook);
-    const engine::Pantograph machine(calibration.pantograph);
-    const auto fix =
-        machine.locate(machine.angles({static_cast<std::int32_t>(std::lround(seen.counts.x)),
-                                       static_cast<std::int32_t>(std::lround(seen.counts.y))}));
-    const double off = fix ? glm::length(fix->hip - mark) : engine::kPlaced * 100.0;
+    const engine::Rest seen = runner.watch(kLook);
+    const auto whole = [&](int i) {
+        return static_cast<std::int32_t>(std::lround(seen.counts[i]));
+    };
+    const auto there = engine::Machine(calibration).locate({whole(0), whole(1), whole(2)});
+    const double off = there ? glm::length(there->hip - mark) : engine::kPlaced * 100.0;
     if (!(off <= engine::kPlaced)) {
         throw std::runtime_error(fmt::format(
             "the handle is at the second mark {}, and the encoders say {}: it did not rest at home "
             "{} when the device was opened. Put it there and run the same command again",
-            place_text(mark), fix ? place_text(fix->hip) : "nowhere",
-            place_text(home_of(calibration))));
+            text(mark), there ? text(there->hip) : "nowhere", text(home_of(calibration))));
     }
     return {
         .key = "start pose",
         .value = fmt::format("second mark met to {:.1f} mm", 1e3 * off),
         .text = fmt::format("the handle rested at home; the second mark {} was met to {:.1f} mm",
-                            place_text(mark), 1e3 * off)};
+                            text(mark), 1e3 * off)};
 }
 
 }  // namespace
-
-std::string place_text(const engine::Vec2& place) {
-    return fmt::format("({:g}, {:g}) mm", std::round(1e4 * place.x) / 10.0 + 0.0,
-                       std::round(1e4 * place.y) / 10.0 + 0.0);
-}
 
 std::string objection(const engine::RigRecord* record,
                       const engine::Calibration& machine,
                       const std::string& device,
                       const std::string& calibration) {
-    const std::string words = commission_words(device, calibration);
-    if (machine.gantry) {
-        return fmt::format(
-            "a machine of three axes cannot be commissioned yet, so that nobody "
-            "proved how --device {} is wired and how strong it is: run --kind pilot",
-            device);
-    }
+    const std::string words = commission_words(device, calibration, machine.gantry.has_value());
     if (record == nullptr) {
         return fmt::format(
             "nobody proved how --device {} is wired and how strong it is: {} does, in two minutes "
@@ -208,10 +199,11 @@ engine::PulseRunner::Wait wall_ticks(double period) {
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
     const bool at_home = starts_at_home(calibration);
     ask_for_yes(
-        fmt::format(
-            "Nobody may hold the handle now: weak pulses will move it by some mm. {}",
-            at_home ? fmt::format("It has to rest at home, {}.", place_text(home_of(calibration)))
-                    : std::string("Let it rest in the middle of the workspace.")),
+        fmt::format("Nobody may hold the handle now: weak pulses will move it by some mm. {}",
+                    at_home
+                        ? fmt::format("It has to rest at home, {}.",
+                                      engine::place_text(home_of(calibration), calibration.axes()))
+                        : std::string("Let it rest in the middle of the workspace.")),
         beforehand);
 }
 
@@ -222,10 +214,11 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
                                        bool beforehand) {
     std::vector<OpeningFact> facts;
     in_real_time([&] {
-        engine::PulseRunner runner(device, calibration.pantograph, period, wall_ticks(period));
+        engine::PulseRunner runner(device, engine::Machine(calibration), period,
+                                   wall_ticks(period));
         prove_rest(runner, calibration);
-        const engine::ShortForm form = prove_again(runner, calibration.pantograph, record,
-                                                   device.traits().delay_ticks * period);
+        const engine::ShortForm form =
+            prove_again(runner, calibration, record, device.traits().delay_ticks * period);
         if (!form.refused.empty()) {
             throw std::runtime_error(form.refused +
                                      ". No session was begun; if nobody held the "
@@ -248,11 +241,12 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
 
 std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
     const engine::Calibration& calibration, const engine::RigRecord& record, double period) {
-    return [spec = calibration.pantograph, record, period](engine::Device& device) {
+    return [calibration, record, period](engine::Device& device) {
         engine::ShortForm form;
         in_real_time([&] {
-            engine::PulseRunner runner(device, spec, period, wall_ticks(period));
-            form = prove_again(runner, spec, record, device.traits().delay_ticks * period);
+            engine::PulseRunner runner(device, engine::Machine(calibration), period,
+                                       wall_ticks(period));
+            form = prove_again(runner, calibration, record, device.traits().delay_ticks * period);
         });
         if (!form.refused.empty()) {
             form.refused =

@@ -36,9 +36,6 @@ void ask_for_yes(const std::string& text, bool beforehand);
 /// Says `text` and waits for Enter. @return false at the end of standard input, or once interrupted()
 [[nodiscard]] bool wait_for_enter(const std::string& text);
 
-/// "(0, 89.3) mm"
-[[nodiscard]] std::string place_text(const engine::Vec2& place);
-
 /// Runs `work` on a thread that is woken before ordinary programs, where that is permitted.
 /// @throws what it throws
 void in_real_time(const std::function<void()>& work);
@@ -50,8 +47,8 @@ void in_real_time(const std::function<void()>& work);
 /// pose for. @throws as ask_for_yes
 void ask_for_home(const engine::Calibration& calibration, bool beforehand);
 
-/// After it was opened: the handle rests, at home; four weak pulses move it as when it was
-/// commissioned; and at the second mark the encoders say that it is there. Takes 5 s.
+/// After it was opened: the handle rests, at home; weak pulses, one in each direction, move it as
+/// when it was commissioned; and at the second mark the encoders say that it is there. Takes 5 s.
 /// @param beforehand  the operator has given their word for home, in place of the second mark
 /// @throws std::runtime_error  what is wrong, with the remedy; no force was more than record.force
 [[nodiscard]] std::vector<OpeningFact> prove_opening(engine::Device& device,
@@ -60,7 +57,7 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
                                                      double period,
                                                      bool beforehand);
 
-/// The four pulses again, wherever the handle rests: for protocols::DeviceApparatus::prove_by().
+/// The pulses again, wherever the handle rests: for protocols::DeviceApparatus::prove_by().
 [[nodiscard]] std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
     const engine::Calibration& calibration, const engine::RigRecord& record, double period);
 

@@ -47,15 +47,34 @@ void GantryHand::bring(const Vec3& place) {
     plant_.set_force(force_);
 }
 
-void GantryHand::set_torque(const Vec2& newton_metres) noexcept {
-    force_.x = gain_ * newton_metres.x / machine_.axes[0].radius;
-    force_.y = gain_ * newton_metres.y / machine_.axes[1].radius;
+void GantryHand::hold(bool held) {
+    GantryModel model = model_of({.gantry = machine_}, held);
+    model.friction = plant_.model().friction;
+    model.weight = plant_.model().weight;
+    const Vec3 place = plant_.position();
+    held_ = held;
+    plant_ = GantryPlant(model);
+    if (held) {
+        before_set_up();
+    } else {
+        bring(place);
+    }
+}
+
+void GantryHand::give(std::size_t motor, double newton_metres) noexcept {
+    const std::size_t axis = moves_[motor];
+    force_[static_cast<int>(axis)] =
+        gain_[static_cast<int>(motor)] * newton_metres / machine_.axes[axis].radius;
     plant_.set_force(force_);
 }
 
+void GantryHand::set_torque(const Vec2& newton_metres) noexcept {
+    give(0, newton_metres.x);
+    give(1, newton_metres.y);
+}
+
 void GantryHand::set_torque_3(double newton_metres) noexcept {
-    force_.z = gain_ * newton_metres / machine_.axes[2].radius;
-    plant_.set_force(force_);
+    give(2, newton_metres);
 }
 
 void GantryHand::before_set_up() noexcept {

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <utility>
+
 #include "engine/device/emulator/port_board.hpp"
 #include "engine/device/gantry_plant.hpp"
 
@@ -22,7 +26,20 @@ public:
     /// Somebody brings the free handle there and lets go, m. @throws std::invalid_argument outside the workspace
     void bring(const Vec3& place);
     /// From now on its motors give `gain` times what they are told to.
-    void strengthen(double gain) noexcept { gain_ = gain; }
+    void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
+    /// The same of one motor. @param motor  below 3
+    void strengthen(std::size_t motor, double gain) noexcept {
+        gain_[static_cast<int>(motor)] = gain;
+    }
+    /// The cables of two motors change places. @param one, other  below 3
+    void swap_motors(std::size_t one, std::size_t other) noexcept {
+        std::swap(moves_[one], moves_[other]);
+    }
+    /// It rubs and weighs so much from now on, N. @throws std::invalid_argument as GantryPlant::burden
+    void burden(double friction, double weight) { plant_.burden(friction, weight); }
+    [[nodiscard]] const GantryModel& model() const noexcept { return plant_.model(); }
+    /// From now on a hand holds it, or nobody does. The hand takes it at home.
+    void hold(bool held);
 
     void set_torque(const Vec2& newton_metres) noexcept override;
     void set_torque_3(double newton_metres) noexcept override;
@@ -37,14 +54,16 @@ public:
 
 private:
     [[nodiscard]] double angle(std::size_t axis) const noexcept;
+    void give(std::size_t motor, double newton_metres) noexcept;
 
     GantrySpec machine_;
     bool held_;
     GantryPlant plant_;
     Vec3 force_{};  ///< N, of the motors
-    double gain_ = 1.0;
-    double rested_ = 0.0;   ///< s at home
-    double settled_ = 0.0;  ///< s after the way home
+    Vec3 gain_{1.0};
+    std::array<std::size_t, 3> moves_{0, 1, 2};  ///< which axis each motor moves
+    double rested_ = 0.0;                        ///< s at home
+    double settled_ = 0.0;                       ///< s after the way home
     bool explores_ = false;
 };
 

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "engine/commissioning/least_squares.hpp"
+
+namespace palpate::engine {
+
+/// Stands where nothing was measured.
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// What numbers may be.
+struct NumberRange {
+    LeastSquares::Row least{};
+    LeastSquares::Row most{};
+    LeastSquares::Row small{};  ///< a step of the differences, where a number is near 0
+};
+
+namespace detail {
+
+inline std::vector<double> missed(const std::vector<double>& measured,
+                                  const std::vector<double>& predicted) {
+    std::vector<double> all(measured.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        all[k] = std::isnan(measured[k]) ? 0.0 : measured[k] - predicted[k];
+    }
+    return all;
+}
+
+inline double squares_of(const std::vector<double>& missed) {
+    double sum = 0.0;
+    for (const double one : missed) {
+        sum += one * one;
+    }
+    return sum;
+}
+
+/// Where the numbers should go from `x`.
+template <class Predict>
+LeastSquares slopes_at(const Predict& predict,
+                       const LeastSquares::Row& x,
+                       const std::vector<double>& here,
+                       const std::vector<double>& missed,
+                       const NumberRange& range,
+                       std::size_t unknowns) {
+    std::array<std::vector<double>, LeastSquares::kMost> slope;
+    for (std::size_t i = 0; i < unknowns; ++i) {
+        LeastSquares::Row beside = x;
+        const double step = std::fmax(0.02 * std::fabs(x[i]), range.small[i]);
+        beside[i] += step;
+        slope[i] = predict(beside);
+        for (std::size_t k = 0; k < here.size(); ++k) {
+            slope[i][k] = (slope[i][k] - here[k]) / step;
+        }
+    }
+    LeastSquares squares(unknowns);
+    for (std::size_t k = 0; k < here.size(); ++k) {
+        LeastSquares::Row row{};
+        for (std::size_t i = 0; i < unknowns; ++i) {
+            row[i] = slope[i][k];
+        }
+        squares.add(row, missed[k]);
+    }
+    return squares;
+}
+
+}  // namespace detail
+
+/// The numbers whose prediction is nearest to what was measured: Levenberg and Marquardt's method.
+/// @param predict   from numbers to a std::vector<double> as long as `measured`
+/// @param measured  kUnknown where nothing was
+/// @param x         where to begin, within `range`
+/// @param unknowns  the first so many are looked for, the others stay
+template <class Predict>
+[[nodiscard]] LeastSquares::Row nearest_numbers(const Predict& predict,
+                                                const std::vector<double>& measured,
+                                                LeastSquares::Row x,
+                                                const NumberRange& range,
+                                                std::size_t unknowns) {
+    constexpr int kRounds = 14;
+    std::vector<double> here = predict(x);
+    std::vector<double> wrong = detail::missed(measured, here);
+    double damped = 1e-2;
+    for (int round = 0; round < kRounds && damped < 1e6; ++round) {
+        const LeastSquares squares = detail::slopes_at(predict, x, here, wrong, range, unknowns);
+        bool better = false;
+        for (; !better && damped < 1e6; damped *= better ? 0.2 : 5.0) {
+            const LeastSquares::Row change = squares.solved(damped);
+            LeastSquares::Row next = x;
+            for (std::size_t i = 0; i < unknowns; ++i) {
+                next[i] = std::clamp(x[i] + change[i], range.least[i], range.most[i]);
+            }
+            std::vector<double> there = predict(next);
+            std::vector<double> left = detail::missed(measured, there);
+            better = detail::squares_of(left) < detail::squares_of(wrong);
+            if (better) {
+                const bool enough = detail::squares_of(left) > 0.999 * detail::squares_of(wrong);
+                x = next;
+                here = std::move(there);
+                wrong = std::move(left);
+                if (enough) {
+                    return x;
+                }
+            }
+        }
+    }
+    return x;
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,137 @@
+#include "engine/commissioning/pulse_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/text.hpp"
+#include "engine/commissioning/straight_axes.hpp"
+#include "engine/device/gantry.hpp"
+#include "engine/device/pantograph_plant.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr double kDegree = 180.0 / kPi;
+
+PantographPlant free_handle(const PantographSpec& spec, const HandleDynamics& dynamics) {
+    return PantographPlant(
+        {.machine = spec,
+         .inertia = dynamics.inertia,
+         .damping = dynamics.damping,
+         .coulomb = dynamics.friction,
+         .current_time = 0.0,
+         .handle_mass = dynamics.handle_mass,
+         .hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0}});
+}
+
+std::string pushed_text(const Pulse& pulse, std::size_t axes) {
+    const Vec3& f = pulse.force;
+    const std::string way = f.x > 0.0 ? "to the right"
+                          : f.x < 0.0 ? "to the left"
+                          : f.y > 0.0 ? "away"
+                          : f.y < 0.0 ? "near"
+                          : f.z > 0.0 ? "up"
+                                      : "down";
+    const auto mm = [](double metres) {
+        return number_text(std::round(metres * 1e3) + 0.0);
+    };
+    return "pushed " + way + " at (" + mm(pulse.place.x) + ", " + mm(pulse.place.y) +
+           (axes > 2 ? ", " + mm(pulse.place.z) : std::string()) + ") mm the handle ";
+}
+
+PulseMatch match_linkage(const PantographSpec& spec,
+                         const Pulse& pulse,
+                         const HandleDynamics& dynamics,
+                         double delay) {
+    const Pantograph machine(spec);
+    const auto& samples = pulse.samples;
+    const std::size_t last = std::min(pulse.turn, samples.size() - 1);
+    const auto start = machine.angles(samples.front().joints());
+    const auto end = machine.angles(samples[last].joints());
+    const auto from = machine.locate(start);
+    if (!from) {
+        return {.share = 0.0, .angle = kPi};
+    }
+    PantographPlant plant = free_handle(spec, dynamics);
+    plant.begin({.start = from->hip, .tremor = 0.0});
+    std::size_t next = 0;
+    double now = 0.0;
+    while (now < samples[last].time) {
+        const double change = next < last ? samples[next].time + delay : samples[last].time;
+        const double until = std::fmin(change, samples[last].time);
+        plant.advance(until - now);
+        now = until;
+        if (next < last) {
+            plant.set_torque(Vec2(samples[next++].torque));
+        }
+    }
+    const Vec2 expected{plant.angles()[0] - start[0], plant.angles()[1] - start[1]};
+    const Vec2 measured{end[0] - start[0], end[1] - start[1]};
+    const double length = glm::length(expected);
+    if (!(length > 0.0)) {
+        return {.share = 0.0, .angle = kPi};
+    }
+    return {.share = glm::length(measured) / length,
+            .angle = std::fabs(arc_tan2(cross(expected, measured), glm::dot(expected, measured)))};
+}
+
+PulseMatch match_axes(const GantrySpec& spec,
+                      const Pulse& pulse,
+                      const std::array<AxisDynamics, 3>& axes,
+                      double delay) {
+    const Gantry gantry(spec);
+    const std::size_t last = std::min(pulse.turn, pulse.samples.size() - 1);
+    const Vec3 expected = predicted_way(gantry, pulse, last, axes, delay);
+    const Vec3 measured = way_of(gantry, pulse, last);
+    const double length = glm::length(expected);
+    if (!(length > 0.0)) {
+        return {.share = 0.0, .angle = kPi};
+    }
+    return {.share = glm::length(measured) / length,
+            .angle = arc_tan2(glm::length(glm::cross(expected, measured)),
+                              glm::dot(expected, measured))};
+}
+
+}  // namespace
+
+PulseMatch match(const Machine& machine,
+                 const Pulse& pulse,
+                 const RigRecord& record,
+                 double delay) {
+    const Calibration& how = machine.calibration();
+    return how.gantry ? match_axes(*how.gantry, pulse, record.axes, delay)
+                      : match_linkage(how.pantograph, pulse, record.dynamics, delay);
+}
+
+std::string wrong_with(const Machine& machine,
+                       std::span<const Pulse> pulses,
+                       const RigRecord& record,
+                       double delay) {
+    for (const Pulse& pulse : pulses) {
+        if (pulse.trip != Trip::none) {
+            return pushed_text(pulse, machine.axes()) +
+                   "tripped the safety chain: " + std::string(explanation(pulse.trip));
+        }
+        const PulseMatch found = match(machine, pulse, record, delay);
+        const std::string share = number_text(std::round(100.0 * found.share)) + " %";
+        if (!(found.share >= 1.0 - kMostGainError)) {
+            return pushed_text(pulse, machine.axes()) + "moved " + share +
+                   " of what it should: is somebody holding it, does something block it, or is a "
+                   "motor too weak";
+        }
+        if (!(found.angle <= kMostTurn)) {
+            return pushed_text(pulse, machine.axes()) + "went " +
+                   number_text(std::round(found.angle * kDegree)) +
+                   " degrees beside that: a motor or an encoder is reversed or swapped, or the "
+                   "handle was not at home";
+        }
+        if (!(found.share <= 1.0 + kMostGainError)) {
+            return pushed_text(pulse, machine.axes()) + "moved " + share +
+                   " of what it should: a motor is too strong, or the handle is lighter than it "
+                   "was";
+        }
+    }
+    return {};
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "engine/commissioning/pulses.hpp"
+#include "engine/commissioning/rig_record.hpp"
+#include "engine/math/elementary.hpp"
+
+/// Does a free handle move as it did when the rig was commissioned?
+namespace palpate::engine {
+
+/// How the joints turned, against how they should have. Joints and not the handle: near a singular
+/// pose, where a machine may well be at home, a count is a large step of the handle. Of straight axes
+/// their ways.
+struct PulseMatch {
+    double share = 0.0;  ///< size of the turn of all, by the predicted one
+    double angle = 0.0;  ///< rad between them, in the plane of both turns
+};
+
+/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within 20
+/// degrees.
+inline constexpr double kMostGainError = 0.3;
+inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
+
+/// The turn until the force was reversed, measured and predicted by the plant.
+/// @param record  whose dynamics are those of the handle
+/// @param delay   s from a tick's reading to the force of that tick
+[[nodiscard]] PulseMatch match(const Machine& machine,
+                               const Pulse& pulse,
+                               const RigRecord& record,
+                               double delay);
+
+/// What speaks against a rig whose handle should move as `record` says: a sentence without a full stop,
+/// empty if nothing does.
+[[nodiscard]] std::string wrong_with(const Machine& machine,
+                                     std::span<const Pulse> pulses,
+                                     const RigRecord& record,
+                                     double delay);
+
+}  // namespace palpate::engine

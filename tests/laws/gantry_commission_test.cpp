@@ -1,0 +1,238 @@
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/free_board.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::eventually;
+using tests::Finished;
+using tests::FreeBoard;
+using tests::TemporaryFolder;
+using tests::TypedTo;
+
+// Three axes from the box to their first session, by the shipped program, seen from outside.
+
+namespace {
+
+constexpr const char* kExample = PALPATE_SOURCE_DIR "/examples/gantry.toml";
+constexpr const char* kAtHome = "0,0,40";
+
+std::string board_words(const std::string& preset) {
+    return "--open --preset '" + preset + "'";
+}
+
+/// The example with another word for a key.
+std::string wired(const TemporaryFolder& folder, const std::string& key) {
+    std::string text = tests::slurp(kExample);
+    const std::size_t at = text.find(key + " = \"forward\"");
+    REQUIRE(at != std::string::npos);
+    text.replace(at, key.size() + 12, key + " = \"backward\"");
+    std::ofstream(folder.file("wired.toml")) << text;
+    return folder.file("wired.toml");
+}
+
+std::string proving(const FreeBoard& board, const std::string& file) {
+    return fmt::format("commission --device {} --calibration '{}' --moved-g 120,120,120 -o '{}'",
+                       board.word(), kExample, file);
+}
+
+/// What the program says of a board that is wired so, and does to it.
+std::string found(const TemporaryFolder& folder, FreeBoard& board) {
+    const std::string file = folder.file("rig.toml");
+    const Finished end = tests::operated(folder, board, proving(board, file), kAtHome);
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 1);
+    CHECK_THAT(end.error, ContainsSubstring("The motors are off and nothing was written"));
+    CHECK_FALSE(std::filesystem::exists(file));
+    CHECK(board.motors() == "0, 0, 0");
+    return end.error;
+}
+
+}  // namespace
+
+TEST_CASE("whatever is wrong with a board of three axes is found, named and left without a force",
+          "[commission][open][gantry][law]") {
+    const TemporaryFolder folder;
+    SECTION("a motor") {
+        FreeBoard board(folder, board_words(wired(folder, "motor_z")));
+        CHECK_THAT(found(folder, board),
+                   ContainsSubstring("motor z is reversed: turn its two wires round, or write "
+                                     "motor_z = \"backward\""));
+    }
+    SECTION("an encoder") {
+        FreeBoard board(folder, board_words(wired(folder, "encoder_y")));
+        CHECK_THAT(found(folder, board),
+                   ContainsSubstring("encoder y is reversed: write encoder_y = \"backward\""));
+    }
+    SECTION("motors' cables, while it rubs and weighs") {
+        FreeBoard board(folder, board_words(kExample));
+        board.bring("friction 0.05");
+        board.bring("weight 0.03");
+        board.bring("swap 1 2");
+        CHECK_THAT(found(folder, board),
+                   ContainsSubstring("motor x moves axis y: swap the motors' cables") &&
+                       ContainsSubstring("motor y moves axis x: swap the motors' cables"));
+        board.bring("swap 1 2");
+        board.bring("motor 2 0");
+        board.bring(kAtHome);
+        CHECK_THAT(found(folder, board),
+                   ContainsSubstring("nothing counts when motor y pushes by 1 N: is it connected"));
+    }
+    SECTION("an encoder's cable") {
+        FreeBoard board(folder, board_words(kExample));
+        board.bring("unplug 3");
+        CHECK_THAT(found(folder, board),
+                   ContainsSubstring("encoder z did not count on the way to (0, 0, 0) mm: is its "
+                                     "cable in"));
+    }
+}
+
+TEST_CASE("commissioning of three axes that is stopped or killed leaves no force and no file",
+          "[commission][open][gantry][safety][law]") {
+    const TemporaryFolder folder;
+    const int signal = GENERATE(SIGINT, SIGTERM, SIGKILL);
+    CAPTURE(signal);
+    FreeBoard board(folder, board_words(kExample));
+    board.bring("friction 0.6");  // pushed in vain for a while
+    const std::string file = folder.file("rig.toml");
+    bool pushed = false;
+    for (int attempt = 0; attempt < 8 && !pushed; ++attempt) {
+        board.bring(kAtHome);
+        TypedTo program(folder, fmt::format("proof{}", attempt), proving(board, file));
+        int brought = 0;
+        CHECK(eventually([&] {
+            const std::string out = program.program().out();
+            if (tests::times(out, "Type yes:") > 0 && brought == 0) {
+                brought = 1;
+                program.type("yes");
+            }
+            if (tests::times(out, "Bring the handle to") >= brought && brought > 0 && brought < 4) {
+                board.bring(tests::last_place(out.substr(out.rfind("Bring the handle to"))));
+                program.type("");
+                ++brought;
+            }
+            pushed = brought == 4 && board.motors() != "0, 0, 0";
+            return pushed || !program.program().running();
+        }));
+        program.program().signal(signal);
+        const Finished end = program.program().wait();
+        CAPTURE(end.error);
+        if (pushed && signal != SIGKILL && !tests::starved(end.error)) {
+            CHECK(end.code == 3);
+            CHECK_THAT(end.error,
+                       ContainsSubstring("stopped; the motors are off and nothing was written"));
+        }
+    }
+    CHECK(pushed);
+    CHECK(eventually([&] { return board.motors() == "0, 0, 0"; }));
+    for (int i = 0; i < 10; ++i) {
+        CHECK(board.motors() == "0, 0, 0");
+        tests::pause(0.01);
+    }
+    CHECK_FALSE(std::filesystem::exists(file));
+}
+
+TEST_CASE("three axes are commissioned by an operator, and then a real session is felt on them",
+          "[commission][open][gantry][window][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder, board_words(kExample));
+    board.bring("friction 0.3");  // 0.5 N move it, and 1 N tell its numbers
+    board.bring("weight 0.15");
+    const std::string db = folder.file("d.sqlite");
+    const auto session = [&](const std::string& calibration) {
+        return fmt::format(
+            "run patch_friction --participant P1 --db '{}' --windowed --device {} "
+            "--calibration '{}' --kind real",
+            db, board.word(), calibration);
+    };
+    const auto refused = [&](const std::string& calibration) {
+        const Finished end = tests::operated(folder, board, session(calibration), kAtHome);
+        CHECK(end.code == 2);
+        CHECK_FALSE(std::filesystem::exists(db));
+        return end.error;
+    };
+    CHECK_THAT(refused(kExample),
+               ContainsSubstring("no real session: nobody proved how --device") &&
+                   ContainsSubstring("--moved-g X_G,Y_G,Z_G -o rig.toml"));
+    const std::string file = folder.file("rig.toml");
+    const Finished proved = tests::operated(folder, board, proving(board, file), kAtHome);
+    CAPTURE(proved.out, proved.error);
+    REQUIRE(proved.code == 0);
+    CHECK(board.motors() == "0, 0, 0");
+    protocols::RigFile rig = protocols::load_rig(file);
+    REQUIRE(rig.record);
+    CHECK(protocols::to_toml(rig.calibration, *rig.record) == tests::slurp(file));
+    CHECK(rig.calibration.gantry->damping == rig.record->damping);
+    for (const engine::AxisDynamics& axis : rig.record->axes) {
+        CHECK(axis.mass == Approx(0.12).epsilon(0.25));
+        CHECK(axis.damping == Approx(3.0).epsilon(0.25));
+        CHECK(axis.friction == Approx(0.3).margin(0.05));
+    }
+    CHECK(rig.record->axes[2].pull == Approx(0.15).margin(0.03));
+
+    std::ofstream(folder.file("changed.toml")) << [&] {
+        protocols::RigFile other = rig;
+        other.calibration.gantry->axes[2].radius *= 1.01;
+        return protocols::to_toml(other.calibration, *other.record);
+    }();
+    CHECK_THAT(refused(folder.file("changed.toml")),
+               ContainsSubstring("was changed after the rig was commissioned"));
+
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    std::unique_ptr<TypedTo> typed;
+    for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
+        board.bring(kAtHome);
+        typed = std::make_unique<TypedTo>(
+            folder, fmt::format("run{}", attempt), session(file),
+            std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
+                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
+        tests::operate(*typed, board, "If it ends early");
+    }
+    INFO(typed->program().error());
+    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    board.bring(kAtHome);
+    board.bring("hold");
+    bool felt = false;
+    for (int i = 0; i < 1800 && !felt && typed->program().running(); ++i) {
+        const auto window = hand.find_window("palpate: ");
+        if (window.title == "palpate: explore") {
+            felt = board.motors() != "0, 0, 0";
+        } else if (window.id != 0) {
+            hand.focus(window);
+            hand.key(window.title == "palpate: question" ? "1" : "space");
+        }
+        tests::pause(0.05);
+    }
+    CHECK(felt);
+    for (int i = 0; i < 40 && typed->program().running(); ++i) {
+        hand.focus(hand.find_window("palpate: "));
+        hand.chord("q");
+        tests::pause(0.2);
+        hand.key("y");
+        tests::pause(0.2);
+    }
+    const Finished end = typed->program().wait();
+    CHECK(end.code == 3);
+    CHECK(board.motors() == "0, 0, 0");
+    data::Database database(db, data::Access::read);
+    auto row = database.prepare(
+        "SELECT key, value, session_kind FROM event JOIN session USING (session_id) WHERE "
+        "event_kind = "
+        "'provenance' ORDER BY event_id");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "rig check");
+    CHECK(tests::times(row.text(1), " % at ") == 6);
+    CHECK(row.text(2) == "real");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "start pose");
+    CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
+    CHECK(tests::palpate_command({"verify", db}).code == 0);
+}
