@@ -279,11 +279,12 @@ double CurveModel::prior(const CurvePoint& point,
         beta(3, *spec_.lapse_prior);
     }
     if (others_) {
-        const SharedLapse::At others = others_->at(point[3]);
+        const std::size_t rate = spec_.shared_rate();
+        const SharedRate::At others = others_->at(point[rate]);
         sum += others.value;
         if (gradient != nullptr) {
-            (*gradient)[3] += others.slope;
-            (*information)[3][3] += std::max(-others.curvature, 0.0);
+            (*gradient)[rate] += others.slope;
+            (*information)[rate][rate] += std::max(-others.curvature, 0.0);
         }
     }
     return sum;

@@ -40,6 +40,7 @@ struct CurveSpec {
     bool guess_free = false;    ///< between 0 and 0.7
     bool lapse_free = false;    ///< between 0 and 0.25
     bool lapse_shared = false;  ///< free, one for all conditions of a person
+    bool guess_shared = false;  ///< the same of the guess rate; never both
     bool two_sided = false;     ///< the guess rate is the lapse rate: LapseForm::two_sided
     std::optional<Prior>
         threshold_prior{};  ///< normal, of the threshold at F = 1/2; lognormal for a weibull
@@ -47,6 +48,10 @@ struct CurveSpec {
     std::optional<Prior> guess_prior{};  ///< beta
     std::optional<Prior> lapse_prior{};  ///< beta
 
+    /// The place in CurvePoint of the rate that is one for all conditions of a person; 0: none is.
+    [[nodiscard]] std::size_t shared_rate() const {
+        return guess_shared ? 2 : lapse_shared ? 3 : 0;
+    }
     [[nodiscard]] bool map() const {
         return threshold_prior || slope_prior || guess_prior || lapse_prior;
     }
@@ -95,17 +100,17 @@ struct Tie {
     double share = 0.5;  ///< of F, for Kind::share
 };
 
-/// The log-likelihood of other answers for each lapse rate that is one with theirs.
-class SharedLapse {
+/// The log-likelihood of other answers for each lapse or guess rate that is one with theirs.
+class SharedRate {
 public:
-    virtual ~SharedLapse() = default;
+    virtual ~SharedRate() = default;
     struct At {
         double value = 0.0;
         double slope = 0.0;
         double curvature = 0.0;
     };
-    /// @param lapse  0 .. 0.25
-    [[nodiscard]] virtual At at(double lapse) const = 0;
+    /// @param rate  between its ends
+    [[nodiscard]] virtual At at(double rate) const = 0;
 };
 
 /// The answers as numbers, and what they say of a point.
@@ -123,8 +128,8 @@ public:
     [[nodiscard]] std::span<const double> counts() const { return n_; }
     [[nodiscard]] std::span<const double> hits() const { return k_; }
     void set_hits(std::span<const double> hits) { k_.assign(hits.begin(), hits.end()); }
-    /// The lapse rate is one with that of others; nothing: it is not.
-    void share(std::shared_ptr<const SharedLapse> others) { others_ = std::move(others); }
+    /// spec().shared_rate() is one with that of others; nothing: it is not.
+    void share(std::shared_ptr<const SharedRate> others) { others_ = std::move(others); }
     void tie(const Tie& tie);
     [[nodiscard]] Tie::Kind tied_by() const { return tie_.kind; }
     /// The ln b at which a JND or Weber fraction that is held has the location there, to 1e-6 between the ends.
@@ -168,7 +173,7 @@ private:
                                CurveMatrix* information) const;
 
     CurveSpec spec_;
-    std::shared_ptr<const SharedLapse> others_{};
+    std::shared_ptr<const SharedRate> others_{};
     std::vector<double> z_;
     std::vector<double> n_;
     std::vector<double> k_;

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "data/fit/shared_lapse.hpp"
+#include "data/fit/shared_rate.hpp"
 
 namespace palpate::data {
 namespace {
@@ -110,7 +110,7 @@ FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint6
     return curve;
 }
 
-/// The curves of one person, whose lapse rate is one.
+/// The curves of one person, of whose rates one is the same for all.
 std::vector<CurveModel> models_of(const FitReport& report, const std::string& participant) {
     std::vector<CurveModel> models;
     for (const FittedCurve& curve : report.curves) {
@@ -121,7 +121,7 @@ std::vector<CurveModel> models_of(const FitReport& report, const std::string& pa
     return models;
 }
 
-/// Fits of all curves, with one lapse rate for the conditions of each person.
+/// Fits of all curves, with one rate for the conditions of each person.
 void fit_shared(FitReport& report) {
     const FitOptions& options = report.options;
     for (std::size_t first = 0; first < report.curves.size(); ++first) {
@@ -136,7 +136,7 @@ void fit_shared(FitReport& report) {
             continue;
         }
         std::vector<CurveModel> models = models_of(report, person);
-        share_lapse(models);
+        share_rate(models);
         std::vector<CurveFit> fits;
         for (const CurveModel& one : models) {
             fits.push_back(fit_curve(one));
@@ -157,12 +157,12 @@ void fit_shared(FitReport& report) {
     }
 }
 
-/// equality_p(), with one lapse rate where that is shared.
+/// equality_p(), with one rate where that is shared.
 double p_of_equal(const FitReport& report,
                   const FittedCurve& one,
                   const FittedCurve& two,
                   Quantity quantity) {
-    if (!report.options.spec.lapse_shared) {
+    if (report.options.spec.shared_rate() == 0) {
         return equality_p(one.model, one.fit, two.model, two.fit, quantity);
     }
     std::size_t place_one = 0;
@@ -372,7 +372,7 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
             people.push_back(person);
         }
         try {
-            if (options.spec.lapse_shared) {
+            if (options.spec.shared_rate() != 0) {
                 report.curves.push_back(
                     {.answers = answers, .model = CurveModel(answers.levels, options.spec)});
             } else {
@@ -387,7 +387,7 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
             "{}: {}", report.source,
             report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front())));
     }
-    if (options.spec.lapse_shared) {
+    if (options.spec.shared_rate() != 0) {
         fit_shared(report);
     }
     for (std::size_t c = 1; c < report.conditions.size(); ++c) {

@@ -194,7 +194,9 @@ std::string rate_text(bool free, double value) {
 }
 
 std::string guess_text(const CurveSpec& spec) {
-    return spec.two_sided ? "as the lapse rate" : rate_text(spec.guess_free, spec.guess);
+    return spec.two_sided    ? "as the lapse rate"
+         : spec.guess_shared ? "free, one for all conditions of a person"
+                             : rate_text(spec.guess_free, spec.guess);
 }
 
 std::string lapse_text(const CurveSpec& spec) {

@@ -15,8 +15,8 @@ namespace palpate::data {
 [[nodiscard]] std::string_view word_of(Quantity quantity);
 /// "free", "0.02 (given)".
 [[nodiscard]] std::string rate_text(bool free, double value);
+/// "free, one for all conditions of a person" too, as the next.
 [[nodiscard]] std::string guess_text(const CurveSpec& spec);
-/// "free, one for all conditions of a person" too.
 [[nodiscard]] std::string lapse_text(const CurveSpec& spec);
 /// "threshold ~ normal: mean, sd (5, 2), lapse ~ beta(2, 50)"; empty without priors.
 [[nodiscard]] std::string priors_text(const CurveSpec& spec);

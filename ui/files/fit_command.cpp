@@ -85,8 +85,13 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
     }
     const std::string guess = words.guess.value_or(database ? "lapse" : "0");
     spec.two_sided = guess == "lapse";
-    spec.guess_free = guess == "free";
+    spec.guess_shared = guess == "shared";
+    spec.guess_free = spec.guess_shared || guess == "free";
     spec.lapse_shared = words.lapse == "shared";
+    if (spec.guess_shared && spec.lapse_shared) {
+        throw std::invalid_argument(
+            "--guess and --lapse are both shared: give one of them as free or as a number");
+    }
     spec.lapse_free = spec.lapse_shared || words.lapse == "free";
     spec.lapse = spec.lapse_free ? 0.0 : number_of("--lapse", words.lapse);
     spec.guess = spec.two_sided ? spec.lapse : spec.guess_free ? 0.0 : number_of("--guess", guess);
@@ -120,9 +125,9 @@ void declare(CommandWords& words, FitWords& options) {
         .among({protocols::kFamilyWords.begin(), protocols::kFamilyWords.end()})
         .with_default();
     words.add("--guess", options.guess,
-              "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, or "
-              "lapse: as the "
-              "lapse rate. Without it 0; for a database lapse");
+              "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, "
+              "shared: free, one for all conditions of a person, or lapse: as the lapse rate. "
+              "Without it 0; for a database lapse");
     words
         .add("--lapse", options.lapse,
              "Share of answers that are lapses: a number, free, or shared: free, one for all "

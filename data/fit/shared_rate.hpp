@@ -8,18 +8,18 @@
 #include "data/fit/bootstrap.hpp"
 #include "data/fit/curve_fit.hpp"
 
-/// One lapse rate of all conditions of a person, as F. A. Wichmann and N. J. Hill (Percept. Psychophys. 63:1293, 2001)
-/// advise: a person lapses as often in each. What the other conditions say of it enters each curve's likelihood as
+/// One lapse rate, or guess rate, of all conditions of a person, as F. A. Wichmann and N. J. Hill (Percept. Psychophys. 63:1293, 2001)
+/// advise: a person lapses as often in each, and guesses alike. What the other conditions say of it enters each curve's likelihood as
 /// their own highest for each rate, so that the maximum of each is that of all together, and a profile of one
 /// curve is that of the joint likelihood.
 namespace palpate::data {
 
 /// Gives each model what the others say of their one rate: CurveModel::share().
-/// @param models  of one person, each with spec().lapse_free
-void share_lapse(std::span<CurveModel> models);
+/// @param models  of one person, each with spec().shared_rate()
+void share_rate(std::span<CurveModel> models);
 
 /// bootstrap() of all of a person's conditions together: each sample is fitted with one rate.
-/// @param models, fits  after share_lapse()
+/// @param models, fits  after share_rate()
 /// @param stream  of the first; the others' follow
 [[nodiscard]] std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
                                                       std::span<const CurveFit> fits,

@@ -34,6 +34,12 @@ constexpr std::array<Counted, 6> kPeople{{{"P0", "a", {0, 4, 12, 23, 37, 39, 34,
                                           {"P1", "b", {0, 0, 6, 16, 32, 36, 40, 39}},
                                           {"P1", "c", {0, 3, 21, 36, 39, 38, 39, 36}}}};
 
+/// The same of thresholds 4.5 and 5.2 and a guess rate of 0.2, without lapses.
+constexpr std::array<Counted, 4> kGuessing{{{"P0", "a", {7, 12, 11, 13, 31, 40, 40, 40}},
+                                            {"P0", "b", {9, 12, 10, 18, 27, 35, 40, 40}},
+                                            {"P1", "a", {9, 12, 7, 19, 34, 39, 40, 40}},
+                                            {"P1", "b", {12, 8, 7, 12, 27, 32, 40, 40}}}};
+
 std::string table(const auto& all) {
     std::string text = "stimulus,n,k,participant,condition\n";
     for (const auto& one : all) {
@@ -48,21 +54,22 @@ std::string table(const auto& all) {
 /// The joint likelihood by optim: rate, thresholds, slopes; ends of the profiles of the rate and the first threshold; the
 /// likelihood ratio's p of equal thresholds and slopes of the first two.
 constexpr const char* kInR = R"R(
-d <- read.csv(commandArgs(TRUE)[1])
+d <- read.csv(commandArgs(TRUE)[1]); guess <- commandArgs(TRUE)[2] == 'guess'
 for (p in d$participant[1]) {
     e <- d[d$participant == p, ]; cs <- unique(e$condition)
     nll <- function(q, held = plogis(q[1])) sum(sapply(seq_along(cs), function(i) {
         u <- e[e$condition == cs[i], ]
-        -sum(dbinom(u$k, u$n, (1 - held) * pnorm(exp(q[2 * i + 1]) * (u$stimulus - q[2 * i])), log = TRUE)) }))
+        x <- (1 - held) * pnorm(exp(q[2 * i + 1]) * (u$stimulus - q[2 * i]))
+        -sum(dbinom(u$k, u$n, if (guess) held + x else x, log = TRUE)) }))
     best <- function(from, f) { o <- list(par = from)
         for (i in 1:2) o <- optim(o$par, f, method = 'BFGS', control = list(reltol = 1e-16, maxit = 1000)); o }
     o <- best(c(-3, rep(c(3.5, 0), length(cs))), nll)
     off <- function(f) 2 * (optim(o$par, f, method = 'BFGS', control = list(reltol = 1e-14))$value - o$value)
     at <- function(i, x) off(function(q) { q[i] <- x; nll(q) }) - qchisq(.95, 1)
-    edge <- function(f, ends) uniroot(f, ends, tol = 1e-9)$root
+    edge <- function(f, ends) uniroot(f, ends, tol = 1e-6)$root
     rate <- plogis(o$par[1]); of_rate <- function(x) at(1, qlogis(x)); of_threshold <- function(x) at(2, x)
     cat(sprintf('%.9g\n', c(rate, o$par[2 * seq_along(cs)], exp(o$par[2 * seq_along(cs) + 1]),
-        edge(of_rate, c(1e-4, rate)), edge(of_rate, c(rate, .2)),
+        edge(of_rate, c(1e-4, rate)), edge(of_rate, c(rate, rate + .2)),
         edge(of_threshold, o$par[2] - c(1, 0)), edge(of_threshold, o$par[2] + c(0, 1)),
         pchisq(off(function(q) { q[4] <- q[2]; nll(q) }), 1, lower.tail = FALSE),
         pchisq(off(function(q) { q[5] <- q[3]; nll(q) }), 1, lower.tail = FALSE))), sep = '')
@@ -81,28 +88,41 @@ Json fitted(std::vector<std::string> words) {
 }  // namespace
 
 TEST_CASE(
-    "one lapse rate of all conditions is that of R's joint likelihood, its intervals and p too",
+    "one rate of all conditions, of lapses or guesses, is that of R's joint likelihood, its "
+    "intervals and p too",
     "[fit][law]") {
+    const bool guess = GENERATE(false, true);
+    CAPTURE(guess);
+    const std::string rate = guess ? "guess" : "lapse";
+    const std::size_t conditions = guess ? 2 : 3;
+    const std::vector<std::string> asked =
+        guess ? std::vector<std::string>{"--guess", "shared", "--lapse", "0"}
+              : std::vector<std::string>{"--lapse", "shared"};
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
-    write(csv, table(kPeople));
-    const Json all = fitted({csv, "--lapse", "shared", "--bootstrap", "200"});
-    CHECK(all["lapse"] == "free, one for all conditions of a person");
-    const Finished text = palpate_command({"fit", csv, "--lapse", "shared", "--bootstrap", "0"});
-    CHECK_THAT(text.out, ContainsSubstring("lapse free, one for all conditions of a person") &&
-                             ContainsSubstring("agree on 6 of 6 curves"));
+    write(csv, guess ? table(kGuessing) : table(kPeople));
+    const auto with = [&](std::vector<std::string> words) {
+        words.insert(words.end(), asked.begin(), asked.end());
+        return words;
+    };
+    const Json all = fitted(with({csv, "--bootstrap", "200"}));
+    CHECK(all[rate] == "free, one for all conditions of a person");
+    const Finished text = palpate_command(with({"fit", csv, "--bootstrap", "0"}));
+    CHECK_THAT(text.out,
+               ContainsSubstring(rate + " free, one for all conditions of a person") &&
+                   ContainsSubstring(fmt::format("agree on {0} of {0} curves", 2 * conditions)));
     for (std::size_t person = 0; person < 2; ++person) {
-        for (std::size_t c = 0; c < 3; ++c) {  // of all conditions the same
-            const Json& curve = all["curves"][3 * person + c];
-            CHECK(
-                curve["lapse"]["estimate"].get<double>() ==
-                Approx(all["curves"][3 * person]["lapse"]["estimate"].get<double>()).epsilon(1e-4));
-            CHECK(curve["lapse"]["bootstrap_95"] ==
-                  all["curves"][3 * person]["lapse"]["bootstrap_95"]);
+        for (std::size_t c = 0; c < conditions; ++c) {  // of all conditions the same
+            const Json& curve = all["curves"][conditions * person + c];
+            CHECK(curve[rate]["estimate"].get<double>() ==
+                  Approx(all["curves"][conditions * person][rate]["estimate"].get<double>())
+                      .epsilon(1e-4));
+            CHECK(curve[rate]["bootstrap_95"] ==
+                  all["curves"][conditions * person][rate]["bootstrap_95"]);
         }
     }
     write(folder.file("joint.R"), kInR);
-    const Finished r = Process({"Rscript", folder.file("joint.R"), csv}).wait();
+    const Finished r = Process({"Rscript", folder.file("joint.R"), csv, rate}).wait();
     if (r.code != 0) {
         REQUIRE(Process({"Rscript", "-e", "1"}).wait().code != 0);
         WARN("R is not installed: not checked");
@@ -115,13 +135,13 @@ TEST_CASE(
         return one;
     };
     const Json& first = all["curves"][0];
-    CHECK(first["lapse"]["estimate"].get<double>() == Approx(next()).epsilon(2e-4));
+    CHECK(first[rate]["estimate"].get<double>() == Approx(next()).epsilon(2e-4));
     for (const char* what : {"threshold", "slope"}) {
-        for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t c = 0; c < conditions; ++c) {
             CHECK(all["curves"][c][what]["estimate"].get<double>() == Approx(next()).epsilon(2e-4));
         }
     }
-    for (const char* what : {"lapse", "threshold"}) {
+    for (const char* what : {rate.c_str(), "threshold"}) {
         for (const std::size_t end : {0U, 1U}) {
             CHECK(first[what]["profile_95"][end].get<double>() == Approx(next()).epsilon(1e-3));
         }
@@ -207,4 +227,13 @@ TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
     const Json& ends = free["curves"][0]["threshold"]["bootstrap_95"];
     CHECK(shared["curves"][0]["threshold"]["bootstrap_95"][0].get<double>() ==
           Approx(ends[0].get<double>()).epsilon(1e-4));
+}
+
+TEST_CASE("a guess rate and a lapse rate that are both shared are refused", "[fit]") {
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), table(kGuessing));
+    const Finished done =
+        palpate_command({"fit", folder.file("d.csv"), "--guess", "shared", "--lapse", "shared"});
+    CHECK(done.code == 2);
+    CHECK_THAT(done.error, ContainsSubstring("give one of them as free or as a number"));
 }

@@ -1,4 +1,4 @@
-#include "data/fit/shared_lapse.hpp"
+#include "data/fit/shared_rate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,24 +14,26 @@ namespace palpate::data {
 namespace {
 
 /// Rates at which likelihoods are kept: 0.25 apart in the logarithm up to 0.001, where they are nearly straight lines, and
-/// 0.05 apart beyond: cubics in between are off by less than 1e-6.
-std::vector<double> log_rates() {
+/// 0.05 apart beyond, of guess rates, which may be large, 0.03: cubics in between are off by less than 1e-6.
+/// @param rate  its place in CurvePoint
+std::vector<double> log_rates(std::size_t rate) {
     constexpr double kLeast = -16.0;  // 1e-7
     constexpr double kFine = -7.0;
-    const double most = engine::natural_log(kMostLapse);
+    const bool guess = rate == 2;
+    const double most = engine::natural_log(guess ? kMostGuess : kMostLapse);
     std::vector<double> all;
     for (double at = kLeast; at < kFine; at += 0.25) {
         all.push_back(at);
     }
-    constexpr int kFineSteps = 112;
-    for (int i = 0; i <= kFineSteps; ++i) {
-        all.push_back(kFine + (most - kFine) * i / kFineSteps);
+    const int steps = guess ? 224 : 112;
+    for (int i = 0; i <= steps; ++i) {
+        all.push_back(kFine + (most - kFine) * i / steps);
     }
     return all;
 }
 
 /// Cubics through values and slopes, over the logarithm of the rate.
-class Table final : public SharedLapse {
+class Table final : public SharedRate {
 public:
     explicit Table(const std::vector<double>& places)
         : places_(places), values_(places.size(), 0.0), slopes_(places.size(), 0.0) {}
@@ -41,13 +43,13 @@ public:
         slopes_[i] += slope;
     }
 
-    [[nodiscard]] At at(double lapse) const override {
+    [[nodiscard]] At at(double rate) const override {
         const double least = protocols::exponential(places_.front());
-        if (lapse <= least) {  // a straight line of the rate itself
+        if (rate <= least) {  // a straight line of the rate itself
             const double slope = slopes_.front() / least;
-            return {values_.front() + slope * (lapse - least), slope, 0.0};
+            return {values_.front() + slope * (rate - least), slope, 0.0};
         }
-        const double u = engine::natural_log(lapse);
+        const double u = engine::natural_log(rate);
         const auto above = std::ranges::upper_bound(places_, u);
         const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
             above - places_.begin(), 1, static_cast<std::ptrdiff_t>(places_.size()) - 1));
@@ -61,7 +63,7 @@ public:
             rise + (1.0 - 2.0 * t) * ((1.0 - t) * a + t * b) + t * (1.0 - t) * (b - a);
         const double by_tt = -2.0 * ((1.0 - t) * a + t * b) + 2.0 * (1.0 - 2.0 * t) * (b - a);
         const double slope = by_t / h;
-        return {value, slope / lapse, (by_tt / (h * h) - slope) / (lapse * lapse)};
+        return {value, slope / rate, (by_tt / (h * h) - slope) / (rate * rate)};
     }
 
 private:
@@ -75,7 +77,9 @@ CurveModel alone(const CurveModel& model, bool keeps_prior) {
     CurveModel one = model;
     one.share(nullptr);
     if (!keeps_prior) {
-        one.set_rate_priors(model.spec().guess_prior, std::nullopt);
+        const CurveSpec& spec = model.spec();
+        one.set_rate_priors(spec.guess_shared ? std::nullopt : spec.guess_prior,
+                            spec.guess_shared ? spec.lapse_prior : std::nullopt);
     }
     return one;
 }
@@ -88,15 +92,16 @@ struct Kept {
 /// The highest log-likelihood at each rate.
 std::vector<Kept> highest_by_rate(const CurveModel& model, const std::vector<double>& places) {
     std::vector<Kept> kept(places.size());
+    const std::size_t rate = model.spec().shared_rate();
     CurveMask free = model.free();
-    free[3] = false;
+    free[rate] = false;
     const double range = model.last() - model.first();
     CurvePoint near{0.5 * (model.first() + model.last()), engine::natural_log(2.0 / range),
-                    model.spec().guess, 0.0};
+                    model.spec().guess, model.spec().lapse};
     constexpr std::size_t kSearched = 12;  // the rates between follow their neighbours
     for (std::size_t back = places.size(); back > 0; --back) {
         const std::size_t i = back - 1;
-        near[3] = protocols::exponential(places[i]);
+        near[rate] = protocols::exponential(places[i]);
         Optimum best = climb(model, near, free);
         if (i % kSearched == 0 || back == places.size()) {
             const Optimum other = highest(model, near, free, Search::quick).best;
@@ -106,23 +111,32 @@ std::vector<Kept> highest_by_rate(const CurveModel& model, const std::vector<dou
         CurvePoint gradient;
         CurveMatrix information;
         kept[i].value = model.derivatives(near, gradient, information);
-        kept[i].slope = gradient[3] * near[3];
+        kept[i].slope = gradient[rate] * near[rate];
     }
     return kept;
 }
 
-/// All curves of a person at one lapse rate.
+/// All curves of a person at one rate.
 struct Joint {
     std::vector<CurvePoint> at{};
     double value = 0.0;
 };
 
-double dot3(const CurvePoint& a, const CurvePoint& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/// Of a curve's own parameters: those that are not the rate of all.
+double dot_own(const CurvePoint& a, const CurvePoint& b, std::size_t rate) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        sum += i == rate ? 0.0 : a[i] * b[i];
+    }
+    return sum;
 }
 
-CurvePoint times3(const CurveMatrix& m, const CurvePoint& v) {
-    return {dot3(m[0], v), dot3(m[1], v), dot3(m[2], v), 0.0};
+CurvePoint times_own(const CurveMatrix& m, const CurvePoint& v, std::size_t rate) {
+    CurvePoint out{};
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        out[i] = i == rate ? 0.0 : dot_own(m[i], v, rate);
+    }
+    return out;
 }
 
 /// climb() of all together: what is each curve's own is eliminated, which leaves one equation for the rate.
@@ -132,6 +146,8 @@ Joint climb_together(std::span<const CurveModel> models,
                      std::span<const CurveMask> free,
                      double tolerance) {
     const std::size_t n = models.size();
+    const std::size_t rate = models.front().spec().shared_rate();
+    const double most = models.front().high()[rate];
     std::vector<CurvePoint> gradients(n);
     std::vector<CurveMatrix> informations(n);
     const auto derivatives = [&](const std::vector<CurvePoint>& at) {
@@ -154,8 +170,9 @@ Joint climb_together(std::span<const CurveModel> models,
             const CurvePoint& g = gradients[c];
             CurveMask moving{};
             CurvePoint pushed{};
-            for (std::size_t i = 0; i < 3; ++i) {
-                moving[i] = free[c][i] && !(best.at[c][i] <= models[c].low()[i] && g[i] <= 0.0) &&
+            for (std::size_t i = 0; i < kCurveParameters; ++i) {
+                moving[i] = i != rate && free[c][i] &&
+                            !(best.at[c][i] <= models[c].low()[i] && g[i] <= 0.0) &&
                             !(best.at[c][i] >= models[c].high()[i] && g[i] >= 0.0);
                 pushed[i] = moving[i] ? g[i] : 0.0;
             }
@@ -164,27 +181,27 @@ Joint climb_together(std::span<const CurveModel> models,
                 damped[i][i] += damping * info[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
             }
             const CurveMatrix back = inverse(damped, moving);
-            own[c] = times3(back, pushed);
-            by_rate[c] = times3(back, {info[0][3], info[1][3], info[2][3], 0.0});
-            slope += g[3] - dot3({info[0][3], info[1][3], info[2][3], 0.0}, own[c]);
-            bend += damped[3][3] - dot3({info[0][3], info[1][3], info[2][3], 0.0}, by_rate[c]);
+            own[c] = times_own(back, pushed, rate);
+            by_rate[c] = times_own(back, info[rate], rate);
+            slope += g[rate] - dot_own(info[rate], own[c], rate);
+            bend += damped[rate][rate] - dot_own(info[rate], by_rate[c], rate);
         }
-        const double rate = best.at.front()[3];
-        const bool held = (rate <= 0.0 && slope <= 0.0) || (rate >= kMostLapse && slope >= 0.0);
+        const double now = best.at.front()[rate];
+        const bool held = (now <= 0.0 && slope <= 0.0) || (now >= most && slope >= 0.0);
         const double move = held || !(bend > 0.0) ? 0.0 : slope / bend;
-        const double next_rate = std::clamp(rate + move, 0.0, kMostLapse);
+        const double next_rate = std::clamp(now + move, 0.0, most);
         double gain = move * slope;
         Joint next{.at = best.at};
         for (std::size_t c = 0; c < n; ++c) {
-            for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t i = 0; i < kCurveParameters; ++i) {
                 const double by = own[c][i] - move * by_rate[c][i];
                 gain += own[c][i] * gradients[c][i];
-                if (free[c][i]) {
+                if (i != rate && free[c][i]) {
                     next.at[c][i] =
                         std::clamp(best.at[c][i] + by, models[c].low()[i], models[c].high()[i]);
                 }
             }
-            next.at[c][3] = next_rate;
+            next.at[c][rate] = next_rate;
         }
         const auto kept_gradients = gradients;
         const auto kept_informations = informations;
@@ -230,8 +247,8 @@ std::vector<CurveMask> masks_of(std::span<const CurveModel> models) {
 
 }  // namespace
 
-void share_lapse(std::span<CurveModel> models) {
-    const std::vector<double> places = log_rates();
+void share_rate(std::span<CurveModel> models) {
+    const std::vector<double> places = log_rates(models.front().spec().shared_rate());
     std::vector<std::vector<Kept>> kept;
     for (const CurveModel& one : models) {
         kept.push_back(highest_by_rate(alone(one, false), places));
@@ -260,11 +277,18 @@ std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
     for (const CurveFit& one : fits) {
         from.push_back(one.at);
     }
-    if (!models.front().spec().lapse_prior) {
+    const CurveSpec& spec = models.front().spec();
+    const bool lapses = spec.lapse_free && !spec.lapse_prior;
+    const bool guesses = spec.guess_free && !spec.two_sided && !spec.guess_prior;
+    if (lapses || guesses) {
         std::vector<CurveModel> held = drawn;
-        held.front().set_rate_priors(models.front().spec().guess_prior, kWeak);
-        for (CurvePoint& one : from) {
-            one[3] = kNearItsMode;
+        for (std::size_t c = 0; c < held.size(); ++c) {  // the shared rate is believed in once
+            const CurveSpec& own = drawn[c].spec();
+            held[c].set_rate_priors(
+                guesses && (c == 0 || !spec.guess_shared) ? kWeak : own.guess_prior,
+                lapses && (c == 0 || !spec.lapse_shared) ? kWeak : own.lapse_prior);
+            from[c][2] = guesses ? std::max(from[c][2], kNearItsMode) : from[c][2];
+            from[c][3] = lapses ? kNearItsMode : from[c][3];
         }
         from = climb_together(held, from, free, 1e-12).at;
     }
@@ -316,13 +340,15 @@ double shared_equality_p(std::span<const CurveModel> models,
                          const CurveFit& fit_two,
                          Quantity quantity) {
     const std::size_t i = quantity == Quantity::threshold ? 0 : 1;
+    const std::size_t rate = models.front().spec().shared_rate();
     const std::vector<CurveModel> plain = all_alone(models);
     std::vector<CurveMask> free = masks_of(models);
     std::vector<CurvePoint> near;
     for (std::size_t c = 0; c < models.size(); ++c) {
         CurvePoint middle{0.5 * (models[c].first() + models[c].last()),
                           engine::natural_log(2.0 / (models[c].last() - models[c].first())),
-                          models[c].spec().guess, fit_one.at[3]};
+                          models[c].spec().guess, models[c].spec().lapse};
+        middle[rate] = fit_one.at[rate];
         near.push_back(c == one ? fit_one.at
                        : c == two
                            ? fit_two.at
