@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
@@ -213,6 +214,42 @@ TEST_CASE("an encoder that dies before the pulses is found, and its axis ends wi
                    ContainsSubstring(std::string("the cable of encoder ") + kAxisName[dead]));
     CHECK(device.furthest < 0.040);
     CHECK(device.last == Vec3{});
+}
+
+TEST_CASE("a pulse is reversed once the handle has gone 3 mm, however strong the motor is",
+          "[commissioning][gantry][safety][law]") {
+    const Calibration machine = gantry_machine();
+    int reversed = 0;
+    int ended = 0;
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const auto axis = static_cast<std::size_t>(random.below(3));
+        Cables motors;
+        motors.factor[axis] = (random.coin() ? 1.0 : -1.0) * random.decade(0.0, 1.5);
+        MiswiredGantry device(machine, right_axes(), {}, motors);
+        device.bring(Vec3(0.0));
+        PulseRunner runner(device, palpate::engine::Machine(machine), kPulseTick,
+                           [] { return true; });
+        const Pulse pulse = runner.give(pulse_directions(3)[2 * axis], {.force = 1.0});
+        CHECK(device.last == Vec3{});
+        if (pulse.trip != Trip::none) {  // it ran away before it could be reversed, or then
+            ++ended;
+            CHECK(pulse.trip == Trip::over_speed);
+        }
+        const Vec3 quantum = Gantry(*machine.gantry).quantum();
+        for (std::size_t k = 0; k < pulse.samples.size(); ++k) {
+            const auto& counts = pulse.samples[k].counts;
+            const double way =
+                quantum.x * std::abs(counts[axis] - pulse.samples.front().counts[axis]);
+            const bool before = pulse.turn == 0 || k + 1 < pulse.turn;
+            CHECK((!before || way < 0.003 || pulse.trip != Trip::none));
+            reversed += k + 1 == pulse.turn && way >= 0.003 ? 1 : 0;
+        }
+        CHECK(device.furthest < 0.080);
+    }
+    CHECK(reversed > 20);
+    CHECK(ended > 0);
 }
 
 TEST_CASE("a fault at any tick of the pulses ends the force at once, and no rig is proved",
