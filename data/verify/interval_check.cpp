@@ -143,6 +143,9 @@ void check_ticks(const SessionFrame& frame,
         }
         one.trace = check_trace(one.chunks.views, *one.scene, frame.machine, period_ns, findings);
         check_replay(*one.scene, one.trace, findings);
+        if (frame.gantry) {
+            check_counts(*frame.gantry, one.trace, findings);
+        }
         check_times(one.trace, period_ns, findings);
         one.chunks = {};
     }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/device/gantry.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/observer/person.hpp"
 #include "protocols/protocol/protocol.hpp"
@@ -26,6 +27,7 @@ struct SessionFrame {
     protocols::Plan plan;                           ///< as drawn again
     std::vector<std::string> pictures;              ///< as stored, from the left
     std::optional<engine::PantographSpec> machine;  ///< with which the session began
+    std::optional<engine::Gantry> gantry;           ///< the same, where no other followed
     bool simulated = false;
     std::optional<protocols::Person> person{};  ///< of an observer file, who answered
     bool traceless = false;                     ///< simulated without keeping ticks

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -105,6 +106,32 @@ void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Find
         if (finding.count > 0) {
             findings.add(std::move(finding));
         }
+    }
+}
+
+void check_counts(const engine::Gantry& gantry, const StoredTrace& trace, Findings& findings) {
+    const auto text = [](const engine::Vec3& v) {
+        return fmt::format("({}, {}, {})", v.x, v.y, v.z);
+    };
+    Finding finding{.what = "trace.hip"};
+    finding.count = 0;
+    std::optional<engine::Vec3> before;
+    for (const TickRecord& tick : trace.ticks) {
+        const engine::Gantry::Counts counts{tick.counts[0], tick.counts[1], tick.count_3};
+        const auto there = gantry.locate(counts);
+        const bool none = !there || counts == engine::Gantry::Counts{};
+        const engine::Vec3 hip(tick.hip, tick.hip_z);
+        const bool kept = none && (!before || hip == *before);
+        before = hip;
+        if (kept || (there && *there == hip) || finding.count++ > 0) {
+            continue;
+        }
+        finding.tick = tick.tick;
+        finding.stored = text(hip);
+        finding.recomputed = there ? text(*there) : "outside the workspace";
+    }
+    if (finding.count > 0) {
+        findings.add(std::move(finding));
     }
 }
 

@@ -129,6 +129,19 @@ void check_simulation(const Provenance& provenance, SessionFrame& frame, Finding
     }
 }
 
+/// Of a session on three straight axes.
+std::optional<engine::Gantry> gantry_of(const std::string& calibration) {
+    try {
+        const auto machines = protocols::parse_calibrations(calibration, "calibration");
+        if (machines.size() == 1 && machines.front().gantry) {
+            return engine::Gantry(*machines.front().gantry);
+        }
+    } catch (const protocols::ProtocolError&) {
+        // check_calibration() says it
+    }
+    return std::nullopt;
+}
+
 void check_provenance(Database& database,
                       std::int64_t session,
                       SessionFrame& frame,
@@ -144,6 +157,7 @@ void check_provenance(Database& database,
     check_simulation(provenance, frame, findings);
     if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
         frame.machine = machine_of(text->second);
+        frame.gantry = gantry_of(text->second);
     }
     // What a resumed session went on with.
     bool changed = false;
@@ -154,6 +168,9 @@ void check_provenance(Database& database,
         } else if (event.kind == protocols::EventKind::provenance) {
             provenance[event.key] = event.value;
             changed = true;
+            if (event.key == kCalibration) {
+                frame.gantry.reset();
+            }
         }
     }
     if (changed) {

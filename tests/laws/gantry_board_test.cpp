@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "protocols/library/shipped.hpp"
+#include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/process.hpp"
@@ -127,6 +128,14 @@ struct Desk {
         }
         return faulted(causes);
     }
+    /// Kills the session: what it recorded until then is what the board counted.
+    void kill() {
+        session->program().signal(SIGKILL);
+        static_cast<void>(session->finish());
+        const tests::Finished verified = palpate_command({"verify", file});
+        CAPTURE(verified.out);
+        CHECK(verified.code == 0);
+    }
     [[nodiscard]] bool force_ends() {
         return eventually([&] { return motors() == engine::Vec3{}; });
     }
@@ -154,6 +163,16 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
     const tests::Finished verify = palpate_command({"verify", file});
     CHECK(verify.code == 0);
     CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
+    // HIP is computed again from the counts: with another drum they say another place.
+    const std::string other = desk.folder.file("other.sqlite");
+    std::filesystem::copy_file(file, other);
+    data::Database(other, data::Access::write)
+        .execute(
+            "UPDATE session_provenance SET value = replace(value, '[gantry.axis_z]\nradius_mm = "
+            "10', '[gantry.axis_z]\nradius_mm = 10.1') WHERE key = 'calibration'");
+    const tests::Finished differs = palpate_command({"verify", other});
+    CHECK(differs.code == 1);
+    CHECK_THAT(differs.out, ContainsSubstring("trace.hip"));
     CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
               "'%[gantry.axis_z]%'") == "1");
@@ -208,6 +227,7 @@ TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and l
     Desk desk(folder.file("wired.toml"));
     CHECK(desk.ends_by("'runaway', 'energy', 'over_speed'", 1200));
     CHECK(desk.force_ends());
+    desk.kill();
 }
 
 TEST_CASE("a third encoder whose cable comes out under a force ends it, and no force is left",
@@ -222,6 +242,7 @@ TEST_CASE("a third encoder whose cable comes out under a force ends it, and no f
     }
     CHECK(found);
     CHECK(desk.force_ends());
+    desk.kill();
 }
 
 TEST_CASE(
