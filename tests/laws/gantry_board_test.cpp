@@ -219,6 +219,15 @@ TEST_CASE("a host that is killed with its guard leaves no force on any of three 
     }
 }
 
+TEST_CASE("a board of three axes that is gone under a force ends the trial, and its file verifies",
+          "[window][open][gantry][safety][law]") {
+    Desk desk;
+    REQUIRE(desk.feel());
+    desk.emulator.program().signal(SIGKILL);
+    CHECK(desk.ends_by("'device_lost', 'device_silent'", 400));
+    desk.kill();
+}
+
 TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and leaves no force",
           "[window][open][gantry][safety][law]") {
     const TemporaryFolder folder;
