@@ -55,7 +55,7 @@ std::string latency_text(std::int64_t ns) {
 
 /// The ticks by number from 0, each lost one as nothing.
 template <class Row>
-void each_tick(const std::vector<TickRecord>& ticks, const Row& row) {
+void each_tick(std::span<const TickRecord> ticks, const Row& row) {
     std::int64_t next = 0;
     for (const TickRecord& tick : ticks) {
         for (; next < tick.tick; ++next) {
@@ -66,7 +66,7 @@ void each_tick(const std::vector<TickRecord>& ticks, const Row& row) {
     }
 }
 
-void write_motion(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
+void write_motion(std::span<const TickRecord> ticks, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::tsv);
     each_tick(ticks, [&file, all = channels()](const TickRecord* tick) {
         for (const Channel& channel : all) {
@@ -121,7 +121,7 @@ std::int64_t channels_of(std::string_view type) {
     return std::ranges::count(channels(), type, &Channel::type);
 }
 
-Json motion_json(const ChosenSession& session, const std::vector<TickRecord>& ticks) {
+Json motion_json(const ChosenSession& session, std::span<const TickRecord> ticks) {
     const double duration = seconds_of(ticks.back().time_ns - ticks.front().time_ns);
     const auto steps = static_cast<double>(ticks.back().tick - ticks.front().tick);
     return {{"TaskName", session.study},
@@ -138,7 +138,7 @@ Json motion_json(const ChosenSession& session, const std::vector<TickRecord>& ti
             {"MissingValues", "n/a: the tick was lost, or the value was not a number"}};
 }
 
-void write_stim(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
+void write_stim(std::span<const TickRecord> ticks, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::tsv);
     each_tick(ticks, [&file](const TickRecord* tick) {
         file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.x);
@@ -180,7 +180,7 @@ void write_bids_run(Database& database,
                     const std::filesystem::path& session_folder) {
     TraceReader traces(database);
     for (const std::int64_t interval : {1, 2}) {
-        const std::vector<TickRecord> ticks = traces.stored(trial, interval);
+        const Ticks ticks = traces.stored(trial, interval);
         if (ticks.empty()) {
             continue;
         }

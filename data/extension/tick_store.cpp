@@ -27,7 +27,7 @@ public:
                std::span<const ChunkView> chunks,
                std::shared_ptr<const engine::FeltScene> scene,
                const std::optional<engine::PantographSpec>& machine,
-               std::vector<TickRecord> room)
+               Ticks room)
         : part_(part),
           bytes_(std::move(bytes)),
           scene_(std::move(scene)),
@@ -41,7 +41,7 @@ public:
     [[nodiscard]] std::size_t chunks() const noexcept { return first_ticks_.size(); }
     [[nodiscard]] std::size_t ticks() const noexcept { return ticks_; }
     /// Its memory, for another. @pre nobody asks it again
-    [[nodiscard]] std::vector<TickRecord> take_room() noexcept { return replay_.take(); }
+    [[nodiscard]] Ticks take_room() noexcept { return replay_.take(); }
     /// Nobody is to be given this one again: the rows may be mended.
     void gives_up() noexcept { given_up_ = true; }
     [[nodiscard]] bool is_of(const TrialPart& part,
@@ -118,7 +118,7 @@ struct TickStore::State {
     };
     Context context_of(const TrialPart& part);
     std::shared_ptr<PartReplay> replayed(const TrialPart& part);
-    std::vector<TickRecord> make_room();
+    Ticks make_room();
     void require_one_study();
 
     Asked db;
@@ -176,7 +176,7 @@ std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
         std::rotate(same, same + 1, kept.end());
         return kept.back();
     }
-    std::vector<TickRecord> room = make_room();
+    Ticks room = make_room();
     const Context context = context_of(part);
     kept.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
                                                 context.session->scene_of(context.trial),
@@ -185,7 +185,7 @@ std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
 }
 
 /// For one more: of a long trial none is kept beside it. @return the memory of one that went
-std::vector<TickRecord> TickStore::State::make_room() {
+Ticks TickStore::State::make_room() {
     constexpr std::size_t kMostParts = 4;
     constexpr std::size_t kMostTicks = 400'000;  // 60 MB
     const auto ticks = [this] {
@@ -195,7 +195,7 @@ std::vector<TickRecord> TickStore::State::make_room() {
         }
         return sum;
     };
-    std::vector<TickRecord> room;
+    Ticks room;
     while (kept.size() >= kMostParts || ticks() > kMostTicks) {
         if (kept.front().use_count() == 1) {
             room = kept.front()->take_room();

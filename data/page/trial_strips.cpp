@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -38,7 +39,7 @@ struct Strip {
 };
 
 template <class Value>
-std::vector<double> of_each(const std::vector<TickRecord>& ticks, const Value& value) {
+std::vector<double> of_each(std::span<const TickRecord> ticks, const Value& value) {
     std::vector<double> all;
     all.reserve(ticks.size());
     for (const TickRecord& tick : ticks) {
@@ -48,7 +49,7 @@ std::vector<double> of_each(const std::vector<TickRecord>& ticks, const Value& v
 }
 
 /// Way by time since the latest tick that is kWindow or longer ago, m/s.
-std::vector<double> speeds(const std::vector<TickRecord>& ticks) {
+std::vector<double> speeds(std::span<const TickRecord> ticks) {
     std::vector<double> all;
     std::size_t from = 0;
     for (const TickRecord& tick : ticks) {

@@ -10,6 +10,7 @@
 #include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/page/html.hpp"
+#include "data/trace/ticks.hpp"
 
 /// The sections of a trial's page that are drawn from its ticks.
 namespace palpate::data {
@@ -21,7 +22,7 @@ struct TrialTrace {
     std::string place{};  ///< behind ids: "", "-2"
     std::string title{};  ///< behind titles: "", ", interval 2"
     std::shared_ptr<const engine::FeltScene> scene{};
-    std::vector<engine::TickRecord> ticks{};  ///< without closest points
+    Ticks ticks{};  ///< without closest points
     std::optional<std::int64_t>
         felt{};                 ///< ticks to done: presentation.ticks; none: it was cut off
     std::string fault_cause{};  ///< why the force went off in it; empty: it did not

@@ -38,7 +38,7 @@ std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial) {
 TraceReader::TraceReader(Database& database) : database_(database) {}
 TraceReader::~TraceReader() = default;
 
-std::vector<engine::TickRecord> TraceReader::stored(std::int64_t trial, std::int64_t interval) {
+Ticks TraceReader::stored(std::int64_t trial, std::int64_t interval) {
     const Snapshot now(database_);
     const TrialContext context = trial_context(database_, trial, interval);
     const StoredChunks chunks = stored_chunks(database_, trial, interval);
@@ -68,9 +68,9 @@ std::vector<std::int64_t> TraceReader::column(std::int64_t trial,
     return all;
 }
 
-std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64_t interval) {
+Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
     const Snapshot now(database_);
-    std::vector<engine::TickRecord> trace = stored(trial, interval);
+    Ticks trace = stored(trial, interval);
     const auto missing = [this, trial](std::int64_t first, std::int64_t last) {
         Statement none = database_.prepare(
             "SELECT 1 FROM trial JOIN session_provenance USING (session_id) WHERE trial_id = ?1 "
@@ -102,11 +102,11 @@ std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64
     return trace;
 }
 
-std::vector<engine::TickRecord> stored_ticks(Database& database, std::int64_t trial) {
+Ticks stored_ticks(Database& database, std::int64_t trial) {
     return TraceReader(database).stored(trial);
 }
 
-std::vector<engine::TickRecord> read_trace(Database& database, std::int64_t trial) {
+Ticks read_trace(Database& database, std::int64_t trial) {
     return TraceReader(database).read(trial);
 }
 

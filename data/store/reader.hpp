@@ -30,13 +30,11 @@ public:
     /// evidence may do: for replay take read().
     /// @throws TraceError if a chunk is damaged, ReplayError if what was not stored does not come back
     /// @throws std::invalid_argument if there is no such trial
-    [[nodiscard]] std::vector<engine::TickRecord> stored(std::int64_t trial,
-                                                         std::int64_t interval = 1);
+    [[nodiscard]] Ticks stored(std::int64_t trial, std::int64_t interval = 1);
 
     /// The same, and whole: tick k is the k-th, and none is missing of those that the trial's summary
     /// counted. @throws TraceError also if ticks are missing
-    [[nodiscard]] std::vector<engine::TickRecord> read(std::int64_t trial,
-                                                       std::int64_t interval = 1);
+    [[nodiscard]] Ticks read(std::int64_t trial, std::int64_t interval = 1);
 
     /// One column as every chunk holds it, without any replay; stored_columns() has its scale.
     [[nodiscard]] std::vector<std::int64_t> column(std::int64_t trial,
@@ -49,7 +47,7 @@ private:
 };
 
 /// TraceReader::stored() and read() of one trial.
-[[nodiscard]] std::vector<engine::TickRecord> stored_ticks(Database& database, std::int64_t trial);
-[[nodiscard]] std::vector<engine::TickRecord> read_trace(Database& database, std::int64_t trial);
+[[nodiscard]] Ticks stored_ticks(Database& database, std::int64_t trial);
+[[nodiscard]] Ticks read_trace(Database& database, std::int64_t trial);
 
 }  // namespace palpate::data

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <system_error>
 
 #include "data/trace/derived_hash.hpp"
@@ -16,6 +17,9 @@ using engine::TickRecord;
 
 /// So many chunks from the one that is asked for on are worked on.
 constexpr std::size_t kAhead = 4;
+
+/// What a contact overwrites: kept apart until it is known. The rest lies in the ticks at once.
+constexpr unsigned kApart = part_hip | part_contact;
 
 void exclusive_or(double& value, double with) noexcept {
     std::uint64_t a = 0;
@@ -36,6 +40,7 @@ void require_modes(const ChunkReader& reader) {
     }
 }
 
+/// The rest of a tick whose contact is known. @param exact  may be the tick itself, see kApart
 void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) noexcept {
     if ((parts & part_contact) != 0) {
         tick.go = exact.go;
@@ -51,14 +56,15 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
         tick.force_z = exact.force_z;
         tick.v = exact.v;
     }
-    tick.command = tick.force;
-    tick.command_z = tick.force_z;
     if ((parts & part_command) != 0) {
         tick.command = exact.command;
         exclusive_or(tick.command.x, tick.force.x);
         exclusive_or(tick.command.y, tick.force.y);
         tick.command_z = exact.command_z;
         exclusive_or(tick.command_z, tick.force_z);
+    } else {
+        tick.command = tick.force;
+        tick.command_z = tick.force_z;
     }
     if ((parts & part_lateness) != 0) {
         tick.lateness_us = exact.lateness_us;
@@ -67,55 +73,88 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
 
 }  // namespace
 
-/// HIP is NaN where the linkage has no pose. @throws TraceError
-void ChunkReplay::Unpacked::unpack(const ChunkView& view,
-                                   const std::optional<engine::ManyHips>& machine,
-                                   bool in_space) {
-    const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
-    numbers.resize(view.ticks);
-    times.resize(view.ticks);
-    reader.read(Stored::tick, numbers);
-    reader.read(Stored::time_ns, times);
-    for (std::size_t i = 0; i < small.size(); ++i) {
-        small[i].resize(view.ticks);
-        reader.read(static_cast<Stored>(static_cast<std::size_t>(Stored::count_1) + i), small[i]);
-    }
-    counts.resize(view.ticks);
-    hips.resize(view.ticks);
-    for (std::size_t i = 0; i < view.ticks; ++i) {
-        counts[i] = {small[0][i], small[1][i]};
-    }
-    third.clear();
-    if (in_space) {
-        unpack_steps(reader);
-    } else if (machine) {
-        machine->of(counts, hips);
-    } else {
-        std::fill(hips.begin(), hips.end(), engine::Vec2{});
-    }
-    if (!(reader.all_zero(Stored::count_3) && reader.all_zero(Stored::code_3) &&
-          reader.all_zero(Stored::hip_z))) {
-        third.resize(3 * view.ticks);
-        const std::span all(third);
-        reader.read(Stored::count_3, all.first(view.ticks));
-        reader.read(Stored::code_3, all.subspan(view.ticks, view.ticks));
-        reader.read(Stored::hip_z, all.last(view.ticks));
-    }
-    exact = reader.exact();
-    if ((view.parts & part_contact) != 0) {
-        require_modes(reader);
+std::span<const std::int32_t> ChunkReplay::Unpacking::read(const ChunkReader& reader,
+                                                           Stored column) {
+    column_.resize(reader.chunk().ticks);
+    reader.read(column, column_);
+    return column_;
+}
+
+void ChunkReplay::Unpacking::steps(const ChunkReader& reader,
+                                   Stored column,
+                                   double engine::Vec2::*axis) {
+    const auto steps = read(reader, column);
+    for (std::size_t i = 0; i < hips_.size(); ++i) {
+        hips_[i].*axis = steps_in_metres(steps[i]);
     }
 }
 
-/// HIP in the plane as its columns say. @throws TraceError
-void ChunkReplay::Unpacked::unpack_steps(const ChunkReader& reader) {
-    std::vector<std::int32_t> steps(hips.size());
-    for (const Stored column : {Stored::hip_x, Stored::hip_y}) {
-        reader.read(column, steps);
-        const auto axis = column == Stored::hip_x ? &engine::Vec2::x : &engine::Vec2::y;
-        for (std::size_t i = 0; i < hips.size(); ++i) {
-            hips[i].*axis = steps_in_metres(steps[i]);
+void ChunkReplay::Unpacking::third(const ChunkReader& reader, std::span<TickRecord> ticks) {
+    if (reader.all_zero(Stored::count_3) && reader.all_zero(Stored::code_3) &&
+        reader.all_zero(Stored::hip_z)) {
+        return;
+    }
+    const auto each = [&](Stored column, const auto& set) {
+        const auto values = read(reader, column);
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            set(ticks[i], values[i]);
         }
+    };
+    each(Stored::count_3, [](TickRecord& tick, std::int32_t count) { tick.count_3 = count; });
+    each(Stored::code_3, [](TickRecord& tick, std::int32_t code) { tick.code_3 = code; });
+    each(Stored::hip_z,
+         [](TickRecord& tick, std::int32_t steps) { tick.hip_z = steps_in_metres(steps); });
+}
+
+void ChunkReplay::Unpacking::unpack(Chunk& chunk,
+                                    const std::optional<engine::ManyHips>& machine,
+                                    bool in_space) {
+    const ChunkView& view = chunk.view;
+    const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
+    const std::size_t size = chunk.ticks.size();
+    numbers_.resize(size);
+    times_.resize(size);
+    reader.read(Stored::tick, numbers_);
+    reader.read(Stored::time_ns, times_);
+    for (std::size_t i = 0; i < small_.size(); ++i) {
+        small_[i].resize(size);
+        reader.read(static_cast<Stored>(static_cast<std::size_t>(Stored::count_1) + i), small_[i]);
+    }
+    const auto& [count_1, count_2, code_1, code_2, late, flags] = small_;
+    counts_.resize(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        counts_[i] = {count_1[i], count_2[i]};
+    }
+    hips_.resize(size);
+    if (in_space) {
+        steps(reader, Stored::hip_x, &engine::Vec2::x);
+        steps(reader, Stored::hip_y, &engine::Vec2::y);
+    } else if (machine) {
+        machine->of(counts_, hips_);
+    } else {
+        std::ranges::fill(hips_, engine::Vec2{});
+    }
+    chunk.has_gaps =
+        std::ranges::any_of(hips_, [](const engine::Vec2& hip) { return std::isnan(hip.x); });
+    for (std::size_t i = 0; i < size; ++i) {
+        ::new (&chunk.ticks[i]) TickRecord{.tick = numbers_[i],
+                                           .time_ns = times_[i],
+                                           .hip = hips_[i],
+                                           .counts = counts_[i],
+                                           .codes = {code_1[i], code_2[i]},
+                                           .lateness_us = lateness_us(late[i]),
+                                           .flags = static_cast<std::uint8_t>(flags[i])};
+    }
+    third(reader, chunk.ticks);
+    const bool apart = (view.parts & kApart) != 0;
+    if (apart) {
+        chunk.exact.assign(chunk.ticks.begin(), chunk.ticks.end());
+    }
+    for (const ExactColumn& column : reader.exact()) {
+        column.into(apart ? chunk.exact : chunk.ticks);
+    }
+    if ((view.parts & part_contact) != 0) {
+        require_modes(reader);
     }
 }
 
@@ -123,19 +162,24 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                          const engine::SceneView& scene,
                          std::span<const ChunkView> chunks,
                          bool helped,
-                         std::vector<TickRecord> room)
+                         Ticks room)
     : in_space_(scene.space != nullptr), contacts_(std::nullopt, scene), ticks_(std::move(room)) {
     if (machine) {
         machine_.emplace(*machine);
     }
     std::size_t ticks = 0;
     for (const ChunkView& chunk : chunks) {
-        chunks_.emplace_back().view = chunk;
         ticks += std::min(chunk.ticks, kChunkTicks);  // a damaged number takes no room
     }
-    ticks_.clear();
-    ticks_.reserve(ticks);  // so that none of them moves
-    spare_.reserve(chunks_.size());
+    ticks_.resize(ticks);
+    std::span rest(ticks_);
+    for (const ChunkView& chunk : chunks) {
+        const std::size_t size = std::min(chunk.ticks, kChunkTicks);
+        chunks_.emplace_back().view = chunk;
+        chunks_.back().ticks = rest.first(size);
+        rest = rest.subspan(size);
+    }
+    spare_.reserve(2);
     if (helped && chunks.size() > 1) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
@@ -165,7 +209,7 @@ ChunkReplay::Again ChunkReplay::chunk(std::size_t i) {
         wanted_ = i;
         changed_.notify_all();
     }
-    while (!chunks_.at(i).checked) {
+    while (!chunks_.at(i).finished) {
         if (following_ <= i && chunks_[following_].unpacked && chunks_[following_].damage) {
             std::rethrow_exception(chunks_[following_].damage);
         }
@@ -178,7 +222,7 @@ ChunkReplay::Again ChunkReplay::chunk(std::size_t i) {
 
 void ChunkReplay::work_ahead() noexcept {
     Lock lock(mutex_);
-    while (!ends_ && checking_ < chunks_.size()) {
+    while (!ends_ && finishing_ < chunks_.size()) {
         if (!work(lock)) {
             changed_.wait(lock);
         }
@@ -197,29 +241,32 @@ bool ChunkReplay::work(Lock& lock) noexcept {
         is_following_ = true;
         Chunk& chunk = chunks_[following_];
         unlocked([&] { follow(chunk); });
-        spare_.push_back(std::move(chunk.bytes));
         is_following_ = false;
         ++following_;
-    } else if (checking_ < following_) {
-        Chunk& chunk = chunks_[checking_++];
-        unlocked([&] { chunk.as_recorded = derived_hash(chunk.ticks) == chunk.view.derived; });
-        chunk.checked = true;
+    } else if (finishing_ < following_) {
+        Chunk& chunk = chunks_[finishing_++];
+        unlocked([&] { finish(chunk); });
+        chunk.finished = true;
     } else if (unpacking_ < std::min(chunks_.size(), wanted_ + kAhead)) {
         Chunk& chunk = chunks_[unpacking_++];
+        std::unique_ptr<Unpacking> unpacking;
         if (!spare_.empty()) {
-            chunk.bytes = std::move(spare_.back());
+            unpacking = std::move(spare_.back());
             spare_.pop_back();
         }
         unlocked([&] {
             try {
-                if (!chunk.bytes) {
-                    chunk.bytes = std::make_unique<Unpacked>();
+                if (!unpacking) {
+                    unpacking = std::make_unique<Unpacking>();
                 }
-                chunk.bytes->unpack(chunk.view, machine_, in_space_);
+                unpacking->unpack(chunk, machine_, in_space_);
             } catch (...) {
                 chunk.damage = std::current_exception();
             }
         });
+        if (unpacking) {
+            spare_.push_back(std::move(unpacking));  // there is room: two work at most
+        }
         chunk.unpacked = true;
     } else {
         return false;
@@ -228,72 +275,35 @@ bool ChunkReplay::work(Lock& lock) noexcept {
     return true;
 }
 
-/// The ticks of an unpacked chunk, after those of the chunk before, a few at a time: they stay in the first cache.
+/// The contacts of an unpacked chunk's ticks, after those of the chunk before: all that cannot be done side by side.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
-    constexpr std::size_t kAtOnce = 64;
-    const Unpacked& bytes = *chunk.bytes;
-    const std::uint8_t parts = chunk.view.parts;
-    const std::size_t begin = ticks_.size();
-    if (parts != 0) {  // there is room
-        ticks_.resize(begin + chunk.view.ticks);
-        for (const ExactColumn& column : bytes.exact) {
-            column.into(std::span(ticks_).subspan(begin));
-        }
-    }
-    std::array<TickRecord, kAtOnce> exact;
-    for (std::size_t first = 0; first < chunk.view.ticks; first += kAtOnce) {
-        const std::size_t count = std::min(kAtOnce, chunk.view.ticks - first);
-        ticks_.resize(std::max(ticks_.size(), begin + first + count));
-        const auto ticks = std::span(ticks_).subspan(begin + first, count);
-        if (parts != 0) {
-            std::ranges::copy(ticks, exact.begin());
-        }
-        set_stored(bytes, first, ticks);
-        if ((parts & part_hip) != 0) {
-            for (std::size_t i = 0; i < count; ++i) {
-                ticks[i].hip = exact[i].hip;
-                ticks[i].hip_z = exact[i].hip_z;
-            }
-        }
-        contacts_.contacts(ticks);
-        for (std::size_t i = 0; i < count; ++i) {
-            ticks[i].command = ticks[i].force;
-            ticks[i].command_z = ticks[i].force_z;
-            if (parts != 0) {
-                exact[i].flags = static_cast<std::uint8_t>(bytes.column(Stored::flags)[first + i]);
-                set_exact(ticks[i], parts, exact[i]);
-            }
-        }
-    }
-    chunk.ticks = std::span(ticks_).subspan(begin);
-}
-
-/// What of a tick is stored, and HIP.
-void ChunkReplay::set_stored(const Unpacked& bytes,
-                             std::size_t first,
-                             std::span<TickRecord> ticks) noexcept {
-    const std::int32_t* const code_1 = bytes.column(Stored::code_1) + first;
-    const std::int32_t* const code_2 = bytes.column(Stored::code_2) + first;
-    const std::int32_t* const late = bytes.column(Stored::lateness_ns) + first;
-    const std::int32_t* const flags = bytes.column(Stored::flags) + first;
-    for (std::size_t i = 0; i < ticks.size(); ++i) {
-        TickRecord& tick = ticks[i];
-        tick.tick = bytes.numbers[first + i];
-        tick.time_ns = bytes.times[first + i];
-        tick.counts = bytes.counts[first + i];
-        tick.codes = {code_1[i], code_2[i]};
-        tick.lateness_us = lateness_us(late[i]);
-        tick.flags = static_cast<std::uint8_t>(flags[i]);
-        const engine::Vec2& hip = bytes.hips[first + i];
-        last_hip_ = std::isnan(hip.x) ? last_hip_ : hip;
+    for (TickRecord& tick : chunk.has_gaps ? chunk.ticks : chunk.ticks.last(1)) {
+        last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : tick.hip;
         tick.hip = last_hip_;
     }
-    const std::size_t all = bytes.third.size() / 3;  // 0 in the plane
-    for (std::size_t i = 0; all > 0 && i < ticks.size(); ++i) {
-        ticks[i].count_3 = bytes.third[first + i];
-        ticks[i].code_3 = bytes.third[all + first + i];
-        ticks[i].hip_z = steps_in_metres(bytes.third[2 * all + first + i]);
+    for (std::size_t i = 0; (chunk.view.parts & part_hip) != 0 && i < chunk.ticks.size(); ++i) {
+        chunk.ticks[i].hip = chunk.exact[i].hip;
+        chunk.ticks[i].hip_z = chunk.exact[i].hip_z;
     }
+    contacts_.contacts(chunk.ticks);
+}
+
+/// What follows from a tick's contact or is held in full, and the hash: some ticks at a time, while they are in the
+/// first cache.
+void ChunkReplay::finish(Chunk& chunk) noexcept {
+    constexpr std::size_t kAtOnce = 64;
+    DerivedHash hash;
+    for (std::size_t first = 0; first < chunk.ticks.size(); first += kAtOnce) {
+        const auto ticks =
+            chunk.ticks.subspan(first, std::min(kAtOnce, chunk.ticks.size() - first));
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            set_exact(ticks[i], chunk.view.parts,
+                      chunk.exact.empty() ? ticks[i] : chunk.exact[first + i]);
+        }
+        hash.add(ticks);
+    }
+    chunk.as_recorded = hash.value() == chunk.view.derived;
+    chunk.exact = {};
 }
 
 }  // namespace palpate::data

@@ -17,6 +17,7 @@
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/retrace.hpp"
+#include "data/trace/ticks.hpp"
 
 namespace palpate::data {
 
@@ -24,7 +25,7 @@ namespace palpate::data {
 ///
 ///     bytes to whole numbers to HIP    each chunk by itself
 ///     HIP to contact                   from tick to tick, so one chunk after the other
-///     hash of the ticks                each chunk by itself
+///     command, and hash of the ticks   each chunk by itself
 ///
 /// What is to be done of these first is done by whichever of the two is free, so that both cores are busy
 /// whatever the scene costs. The numbers do not depend on who computed them. Nothing is done for chunks more
@@ -41,7 +42,7 @@ public:
                 const engine::SceneView& scene,
                 std::span<const ChunkView> chunks,
                 bool helped = true,
-                std::vector<engine::TickRecord> room = {});
+                Ticks room = {});
     ChunkReplay(const ChunkReplay&) = delete;
     ChunkReplay& operator=(const ChunkReplay&) = delete;
     ~ChunkReplay();
@@ -56,41 +57,41 @@ public:
     /// @throws TraceError if the chunk or one before it is damaged
     [[nodiscard]] Again chunk(std::size_t i);
 
-    /// All ticks so far, in order; ends the replay.
-    [[nodiscard]] std::vector<engine::TickRecord> take() noexcept {
+    /// All ticks, in order, those of chunks that were asked for as they are again; ends the replay.
+    [[nodiscard]] Ticks take() noexcept {
         end();
         return std::move(ticks_);
     }
 
 private:
-    /// What the bytes of a chunk tell without its scene. Used again for later chunks.
-    struct Unpacked {
-        std::vector<std::int64_t> numbers;
-        std::vector<std::int64_t> times;
-        std::array<std::vector<std::int32_t>, 6> small;  ///< from count_1 to flags
-        std::vector<engine::Pantograph::Counts> counts;
-        std::vector<engine::Vec2> hips;
-        std::vector<std::int32_t> third;  ///< counts, codes, steps of HIP; empty: all 0
-        std::vector<ExactColumn> exact;   ///< those that are held in full
-
-        void unpack_steps(const ChunkReader& reader);
-        void unpack(const ChunkView& view,
-                    const std::optional<engine::ManyHips>& machine,
-                    bool in_space);
-        [[nodiscard]] const std::int32_t* column(Stored which) const noexcept {
-            return small[static_cast<std::size_t>(which) -
-                         static_cast<std::size_t>(Stored::count_1)]
-                .data();
-        }
-    };
     struct Chunk {
         ChunkView view{};
-        std::unique_ptr<Unpacked> bytes{};
-        std::span<engine::TickRecord> ticks{};
+        std::span<engine::TickRecord> ticks{};  ///< its part of ticks_
+        std::vector<engine::TickRecord>
+            exact{};            ///< that hold what a contact would overwrite, if any is held
+        bool has_gaps = false;  ///< in HIP: NaN
         std::exception_ptr damage{};
         bool unpacked = false;
-        bool checked = false;
+        bool finished = false;
         bool as_recorded = false;
+    };
+    /// The columns of a chunk on their way into its ticks. Used again for later chunks.
+    class Unpacking {
+    public:
+        /// What the bytes tell without the scene. HIP is NaN where the linkage has no pose. @throws TraceError
+        void unpack(Chunk& chunk, const std::optional<engine::ManyHips>& machine, bool in_space);
+
+    private:
+        [[nodiscard]] std::span<const std::int32_t> read(const ChunkReader& reader, Stored column);
+        void steps(const ChunkReader& reader, Stored column, double engine::Vec2::*axis);
+        void third(const ChunkReader& reader, std::span<engine::TickRecord> ticks);
+
+        std::vector<std::int64_t> numbers_;
+        std::vector<std::int64_t> times_;
+        std::array<std::vector<std::int32_t>, 6> small_;  ///< from count_1 to flags
+        std::vector<engine::Pantograph::Counts> counts_;
+        std::vector<engine::Vec2> hips_;
+        std::vector<std::int32_t> column_;
     };
     using Lock = std::unique_lock<std::mutex>;
 
@@ -98,15 +99,13 @@ private:
     bool work(Lock& lock) noexcept;
     void work_ahead() noexcept;
     void follow(Chunk& chunk) noexcept;
-    void set_stored(const Unpacked& bytes,
-                    std::size_t first,
-                    std::span<engine::TickRecord> ticks) noexcept;
+    static void finish(Chunk& chunk) noexcept;
 
     std::optional<engine::ManyHips> machine_;
     bool in_space_;
     Retrace contacts_;
     engine::Vec2 last_hip_{};  ///< that the machine gave
-    std::vector<engine::TickRecord> ticks_;
+    Ticks ticks_;
     std::vector<Chunk> chunks_;
 
     std::mutex mutex_;  ///< of what follows, and of the flags of the chunks
@@ -114,8 +113,8 @@ private:
     std::size_t wanted_ = 0;     ///< the last one that was asked for
     std::size_t unpacking_ = 0;  ///< the next one to be unpacked
     std::size_t following_ = 0;  ///< the next one whose contacts are computed
-    std::size_t checking_ = 0;   ///< the next one to be hashed
-    std::vector<std::unique_ptr<Unpacked>> spare_;
+    std::size_t finishing_ = 0;  ///< the next one to be finished
+    std::vector<std::unique_ptr<Unpacking>> spare_;
     bool is_following_ = false;
     bool ends_ = false;
     std::thread ahead_;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstddef>
+#include <new>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -29,6 +30,20 @@ static_assert(offsetof(TickRecord, count_3) == 200 && offsetof(TickRecord, code_
 
 std::uint64_t derived_hash(std::span<const TickRecord> ticks) noexcept {
     return XXH3_64bits(ticks.data(), ticks.size_bytes());
+}
+
+DerivedHash::DerivedHash() noexcept {
+    static_assert(sizeof(XXH3_state_t) <= sizeof state_ && alignof(XXH3_state_t) <= 64);
+    XXH3_64bits_reset(new (state_.data()) XXH3_state_t);
+}
+
+void DerivedHash::add(std::span<const TickRecord> ticks) noexcept {
+    XXH3_64bits_update(std::launder(reinterpret_cast<XXH3_state_t*>(state_.data())), ticks.data(),
+                       ticks.size_bytes());
+}
+
+std::uint64_t DerivedHash::value() const noexcept {
+    return XXH3_64bits_digest(std::launder(reinterpret_cast<const XXH3_state_t*>(state_.data())));
 }
 
 }  // namespace palpate::data

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -16,5 +18,16 @@ namespace palpate::data {
 ///
 /// A chunk holds only some of that. A reading that gives another hash is not what the servo had.
 [[nodiscard]] std::uint64_t derived_hash(std::span<const engine::TickRecord> ticks) noexcept;
+
+/// The same, some ticks at a time.
+class DerivedHash {
+public:
+    DerivedHash() noexcept;
+    void add(std::span<const engine::TickRecord> ticks) noexcept;
+    [[nodiscard]] std::uint64_t value() const noexcept;
+
+private:
+    alignas(64) std::array<std::byte, 576> state_;  ///< an XXH3_state_t
+};
 
 }  // namespace palpate::data

@@ -16,6 +16,7 @@
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/trace/chunk.hpp"
+#include "data/trace/ticks.hpp"
 
 /// Reads traces from plain values: needs no database class, so that an extension that has a
 /// connection of its own can use it. Not for several threads at once.
@@ -35,7 +36,7 @@ struct TraceTrial {
 };
 
 struct Replayed {
-    std::vector<engine::TickRecord> ticks;
+    Ticks ticks;
     /// The first chunk whose hash the replay does not give: from here on the columns that were not stored
     /// are those of another palpate, compiler or machine. Nothing: every bit is as the servo had it.
     std::optional<std::int64_t> differs_from;

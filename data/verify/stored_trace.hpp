@@ -7,13 +7,14 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/replay.hpp"
+#include "data/trace/ticks.hpp"
 #include "data/verify/findings.hpp"
 
 namespace palpate::data {
 
 /// The ticks of an interval of a trial up to the first chunk that is not what was written.
 struct StoredTrace {
-    std::vector<engine::TickRecord> ticks;
+    Ticks ticks;
     bool whole = true;  ///< nothing is damaged or missing in between
     /// Contacts are what chunks hold; else all are what the scene makes of HIP.
     bool holds_contacts = false;

@@ -36,7 +36,7 @@ bool trips(const TickRecord& tick) noexcept {
 }
 
 /// Ticks at the end with the force ramping.
-std::int64_t ramped_at_the_end(const std::vector<TickRecord>& ticks) {
+std::int64_t ramped_at_the_end(std::span<const TickRecord> ticks) {
     const auto first = std::find_if(ticks.rbegin(), ticks.rend(), [](const TickRecord& tick) {
         return (tick.flags & engine::tick_ramped) == 0;
     });

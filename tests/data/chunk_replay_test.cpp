@@ -72,7 +72,7 @@ bool same_contact(const TickRecord& a, const TickRecord& b) {
 
 /// The same ticks again in chunks of other sizes, 1 to `most` ticks each.
 struct Cut {
-    Cut(const std::vector<TickRecord>& ticks, int most, tests::Random& random) {
+    Cut(std::span<const TickRecord> ticks, int most, tests::Random& random) {
         for (std::size_t first = 0; first < ticks.size();) {
             const std::size_t count =
                 std::min(ticks.size() - first, 1 + static_cast<std::size_t>(random.below(most)));
@@ -134,7 +134,7 @@ TEST_CASE(
     CAPTURE(seed);
     tests::Random random(seed);
     const Recorded recorded(database, 1 + random.below(10));
-    const std::vector<TickRecord> ticks =
+    const data::Ticks ticks =
         data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;
     const Cut cut(ticks, random.coin() ? 40 : 900, random);
     data::ChunkReplay replay(recorded.machine, recorded.scene.get(), cut.views);
@@ -156,7 +156,7 @@ TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is 
     CAPTURE(seed);
     tests::Random random(seed);
     const Recorded recorded(database, 2);
-    const std::vector<TickRecord> ticks =
+    const data::Ticks ticks =
         data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;
     Cut cut(ticks, 600, random);
     const auto damaged = static_cast<std::size_t>(random.below(static_cast<int>(cut.views.size())));

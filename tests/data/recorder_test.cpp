@@ -41,8 +41,8 @@ void append_in_bits(protocols::Recorder& recorder,
     }
 }
 
-void check_same(const std::vector<engine::TickRecord>& stored,
-                const std::vector<engine::TickRecord>& ticks) {
+void check_same(std::span<const engine::TickRecord> stored,
+                std::span<const engine::TickRecord> ticks) {
     REQUIRE(stored.size() == ticks.size());
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         REQUIRE(tests::same_bits(stored[i], ticks[i]));

@@ -53,7 +53,7 @@ struct Condition {
 
 /// Largest difference between the recorded forces and those of the exact object under the recorded
 /// pointer, by an independent method.
-double worst_difference(const std::vector<engine::TickRecord>& trace,
+double worst_difference(std::span<const engine::TickRecord> trace,
                         const Condition& condition,
                         int& touched) {
     const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, condition.curvature};

@@ -57,9 +57,9 @@ std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t po
     return process;
 }
 
-std::vector<std::vector<engine::TickRecord>> answered_traces(const std::string& file) {
+std::vector<data::Ticks> answered_traces(const std::string& file) {
     data::Database database(file, data::Access::read);
-    std::vector<std::vector<engine::TickRecord>> traces;
+    std::vector<data::Ticks> traces;
     for (const std::int64_t trial : data::answered_trials(database)) {
         traces.push_back(data::read_trace(database, trial));
     }

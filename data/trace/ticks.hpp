@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include <sys/mman.h>
+
+#include "engine/realtime/tick_record.hpp"
+
+namespace palpate::data {
+
+/// Allocates what is written in full before it is read: resize() sets nothing, and many ticks lie on large pages.
+template <class T>
+struct Unset {
+    using value_type = T;
+
+    Unset() = default;
+    template <class U>
+    Unset(const Unset<U>& /*other*/) noexcept {}  // NOLINT(*-explicit-*)
+
+    [[nodiscard]] T* allocate(std::size_t count) {
+        constexpr std::size_t kLarge = std::size_t{2} << 20U;
+        const std::size_t bytes = count * sizeof(T);  // of ticks of a trial: far from overflow
+        const bool many = bytes >= 2 * kLarge;
+        const std::size_t whole = (bytes + kLarge - 1) / kLarge * kLarge;
+        void* const memory = many ? std::aligned_alloc(kLarge, whole) : std::malloc(bytes);
+        if (memory == nullptr) {
+            throw std::bad_alloc();
+        }
+        if (many) {
+            static_cast<void>(::madvise(memory, whole, MADV_HUGEPAGE));  // or else small ones
+        }
+        return static_cast<T*>(memory);
+    }
+    void deallocate(T* memory, std::size_t /*count*/) noexcept { std::free(memory); }
+
+    template <class U>
+    void construct(U* /*place*/) noexcept {}
+    template <class U, class... Arguments>
+    void construct(U* place, Arguments&&... arguments) {
+        ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+    }
+    bool operator==(const Unset& /*other*/) const noexcept { return true; }
+};
+
+using Ticks = std::vector<engine::TickRecord, Unset<engine::TickRecord>>;
+
+}  // namespace palpate::data
