@@ -287,14 +287,14 @@ CREATE TABLE event (
 constexpr std::string_view kTraces = R"sql(
 CREATE TABLE trace_chunk (
     -- Servo ticks of one interval of a trial. While the trial runs its last chunk is replaced by a longer one.
-    -- codec 1, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
+    -- codec 1, up to 2048 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
     -- columns in the order of trace_column without the parts that the chunk does not hold. Size 0: all 0. A
     -- stream is blocks of 64 numbers: a byte, how many bits each has, then these, lowest first, up to a whole
     -- byte; of an exact column a zlib stream of its values: all first bytes, all second bytes, ...
     trial_id   INTEGER NOT NULL REFERENCES trial,   -- trial.trial_id
     interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
     first_tick INTEGER NOT NULL CHECK (first_tick >= 0),  -- number of its first tick
-    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 4096),  -- how many it has
+    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 2048),  -- how many it has
     codec      INTEGER NOT NULL CHECK (codec = 1),  -- how data is made
     period_ns  INTEGER NOT NULL,                    -- of the servo
     holds      TEXT NOT NULL,                       -- the parts of trace_column that are in here, by words

@@ -29,8 +29,8 @@ public:
 };
 
 inline constexpr std::int64_t kTraceCodec = 1;
-/// Ticks of a full chunk: four seconds at 1 kHz.
-inline constexpr std::size_t kChunkTicks = 4096;
+/// Ticks of a full chunk: two seconds at 1 kHz.
+inline constexpr std::size_t kChunkTicks = 2048;
 
 /// A row of trace_chunk. Owns nothing: `data` must outlive it.
 struct ChunkView {

@@ -38,7 +38,7 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
     CAPTURE(seed);
     tests::Random random(seed);
     auto ticks =
-        random_ticks(seed, 1 + static_cast<std::size_t>(random.below(4096)), 7 * random.below(9));
+        random_ticks(seed, 1 + static_cast<std::size_t>(random.below(2048)), 7 * random.below(9));
     for (engine::TickRecord& tick : ticks) {  // anything that fits
         tick.time_ns += random.coin() ? random.below(1 << 30) : 0;
         tick.counts[1] =

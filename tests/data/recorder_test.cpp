@@ -68,7 +68,7 @@ public:
 
 }  // namespace
 
-TEST_CASE("ticks come back to the bit, in chunks of 4096 whatever the pace", "[store][law]") {
+TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[store][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{8}));
     const bool async = GENERATE(false, true);
     CAPTURE(seed, async);
@@ -85,9 +85,9 @@ TEST_CASE("ticks come back to the bit, in chunks of 4096 whatever the pace", "[s
         recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(ticks.size())));
     }
     check_same(data::read_trace(rig.database, id), ticks);
-    auto row = rig.database.prepare("SELECT count(*), (max(first_tick) % 4096) FROM trace_chunk");
+    auto row = rig.database.prepare("SELECT count(*), (max(first_tick) % 2048) FROM trace_chunk");
     row.step();
-    CHECK(row.integer(0) == static_cast<std::int64_t>((ticks.size() + 4095) / 4096));
+    CHECK(row.integer(0) == static_cast<std::int64_t>((ticks.size() + 2047) / 2048));
     CHECK(row.integer(1) == 0);
 }
 
@@ -198,5 +198,5 @@ TEST_CASE("a damaged or missing chunk is reported, never averaged", "[store][law
     CHECK_THROWS_WITH(data::read_trace(rig.database, id), ContainsSubstring("checksum"));
     rig.database.execute("DELETE FROM trace_chunk WHERE first_tick = 4096");
     CHECK_THROWS_WITH(data::read_trace(rig.database, id),
-                      ContainsSubstring("ticks 4096 to 8191 are missing"));
+                      ContainsSubstring("ticks 4096 to 6143 are missing"));
 }

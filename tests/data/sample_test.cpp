@@ -101,7 +101,7 @@ TEST_CASE("no row is lost where a range begins or ends beside a chunk's border",
         "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1");
     const auto count = static_cast<std::int64_t>(all.size());
     for (const std::int64_t border :
-         {0, 256, 3800, 4094, 4095, 4096, 4097, 4098, 8190, 8192, 8193}) {
+         {0, 256, 1900, 2046, 2047, 2048, 2049, 2050, 4095, 4096, 4097, 8193}) {
         CAPTURE(border);
         const auto from = rows_of(
             database,
