@@ -4,7 +4,7 @@ file(READ "${UPLOT}/uPlot.iife.min.js" uplot)
 file(READ "${UPLOT}/uPlot.min.css" style)
 file(READ "${UPLOT}/LICENSE" licence)
 file(READ "${SCRIPT}" script)
-file(WRITE "${OUTPUT}" "#include \"data/page/trial_scripts.hpp\"
+file(WRITE "${OUTPUT}" "#include \"data/page/trial_trace.hpp\"
 
 namespace palpate::data {
 

@@ -10,7 +10,7 @@ install(DIRECTORY examples DESTINATION share/palpate)
 install(DIRECTORY docs DESTINATION share/doc/palpate)
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/palpate)
 install(FILES LICENSE DESTINATION share/doc/palpate RENAME copyright)
-install(FILES third_party/uplot/LICENSE DESTINATION share/doc/palpate RENAME copyright.uPlot)  # in every page of a trial
+install(FILES data/page/uplot/LICENSE DESTINATION share/doc/palpate RENAME copyright.uPlot)  # in every page of a trial
 install(FILES cmake/debian/70-palpate.rules DESTINATION lib/udev/rules.d)
 install(FILES cmake/debian/limits.conf DESTINATION /etc/security/limits.d RENAME palpate.conf)
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "data/page/trial_scripts.hpp"
 #include "data/page/trial_trace.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/realtime/felt_scene.hpp"
@@ -42,5 +43,11 @@ struct TrialTrace {
 void add_path(PageWriter& page, const Study& study, const TrialTrace& trace);
 /// Every tick, and a table of every second.
 void add_strips(PageWriter& page, const Study& study, const TrialTrace& trace);
+
+/// What stands in the page beside its numbers, as it lies in uplot/ and trial_script.js.
+[[nodiscard]] std::string_view uplot_script();   ///< defines uPlot
+[[nodiscard]] std::string_view uplot_style();    ///< its style sheet
+[[nodiscard]] std::string_view uplot_licence();  ///< MIT: goes with every copy
+[[nodiscard]] std::string_view trial_script();   ///< draws the page's ticks with it
 
 }  // namespace palpate::data

@@ -65,7 +65,7 @@ TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law
 }
 
 TEST_CASE("uPlot lies here as its package has it, with its licence", "[docs]") {
-    const std::string folder = PALPATE_SOURCE_DIR "/third_party/uplot/";
+    const std::string folder = PALPATE_SOURCE_DIR "/data/page/uplot/";
     const std::string readme = tests::slurp(folder + "README.md");
     for (const char* name : {"uPlot.iife.min.js", "uPlot.min.css", "LICENSE"}) {
         CAPTURE(name);
