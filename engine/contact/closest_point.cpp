@@ -11,9 +11,6 @@ namespace palpate::engine {
 
 namespace {
 
-/// Rounding puts a foot at an end this near to it.
-constexpr double kNearEnd = 1e-6;
-
 /// Up to this turn, rad, the side of the mean tangent tells inside from outside at a vertex.
 constexpr double kShallow = 1.0;
 
@@ -23,19 +20,11 @@ bool as_near(const Vec2& point, const Vec2& h, const Foot<2>& foot) noexcept {
     return glm::length(point - h) <= std::sqrt(foot.distance2) + rounding;
 }
 
-/// An end of a span that is no further from h than a foot is, but for rounding. Where control points
-/// repeat, the foot polynomial vanishes with C', and the foot may be anywhere that is as near.
-bool is_end(const RationalBezier<2>& span,
-            bool at_last,
-            const Vec2& h,
-            const Foot<2>& foot) noexcept {
-    if (std::fabs(foot.u - (at_last ? 1.0 : 0.0)) <= kNearEnd) {
-        return true;
-    }
+/// Two control points at an end are one: there the foot polynomial vanishes with C'.
+bool repeats(const RationalBezier<2>& span, bool at_last) noexcept {
     const auto last = static_cast<std::size_t>(span.degree());
-    const bool repeats = at_last ? span.local_point(last) == span.local_point(last - 1)
-                                 : span.local_point(0) == span.local_point(1);
-    return repeats && as_near(span.point(at_last ? last : 0), h, foot);
+    return at_last ? span.local_point(last) == span.local_point(last - 1)
+                   : span.local_point(0) == span.local_point(1);
 }
 
 /// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to
@@ -61,7 +50,11 @@ bool beyond_end(const RationalBezier<2>& span, bool at_last, const Vec2& h) noex
 
 }  // namespace
 
-OutlineFeet::OutlineFeet(const Outline& outline) : outline_(&outline), tree_(outline.spans()) {}
+OutlineFeet::OutlineFeet(const Outline& outline) : outline_(&outline), tree_(outline.spans()) {
+    for (const RationalBezier<2>& span : outline.spans()) {
+        plain_.push_back(!repeats(span, false) && !repeats(span, true));
+    }
+}
 
 ClosestPoint OutlineFeet::at_seam(std::size_t seam, const Vec2& h) const noexcept {
     const Seam& vertex = outline_->seams()[seam];
@@ -87,23 +80,25 @@ ClosestPoint OutlineFeet::at_seam(std::size_t seam, const Vec2& h) const noexcep
     return result;
 }
 
-ClosestPoint OutlineFeet::named(const Vec2& h,
-                                const Foot<2>& foot,
-                                const Vec2& tangent) const noexcept {
-    bool beyond = false;
+/// The end of the span is no further from h than the foot is, but for rounding: at an end whose control points
+/// repeat the foot may be anywhere that is as near.
+ClosestPoint OutlineFeet::near_end(const Vec2& h,
+                                   const Foot<2>& foot,
+                                   const Vec2& tangent) const noexcept {
+    const RationalBezier<2>& span = outline_->spans()[foot.span];
     const bool forward = foot.u > 0.5;
-    if (is_end(outline_->spans()[foot.span], forward, h, foot)) {
+    const auto last = static_cast<std::size_t>(span.degree());
+    bool beyond = false;
+    if (std::fabs(foot.u - (forward ? 1.0 : 0.0)) <= kNearEnd ||
+        (repeats(span, forward) && as_near(span.point(forward ? last : 0), h, foot))) {
         const auto seam = outline_->seam_beyond(foot.span, forward);
         const bool at_end = foot.u == 0.0 || foot.u == 1.0;
         if (seam && (at_end || on_vertex(outline_->seams()[*seam], h, foot))) {
             return at_seam(*seam, h);
         }
-        beyond = !seam && beyond_end(outline_->spans()[foot.span], forward, h);
+        beyond = !seam && beyond_end(span, forward, h);
     }
-    return {.place = {.index = foot.span, .parameter = foot.u},
-            .point = foot.point,
-            .distance = std::sqrt(foot.distance2),
-            .inside = !beyond && cross(tangent, h - foot.point) < 0.0};
+    return on_span(h, foot, tangent, beyond);
 }
 
 ClosestPoint OutlineFeet::closest(const Vec2& h) const noexcept {

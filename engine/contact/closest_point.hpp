@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "engine/contact/piece_tree.hpp"
 #include "engine/geometry/outline.hpp"
@@ -62,13 +64,33 @@ public:
     /// The foot as a place of the outline, with its side. `tangent`: any vector along C' there.
     [[nodiscard]] ClosestPoint named(const Vec2& h,
                                      const Foot<2>& foot,
-                                     const Vec2& tangent) const noexcept;
+                                     const Vec2& tangent) const noexcept {
+        const bool amid = std::fabs(foot.u - 0.5) < 0.5 - kNearEnd && plain_[foot.span];
+        return amid ? on_span(h, foot, tangent, false) : near_end(h, foot, tangent);
+    }
     /// The closest point of h where h is nearest to a seam.
     [[nodiscard]] ClosestPoint at_seam(std::size_t seam, const Vec2& h) const noexcept;
 
 private:
+    /// Rounding puts a foot at an end this near to it.
+    static constexpr double kNearEnd = 1e-6;
+
+    [[nodiscard]] static ClosestPoint on_span(const Vec2& h,
+                                              const Foot<2>& foot,
+                                              const Vec2& tangent,
+                                              bool beyond) noexcept {
+        return {.place = {.index = foot.span, .parameter = foot.u},
+                .point = foot.point,
+                .distance = std::sqrt(foot.distance2),
+                .inside = !beyond && cross(tangent, h - foot.point) < 0.0};
+    }
+    [[nodiscard]] ClosestPoint near_end(const Vec2& h,
+                                        const Foot<2>& foot,
+                                        const Vec2& tangent) const noexcept;
+
     const Outline* outline_;
     PieceTree<2> tree_;
+    std::vector<char> plain_;  ///< of each span: at neither end do control points repeat
 };
 
 }  // namespace palpate::engine

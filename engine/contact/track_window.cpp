@@ -14,19 +14,6 @@ constexpr double kTaylorError = 1e-17;
 /// And no longer than this: Newton's own error after the step is of the order of its square.
 constexpr double kLongestTaylor = 0x1p-19;
 
-/// Newton's error after a last step: step^2 g'' / (2 g'), with g'' near 3 C' . C''. More than 4e-12
-/// of the span is no last step.
-bool is_last(const Jet<2>& jet, double slope, double step) noexcept {
-    constexpr double kSharp2 = 0x1p-76;
-    constexpr double kShort = 0x1p-21;
-    if (std::fabs(step) < kShort) {
-        return true;
-    }
-    const double bent = glm::dot(jet.first, jet.first) * glm::dot(jet.second, jet.second);
-    const double step2 = step * step;
-    return 9.0 * bent * (step2 * step2) <= kSharp2 * (slope * slope);
-}
-
 /// Weights that differ by more make all of a curve in a millionth of u: there only the jet tells how long a
 /// last step may be.
 constexpr double kHeavy = 1e3;
@@ -71,14 +58,14 @@ constexpr double kWanted = 0.005;
 /// tangents are rounded, and so is the curve's own derivative there.
 constexpr double kVertexMargin = 1e-12;
 
-/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum,
-/// or within rounding of one. Straight below the end of one curve, the foot of the other would be
-/// missed.
-bool is_maximum(const Seam& seam, const Vec2& h) noexcept {
+/// How far h is from seeing a maximum at the vertex, m: from being past it for the curve before it and not yet at
+/// it for the curve after. As h moves it shrinks by no more than h moves. < 0: a maximum, or within rounding of one.
+/// Straight below the end of one curve, the foot of the other would be missed.
+double clearance(const Seam& seam, const Vec2& h) noexcept {
     const Vec2 gap = seam.point - h;
     const double margin =
         kVertexMargin * (std::fabs(gap.x) + std::fabs(gap.y) + std::fabs(h.x) + std::fabs(h.y));
-    return glm::dot(gap, seam.tangent_in) > -margin && glm::dot(gap, seam.tangent_out) < margin;
+    return std::max(-glm::dot(gap, seam.tangent_in), glm::dot(gap, seam.tangent_out)) - margin;
 }
 
 }  // namespace
@@ -91,7 +78,7 @@ WindowTracker::WindowTracker(const OutlineFeet& feet) : feet_(&feet) {
 
 bool WindowTracker::one_minimum(const TrackWindow& window, const Vec2& h) const noexcept {
     for (std::uint32_t i = 0; i < window.vertex_count; ++i) {
-        if (is_maximum(feet_->outline().seams()[window.vertices[i]], h)) {
+        if (clearance(feet_->outline().seams()[window.vertices[i]], h) < 0.0) {
             return false;
         }
     }
@@ -134,10 +121,7 @@ std::optional<Followed> WindowTracker::past_end(TrackWindow& s,
     return std::nullopt;
 }
 
-Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
-    if (!one_minimum(s, h)) {
-        return {};
-    }
+Followed WindowTracker::walk(TrackWindow& s, const Vec2& h) const noexcept {
     const Outline& outline = feet_->outline();
     double before = 0.0;  // slope and length of the first step
     double first = 0.0;
@@ -149,9 +133,9 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
         if (arc != nullptr) {
             next = arc->foot(h);
         } else {
-            const Vec2 gap = s.jet.point - h;
-            slope = glm::dot(s.jet.first, s.jet.first) + glm::dot(gap, s.jet.second);
-            step = -glm::dot(gap, s.jet.first) / slope;
+            const Step newton(s.jet, h);
+            slope = newton.slope;
+            step = newton.by;
             if (i == 0) {
                 before = slope;
                 first = step = s.bend.step(step);
@@ -185,8 +169,9 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
             return here(s, next, at.point, h);
         }
         const double longest = taylor_[s.span];
-        const bool last = longest > 0.0 ? std::fabs(step) <= longest && is_last(s.jet, slope, step)
-                                        : is_straight_step(s.jet, step);
+        const bool last = longest > 0.0
+                            ? std::fabs(step) <= longest && is_last_step(s.jet, slope, step)
+                            : is_straight_step(s.jet, step);
         if (!last) {
             s.u = next;
             s.jet = outline.spans()[s.span].at(next);
@@ -220,6 +205,7 @@ struct WindowTracker::Opening {
         const Piece<2>& piece = pieces[edge];
         std::size_t next = forward ? edge + 1 : edge - 1;
         std::optional<std::size_t> vertex;
+        double room = slack;
         if (forward ? piece.hi == 1.0 : piece.lo == 0.0) {
             const auto seam = feet.outline().seam_beyond(piece.span, forward);
             if (!seam) {
@@ -232,10 +218,14 @@ struct WindowTracker::Opening {
             }
             const Seam& corner = feet.outline().seams()[*seam];
             if (corner.kind != SeamKind::smooth) {
-                if (window.vertex_count == window.vertices.size() || is_maximum(corner, h)) {
+                const double clear = clearance(corner, h);
+                if (clear >= std::min(slack, kWanted)) {
+                    room = std::min(room, clear);
+                } else if (clear >= 0.0 && window.vertex_count < window.vertices.size()) {
+                    vertex = seam;
+                } else {
                     return false;
                 }
-                vertex = seam;
             }
         }
         const double more = pieces.rise_slack(pieces[next], h);
@@ -245,7 +235,7 @@ struct WindowTracker::Opening {
         if (vertex) {
             window.vertices[window.vertex_count++] = *vertex;
         }
-        slack = std::min(slack, more);
+        slack = std::min(room, more);
         (forward ? last : first) = next;
         ++count;
         return true;
