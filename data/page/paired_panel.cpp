@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -58,6 +59,45 @@ std::vector<std::string> test_cells(std::string what, const PeopleTest& test) {
             all_digits(test.rank.v),
             all_digits(test.rank.p),
             test.bayes ? all_digits(*test.bayes) : ""};
+}
+
+PairedPanel pairs_of(const Rows& rows,
+                     std::string_view column,
+                     const std::vector<std::string>& frictions,
+                     Scale scale,
+                     std::string_view felt) {
+    std::map<std::string, std::vector<double>> people;
+    std::map<std::string, std::vector<double>> left_out;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        const auto found = std::ranges::find(frictions, rows.text(row, "friction"));
+        if (found != frictions.end() && (felt.empty() || rows.text(row, "felt") == felt)) {
+            auto& mine =
+                (rows.number(row, "left_out") == 0.0 ? people : left_out)[rows.text(row, "person")];
+            mine.resize(frictions.size(), std::nan(""));
+            mine[static_cast<std::size_t>(found - frictions.begin())] = rows.number(row, column);
+        }
+    }
+    PairedPanel all{.frictions = frictions};
+    for (const auto& [person, mine] : people) {
+        all.people.push_back(mine);
+    }
+    for (const auto& [person, mine] : left_out) {
+        all.left_out.push_back(mine);
+    }
+    for (std::size_t f = 0; f < frictions.size(); ++f) {
+        std::vector<double> values;
+        for (const auto& mine : all.people) {
+            if (std::isfinite(mine[f])) {
+                values.push_back(scale == Scale::logarithms ? std::log(mine[f]) : mine[f]);
+            }
+        }
+        all.means.push_back(values.empty() ? std::nullopt
+                                           : std::optional(mean_over_people(values)));
+        if (all.means.back() && scale == Scale::logarithms) {
+            all.means.back() = as_exp(*all.means.back());
+        }
+    }
+    return all;
 }
 
 Panel paired_panel(const PairedPanel& what) {

@@ -72,17 +72,22 @@ std::string objects_text(const protocols::Protocol& protocol) {
 }
 
 std::string task_text(const protocols::Protocol& protocol) {
-    switch (protocol.response.kind) {
-        case protocols::ResponseKind::two_interval:
-            return "Two objects were felt one after the other, and one of them was named.";
-        case protocols::ResponseKind::yes_no:
-            return "A question was answered with yes or no.";
-        case protocols::ResponseKind::rating:
-            return fmt::format("What was felt was rated on {} levels.", protocol.response.levels);
-        case protocols::ResponseKind::identification:
-            break;
+    const protocols::ResponseSpec& asked = protocol.response;
+    std::string out = "One of the pictured objects was chosen as the one that had been felt.";
+    if (asked.kind == protocols::ResponseKind::two_interval) {
+        out = "Two objects were felt one after the other, and one of them was named.";
+    } else if (asked.kind == protocols::ResponseKind::yes_no) {
+        out = "A question was answered with yes or no.";
+    } else if (asked.kind == protocols::ResponseKind::rating) {
+        out = fmt::format("What was felt was rated on {} levels.", asked.levels);
     }
-    return "One of the pictured objects was chosen as the one that had been felt.";
+    if (!asked.question.empty()) {
+        out += fmt::format(" The question was \u201c{}\u201d.", asked.question);
+    }
+    if (asked.confidence) {
+        out += " After each answer confidence was given on four levels, from a guess to sure.";
+    }
+    return out;
 }
 
 std::string design_text(const protocols::Protocol& protocol) {
@@ -139,11 +144,12 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
         frictions.push_back(friction_text(one));
     }
     page.paragraph(fmt::format(
-        "{} explored objects that they could not see through a handle with two degrees of freedom; "
-        "the contact force was rendered at {:g} kHz on the exact curves with a stiffness of {:g} "
+        "{} explored objects that they could not see through a handle with {} degrees of freedom; "
+        "the contact force was rendered at {:g} kHz on the exact {} with a stiffness of {:g} "
         "N/m and limited to {:g} N. Objects were {}; friction was {}. {} {}",
         study.options().kind == "simulated" ? "Simulated hands" : "Participants",
-        apparatus.rate_hz / 1000.0, apparatus.stiffness, apparatus.force_limit,
+        protocol.surface ? "three" : "two", apparatus.rate_hz / 1000.0,
+        protocol.surface ? "surfaces" : "curves", apparatus.stiffness, apparatus.force_limit,
         objects_text(protocol), list_of(frictions), task_text(protocol), design_text(protocol)));
     page.paragraph(fmt::format(
         "Attempts in which the force went off, or which fell short of the protocol's rules for a "

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -70,35 +69,6 @@ Panel levels_panel(const Rows& rows,
     return panel;
 }
 
-/// Mean levels of people under each friction, of one object.
-struct Rated {
-    std::vector<std::vector<double>> people{};  ///< NaN: none
-    std::vector<std::vector<double>> left_out{};
-};
-
-Rated rated(const Rows& rows, const std::string& felt, const std::vector<std::string>& frictions) {
-    std::map<std::string, std::vector<double>> people;
-    std::map<std::string, std::vector<double>> left_out;
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        const auto found = std::ranges::find(frictions, rows.text(row, "friction"));
-        if (rows.text(row, "felt") == felt && found != frictions.end()) {
-            auto& mine =
-                (rows.number(row, "left_out") == 0.0 ? people : left_out)[rows.text(row, "person")];
-            mine.resize(frictions.size(), std::nan(""));
-            mine[static_cast<std::size_t>(found - frictions.begin())] =
-                rows.number(row, "mean_level");
-        }
-    }
-    Rated all;
-    for (auto& [person, mine] : people) {
-        all.people.push_back(std::move(mine));
-    }
-    for (auto& [person, mine] : left_out) {
-        all.left_out.push_back(std::move(mine));
-    }
-    return all;
-}
-
 /// A row of results: a mean over people, or of differences within person.
 std::vector<std::string> mean_cells(const std::string& felt,
                                     const std::string& what,
@@ -128,29 +98,20 @@ void add_means(PageWriter& page,
                         "Means over people and differences within person, with 95 % "
                         "intervals"};
     for (const std::string& object : felt) {
-        Rated all = rated(figure.data, object, frictions);
-        PairedPanel pairs{.title = object,
-                          .label = "mean level",
-                          .frictions = frictions,
-                          .people = all.people,
-                          .left_out = all.left_out,
-                          .height = 170.0};
+        PairedPanel pairs = pairs_of(figure.data, "mean_level", frictions, Scale::numbers, object);
+        pairs.title = object;
+        pairs.label = "mean level";
+        pairs.height = 170.0;
         for (std::size_t f = 0; f < frictions.size(); ++f) {
-            std::vector<double> values;
             std::vector<double> differences;
-            for (const auto& mine : all.people) {
-                if (std::isfinite(mine[f])) {
-                    values.push_back(mine[f]);
-                }
+            for (const auto& mine : pairs.people) {
                 if (f > 0 && std::isfinite(mine[f]) && std::isfinite(mine[0])) {
                     differences.push_back(mine[f] - mine[0]);
                 }
             }
-            pairs.means.push_back(values.empty() ? std::nullopt
-                                                 : std::optional(mean_over_people(values)));
-            if (!values.empty()) {
+            if (pairs.means[f]) {
                 results.cells.push_back(
-                    mean_cells(object, "friction " + frictions[f], *pairs.means.back(), ""));
+                    mean_cells(object, "friction " + frictions[f], *pairs.means[f], ""));
             }
             if (!differences.empty()) {
                 results.cells.push_back(mean_cells(

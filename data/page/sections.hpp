@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data/fit/fit_report.hpp"
@@ -52,6 +53,16 @@ struct PairedPanel {
     double height = 220.0;
 };
 [[nodiscard]] Panel paired_panel(const PairedPanel& what);
+
+/// What people's numbers are averaged on.
+enum class Scale { numbers, logarithms };
+/// A column of rows with person, left_out and friction as people, by friction, with their means.
+/// @param felt  only rows with this in the column felt; empty: all
+[[nodiscard]] PairedPanel pairs_of(const Rows& rows,
+                                   std::string_view column,
+                                   const std::vector<std::string>& frictions,
+                                   Scale scale = Scale::numbers,
+                                   std::string_view felt = "");
 
 /// The mean of a measure on the scale of the page: exp() of a logarithm.
 [[nodiscard]] PeopleMean as_exp(const PeopleMean& mean);

@@ -1,5 +1,5 @@
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -8,20 +8,18 @@
 namespace palpate::data {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
 constexpr std::string_view kTimes =
     R"(SELECT person, left_out, friction, count(*) AS n,
        geometric_mean(iif(reaction_s > 0, reaction_s, NULL)) AS response_s,
        geometric_mean(iif(done_s > first_contact_s, done_s - first_contact_s, NULL)) AS exploration_s
-FROM main WHERE counts AND run_number IS NULL
+FROM main WHERE counts
 GROUP BY person, friction ORDER BY person, friction)";
 
 constexpr std::string_view kDeciles =
     R"(WITH own AS (
     SELECT person, friction, value AS share, quantile(reaction_s, value) AS response_s
     FROM main, json_each('[0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9]')
-    WHERE counts AND NOT left_out AND run_number IS NULL AND reaction_s > 0
+    WHERE counts AND NOT left_out AND reaction_s > 0
     GROUP BY person, friction, value)
 SELECT friction, share, count(*) AS people, geometric_mean(response_s) AS response_s
 FROM own GROUP BY friction, share ORDER BY friction, share)";
@@ -30,17 +28,22 @@ constexpr std::string_view kConfidence =
     R"(WITH own AS (
     SELECT person, confidence AS level, count(*) AS n,
            avg({right}) AS share
-    FROM main WHERE counts AND NOT left_out AND run_number IS NULL AND confidence IS NOT NULL
+    FROM main WHERE counts AND NOT left_out AND confidence IS NOT NULL
     GROUP BY person, confidence)
 SELECT level, sum(n) AS answers, count(*) AS people, avg(share) AS share,
        people_share_low(share) AS share_low, people_share_high(share) AS share_high
 FROM own GROUP BY level ORDER BY level)";
 
+constexpr std::string_view kSure =
+    R"(SELECT person, left_out, friction, count(*) AS n, avg(confidence) AS confidence
+FROM main WHERE counts AND confidence IS NOT NULL
+GROUP BY person, friction ORDER BY person, friction)";
+
 constexpr std::string_view kLearning =
     R"(WITH numbered AS (
     SELECT person, reaction_s, {hit} AS hit,
            ntile(10) OVER (PARTITION BY person ORDER BY session_number, trial_number) AS tenth
-    FROM main WHERE counts AND NOT left_out AND run_number IS NULL),
+    FROM main WHERE counts AND NOT left_out),
 own AS (
     SELECT person, tenth, avg(hit) AS share, avg(ln(iif(reaction_s > 0, reaction_s, NULL))) AS log_rt
     FROM numbered GROUP BY person, tenth)
@@ -64,26 +67,6 @@ Results tests_of(const PageNumbers& numbers,
     return results;
 }
 
-/// Of a measure that is a logarithm, on the scale of seconds.
-std::optional<Panel> seconds_panel(const StatsReport& stats, const char* key, const char* title) {
-    const Measure* measure = find_measure(stats.applied, key);
-    if (measure == nullptr) {
-        return std::nullopt;
-    }
-    PairedPanel pairs{
-        .title = title, .label = "geometric mean", .unit = "s", .frictions = stats.table.frictions};
-    for (const auto& row : measure->values) {
-        auto& values = pairs.people.emplace_back();
-        for (const auto& value : row) {
-            values.push_back(value ? std::exp(*value) : kUnknown);
-        }
-    }
-    for (const auto& mean : measure->means) {
-        pairs.means.push_back(mean ? std::optional(as_exp(*mean)) : std::nullopt);
-    }
-    return paired_panel(pairs);
-}
-
 /// A mean over people with its interval at each place.
 void add_trend(Panel& panel,
                const Rows& rows,
@@ -104,18 +87,22 @@ void add_trend(Panel& panel,
     panel.bands.push_back(std::move(band));
 }
 
-void add_response_times(PageWriter& page, const Study& study, const PageNumbers& numbers) {
-    const StatsReport& stats = *numbers.stats;
+void add_response_times(PageWriter& page, const Study& study, bool tested) {
+    const std::vector<std::string> frictions = frictions_of(study);
     PageFigure figure{.id = "times", .title = "How long it took", .data = study.ask(kTimes)};
-    for (const auto& [key, title] : {std::pair{"log_rt", "question to answer"},
-                                     std::pair{"log_explore", "first contact to done"}}) {
-        if (auto panel = seconds_panel(stats, key, title)) {
-            figure.panels.push_back(std::move(*panel));
-        }
+    for (const auto& [column, title] : {std::pair{"response_s", "question to answer"},
+                                        std::pair{"exploration_s", "first contact to done"}}) {
+        PairedPanel pairs = pairs_of(figure.data, column, frictions, Scale::logarithms);
+        pairs.title = title;
+        pairs.label = "geometric mean";
+        pairs.unit = "s";
+        figure.panels.push_back(paired_panel(pairs));
     }
-    figure.caption =
-        "A thin line is a person; bars: means over people with 95 % intervals, of "
-        "logarithms. Their tests stand with the effect of friction above.";
+    figure.caption = fmt::format(
+        "A thin line is a person, a broken one whom the protocol's rules leave out; bars: means "
+        "over people with 95 % "
+        "intervals, of logarithms.{}",
+        tested ? " Their tests stand with the effect of friction above." : "");
     page.figure(figure);
 
     PageFigure deciles{
@@ -123,13 +110,13 @@ void add_response_times(PageWriter& page, const Study& study, const PageNumbers&
     Panel& panel = deciles.panels.emplace_back();
     panel = {.x = {.label = "share of answers that were as fast", .low = 0.0, .high = 1.0},
              .y = {.label = "response time", .unit = "s"}};
-    for (std::size_t f = 0; f < stats.table.frictions.size(); ++f) {
-        Series line{.name = "friction " + stats.table.frictions[f],
+    for (std::size_t f = 0; f < frictions.size(); ++f) {
+        Series line{.name = "friction " + frictions[f],
                     .ink = ink_of(f),
                     .stroke = f == 0 ? Stroke::solid : Stroke::dashed,
                     .mark = Mark::both};
         for (std::size_t row = 0; row < deciles.data.cells.size(); ++row) {
-            if (deciles.data.text(row, "friction") == stats.table.frictions[f]) {
+            if (deciles.data.text(row, "friction") == frictions[f]) {
                 line.x.push_back(deciles.data.number(row, "share"));
                 line.y.push_back(deciles.data.number(row, "response_s"));
             }
@@ -140,76 +127,105 @@ void add_response_times(PageWriter& page, const Study& study, const PageNumbers&
     page.figure(deciles);
 }
 
-void add_confidence_figure(PageWriter& page, const Study& study, const PageNumbers& numbers) {
-    const auto& levels = numbers.stats->applied.levels;
-    if (levels.empty()) {
-        return;
-    }
+/// What the confidence is worth, where an answer is right or wrong.
+void add_calibration(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     PageFigure figure{.id = "confidence",
                       .title = "Is confidence worth something?",
                       .data = study.ask(kConfidence)};
-    Panel& panel = figure.panels.emplace_back();
-    panel = {.title = "share correct at each level",
-             .x = {.label = "confidence"},
-             .y = {.label = "share correct", .low = 0.0, .high = 1.0}};
+    const Rows& rows = figure.data;
+    Panel panel{.title = "share correct at each level",
+                .x = {.label = "confidence"},
+                .y = {.label = "share correct", .low = 0.0, .high = 1.0}};
     Series dots{.ink = Ink::blue, .mark = Mark::both, .width = 1.0};
-    for (const ConfidenceLevel& one : levels) {
-        dots.x.push_back(one.level);
-        dots.y.push_back(one.share.mean);
-        panel.x.names.emplace_back(one.level, fmt::format("{:g}", one.level));
-        if (const auto& ends = one.share.interval) {
-            panel.series.push_back({.x = {one.level, one.level},
-                                    .y = {ends->low, ends->high},
-                                    .ink = Ink::blue,
-                                    .width = 3.0});
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        const double level = rows.number(row, "level");
+        const double share = rows.number(row, "share");
+        if (!std::isfinite(share)) {
+            continue;
         }
+        dots.x.push_back(level);
+        dots.y.push_back(share);
+        panel.x.names.emplace_back(level, fmt::format("{:g}", level));
+        if (!rows.text(row, "share_low").empty()) {
+            panel.series.push_back(
+                {.x = {level, level},
+                 .y = {rows.number(row, "share_low"), rows.number(row, "share_high")},
+                 .ink = Ink::blue,
+                 .width = 3.0});
+        }
+    }
+    if (dots.x.empty()) {
+        return;
     }
     panel.x.low = dots.x.front() - 0.5;
     panel.x.high = dots.x.back() + 0.5;
     panel.series.push_back(std::move(dots));
+    figure.panels.push_back(std::move(panel));
     figure.caption =
         "Means over the people who used the level, 95 % intervals over people. Where "
         "only one did, or all had the same share, there is none.";
-    figure.results.push_back(
-        tests_of(numbers, "Does confidence know? Each person's number, then over people",
-                 {{"confidence_area", "area under the type 2 ROC, against 0.5"},
-                  {"overconfidence", "confidence less share correct"}}));
+    if (numbers.stats) {
+        figure.results.push_back(
+            tests_of(numbers, "Does confidence know? Each person's number, then over people",
+                     {{"confidence_area", "area under the type 2 ROC, against 0.5"},
+                      {"overconfidence", "confidence less share correct"}}));
+    }
     page.figure(figure);
+}
+
+void add_confidence(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    PageFigure figure{.id = "sure", .title = "How sure people were", .data = study.ask(kSure)};
+    if (figure.data.cells.empty()) {
+        return;
+    }
+    PairedPanel pairs = pairs_of(figure.data, "confidence", frictions_of(study));
+    pairs.title = "mean confidence";
+    pairs.label = "from 1, a guess, to 4, sure";
+    figure.panels.push_back(paired_panel(pairs));
+    figure.caption =
+        "A thin line is a person, a broken one whom the protocol's rules leave out; bars: means "
+        "over people with 95 % "
+        "intervals. Levels are taken as numbers with equal steps.";
+    page.figure(figure);
+    add_calibration(page, study, numbers);
 }
 
 void add_learning(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     PageFigure figure{.id = "learning",
                       .title = "From the first trial to the last",
                       .data = study.ask(kLearning)};
-    const Measure* share = find_measure(numbers.stats->applied, "share");
-    Panel answers{.title = share == nullptr ? "" : share->title,
-                  .x = {.label = "tenth of a person's trials"},
-                  .y = {.label = share == nullptr ? "share" : share->title}};
-    add_trend(answers, figure.data, "tenth", "share", "share_low", "share_high");
+    if (numbers.stats) {
+        const Measure* share = find_measure(numbers.stats->applied, "share");
+        Panel answers{.title = share == nullptr ? "" : share->title,
+                      .x = {.label = "tenth of a person's trials"},
+                      .y = {.label = share == nullptr ? "share" : share->title}};
+        add_trend(answers, figure.data, "tenth", "share", "share_low", "share_high");
+        figure.panels.push_back(std::move(answers));
+        figure.results.push_back(
+            tests_of(numbers, "Slopes within person, against 0",
+                     {{"share_per_trial", "share, a trial"},
+                      {"share_since_break", "share, a trial since a break"},
+                      {"log_rt_per_trial", "ln response time, a trial"},
+                      {"log_rt_since_break", "ln response time, a trial since a break"}}));
+    }
     Panel times{.title = "response time",
                 .x = {.label = "tenth of a person's trials"},
                 .y = {.label = "geometric mean", .unit = "s"}};
     add_trend(times, figure.data, "tenth", "response_s", "response_low", "response_high");
-    figure.panels = {answers, times};
+    figure.panels.push_back(std::move(times));
     figure.caption = "Means over people of each tenth of their main trials, exclusions applied.";
-    figure.results.push_back(
-        tests_of(numbers, "Slopes within person, against 0",
-                 {{"share_per_trial", "share, a trial"},
-                  {"share_since_break", "share, a trial since a break"},
-                  {"log_rt_per_trial", "ln response time, a trial"},
-                  {"log_rt_since_break", "ln response time, a trial since a break"}}));
     page.figure(figure);
 }
 
 }  // namespace
 
 void add_times(PageWriter& page, const Study& study, const PageNumbers& numbers) {
-    if (!numbers.stats) {
+    if (study.ask("SELECT 1 FROM main WHERE counts LIMIT 1").cells.empty()) {
         return;
     }
     page.section("times", "Times, confidence, learning");
-    add_response_times(page, study, numbers);
-    add_confidence_figure(page, study, numbers);
+    add_response_times(page, study, numbers.stats.has_value());
+    add_confidence(page, study, numbers);
     add_learning(page, study, numbers);
 }
 

@@ -105,10 +105,15 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
         }
     }
     for (const char* command : {"run", "demo", "power", "sequence", "fit", "stats"}) {
-        const Finished end = palpate_command({command, "--seed", "-1"});
-        CAPTURE(command, end.error);
-        CHECK(end.code == 2);
-        CHECK_THAT(end.error, ContainsSubstring("-1 is below 0"));
+        for (const std::string seed : {"-1", "", "18446744073709551616", "1.5"}) {
+            const Finished end = palpate_command({command, "--seed", seed});
+            CAPTURE(command, end.error);
+            CHECK(end.code == 2);
+            CHECK_THAT(end.error,
+                       ContainsSubstring(fmt::format("--seed: \"{}\" is no whole number from 0 to "
+                                                     "18446744073709551615",
+                                                     seed)));
+        }
     }
     CHECK(std::filesystem::is_empty(folder.path()));
 }

@@ -229,7 +229,10 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
     refused({csv, "--function", "weibull"},
             "a stimulus is -1: give finite numbers from 0, or another function");
     refused({csv, "--function", "cubic"}, "cubic");
-    refused({csv, "--guess", "often"}, "--guess is \"often\": give a number, as 0.5 or 1/3");
+    refused({csv, "--guess", "often"},
+            "--guess is \"often\": give a number, as 0.5 or 1/3, or free, shared or lapse");
+    refused({csv, "--lapse", "lapse"},
+            "--lapse is \"lapse\": give a number, as 0.5 or 1/3, or free or shared");
     refused({csv, "--guess", "0.9"}, "the guess rate is 0.9: give a share from 0 to 0.7, or free");
     refused({csv, "--lapse", "0.5"}, "the lapse rate is 0.5");
     refused({csv, "--prior", "width=1,2"}, "--prior is \"width=1,2\": give threshold=MEAN,SD");

@@ -292,7 +292,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     }
     const std::string page = page_of(file, {"--kind", "simulated", "--bootstrap", "60"});
     CHECK_THAT(page, ContainsSubstring("id=\"curves\"") && ContainsSubstring("id=\"tracks\"") &&
-                         ContainsSubstring("class=\"band\""));
+                         ContainsSubstring("class=\"band\"") && ContainsSubstring("id=\"times\""));
     CHECK_THAT(page, !ContainsSubstring("id=\"confusion\""));
     for (const std::string& code : kCodes) {
         CHECK(page.find(code) == std::string::npos);

@@ -115,7 +115,8 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     write(folder.file("p.toml"),
           protocol +
               "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n"
-              "low = \"hollow <5>\"\nhigh = \"round\"\n\n[exclusion]\ntimed_out_share_max = 0.9\n");
+              "confidence = true\nlow = \"hollow <5>\"\nhigh = "
+              "\"round\"\n\n[exclusion]\ntimed_out_share_max = 0.9\n");
     const std::string file = folder.file("a.sqlite");
     REQUIRE(palpate_command({"simulate", folder.file("p.toml"), "--participants", "5",
                              "--no-traces", "--db", file})
@@ -130,7 +131,9 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     REQUIRE(made.code == 0);
     const std::string html = tests::slurp(folder.file("r.html"));
     const auto sources = tests::sources_of(html);
-    for (const char* name : {"simulated-levels-told.csv", "simulated-rated.csv"}) {
+    for (const char* name :
+         {"simulated-levels-told.csv", "simulated-rated.csv", "simulated-times.csv",
+          "simulated-deciles.csv", "simulated-sure.csv", "simulated-learning.csv"}) {
         CAPTURE(name);
         REQUIRE(sources.contains(name));
         CHECK(palpate_command({"sql", file, "--csv", "-c", sources.at(name).sql}).out ==
@@ -151,6 +154,25 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
                 "session_id <> 2 AND friction = 'on'"));
     CHECK_THAT(html, ContainsSubstring("From 1 (\u201chollow &lt;5&gt;\u201d) to 5 "
                                        "(\u201cround\u201d)"));
+
+    CHECK_THAT(html, ContainsSubstring("The question was \u201cHow convex?\u201d.") &&
+                         ContainsSubstring("confidence was given on four levels"));
+    // Nothing is right or wrong here: confidence has its means, and no calibration.
+    CHECK_FALSE(sources.contains("simulated-confidence.csv"));
+    const auto of_person = [&](const char* name, const std::string& what) {
+        return asked(
+            fmt::format("SELECT round({}, 9) FROM ({}) WHERE friction = 'on' AND person = 3", what,
+                        sources.at(name).sql));
+    };
+    const auto own = [&](const std::string& what) {
+        return asked(fmt::format(
+            "SELECT round({}, 9) FROM analysis_trial WHERE counts AND phase = 'main' AND "
+            "friction = 'on' AND session_id = (SELECT session_id FROM session JOIN participant "
+            "USING (participant_id) ORDER BY subject LIMIT 1 OFFSET 2)",
+            what));
+    };
+    CHECK(of_person("simulated-sure.csv", "confidence") == own("sum(confidence) * 1.0 / count(*)"));
+    CHECK(of_person("simulated-times.csv", "response_s") == own("exp(avg(ln(reaction_s)))"));
 
     // Means over people and differences within person: by SQL, and in the words of palpate summary.
     const std::size_t results = html.find("simulated-rated-results.csv");

@@ -1,6 +1,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
@@ -276,4 +279,32 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
                          folder.file("b.sqlite"), "--headless", "--device", "replay:" + file});
     CHECK(again.code == 1);
     CHECK_THAT(again.error, ContainsSubstring("has no ticks: it was simulated with --no-traces"));
+}
+
+TEST_CASE("what simulate names as next looks at the answers of any protocol", "[simulate]") {
+    const TemporaryFolder folder;
+    const std::string rating =
+        "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n";
+    const std::string rule = tests::short_text("friction_threshold", {});
+    for (const auto& [protocol, command] :
+         {std::pair<std::string, std::string>{slurp(kStudy), "stats"},
+          {slurp(kStudy) + rating, "summary"},
+          {rule, "fit"}}) {
+        tests::write(folder.file("p.toml"), protocol);
+        const std::string file = folder.file(command + ".sqlite");
+        const auto made = palpate_command({"simulate", folder.file("p.toml"), "--participants", "2",
+                                           "--db", file, "--no-traces"});
+        CAPTURE(made.out, made.error);
+        REQUIRE(made.code == 0);
+        const std::string mark = "Next: palpate ";
+        const std::size_t at = made.out.find(mark);
+        REQUIRE(at != std::string::npos);
+        std::istringstream line(made.out.substr(at + mark.size()));
+        const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
+        CHECK(words.front() == command);
+        const auto told = palpate_command(words);
+        CAPTURE(told.out, told.error);
+        CHECK(told.code == 0);
+        CHECK_THAT(told.out, ContainsSubstring("simulated"));
+    }
 }

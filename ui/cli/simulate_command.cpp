@@ -159,6 +159,14 @@ std::string slurm_script(const SimulateOptions& options) {
         fmt::arg("words", shard_words(options)));
 }
 
+/// What looks at the answers of such a protocol.
+std::string look_at(const protocols::Protocol& protocol, const std::string& file) {
+    if (protocol.response.kind == protocols::ResponseKind::rating) {
+        return "summary " + file;
+    }
+    return fmt::format("{} {} --kind simulated", protocol.procedure ? "fit" : "stats", file);
+}
+
 int run(const SimulateOptions& options) {
     if (options.example) {
         say("{}", protocols::observer_example());
@@ -196,10 +204,10 @@ int run(const SimulateOptions& options) {
         case SimulationEnd::made:
             break;
     }
-    say("{}: {} of {}{}, in {:.1f} s.\nNext: palpate stats {} --kind simulated\n", file,
+    say("{}: {} of {}{}, in {:.1f} s.\nNext: palpate {}\n", file,
         counted(all, "simulated participant"), counted(first.plan().trials.size(), "trial"),
         all == 1 ? "" : " each", static_cast<double>(monotonic_ns() - begun) * 1e-9,
-        shell_word(file));
+        look_at(spec.people.study.protocol, shell_word(file)));
     return 0;
 }
 

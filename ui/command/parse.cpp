@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -31,11 +33,15 @@ std::string finite_number(const std::string& given) {
              : fmt::format("{} is no finite number", given);
 }
 
-/// CLI11 takes -1 for 2^64 - 1.
+/// CLI11 takes -1 for 2^64 - 1, what is too large for the largest, and nothing for no word at all.
+template <class Whole>
 std::string whole_number(const std::string& given) {
-    return given.find('-') == std::string::npos
+    Whole value{};
+    const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
+    return error == std::errc{} && end == given.data() + given.size()
              ? ""
-             : fmt::format("{} is below 0: give a whole number from 0 to 2^64 - 1", given);
+             : fmt::format("\"{}\" is no whole number from {} to {}", given,
+                           std::numeric_limits<Whole>::min(), std::numeric_limits<Whole>::max());
 }
 
 /// A check of a word that is one of a few; what it says of another names the nearest.
@@ -77,7 +83,10 @@ CLI::Option* added(CLI::App& app, const Word& word) {
         option->check(finite_number);
     }
     if (std::holds_alternative<std::optional<std::uint64_t>*>(word.target)) {
-        option->check(whole_number);
+        option->check(whole_number<std::uint64_t>);
+    }
+    if (std::holds_alternative<std::optional<std::int64_t>*>(word.target)) {
+        option->check(whole_number<std::int64_t>);
     }
     if (word.positive) {
         option->check(CLI::PositiveNumber);

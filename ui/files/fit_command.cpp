@@ -38,14 +38,17 @@ struct FitWords {
     std::string baseline;
 };
 
-/// A number, or one over another: "1/3". @throws std::invalid_argument that names the option
-double number_of(const std::string& option, std::string_view text) {
+/// A number, or one over another: "1/3".
+/// @param words  what may stand there too: "free or shared"
+/// @throws std::invalid_argument that names the option
+double number_of(const std::string& option, std::string_view text, std::string_view words = "") {
     const auto one = [&](std::string_view part) {
         double value = 0.0;
         const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
         if (error != std::errc{} || end != part.data() + part.size() || !std::isfinite(value)) {
             throw std::invalid_argument(
-                fmt::format("{} is \"{}\": give a number, as 0.5 or 1/3", option, text));
+                fmt::format("{} is \"{}\": give a number, as 0.5 or 1/3{}{}", option, text,
+                            words.empty() ? "" : ", or ", words));
         }
         return value;
     };
@@ -93,8 +96,10 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
             "--guess and --lapse are both shared: give one of them as free or as a number");
     }
     spec.lapse_free = spec.lapse_shared || words.lapse == "free";
-    spec.lapse = spec.lapse_free ? 0.0 : number_of("--lapse", words.lapse);
-    spec.guess = spec.two_sided ? spec.lapse : spec.guess_free ? 0.0 : number_of("--guess", guess);
+    spec.lapse = spec.lapse_free ? 0.0 : number_of("--lapse", words.lapse, "free or shared");
+    spec.guess = spec.two_sided  ? spec.lapse
+               : spec.guess_free ? 0.0
+                                 : number_of("--guess", guess, "free, shared or lapse");
     for (const std::string& prior : words.priors) {
         set_prior(spec, prior);
     }
