@@ -56,12 +56,13 @@ std::string encoders_text(const EncoderProof& proof) {
         explained(proof.connection, "encoder", "counts twice as much as counts_per_turn says",
                   "counts half as much as counts_per_turn says");
     if (proof.fits && !what.empty()) {
-        return what + kCorrect;
+        return what + ", if the handle rested at home and then at each mark" + kCorrect;
     }
     return "the encoders do not say where the handle is, whatever their wiring: the nearest guess "
            "misses a mark by " +
            number_text(std::round(std::fmin(proof.missed, 1.0) * 1e4) / 10.0) +
-           " mm: check the marks, the lengths of the links and counts_per_turn";
+           " mm: was the handle at home and then at each mark, are the lengths of the links and "
+           "counts_per_turn right";
 }
 
 /// Encoders at the places, in their order; nothing but zero force meanwhile.
@@ -128,7 +129,8 @@ std::string tripped(std::span<const Pulse> pulses) {
                                   [](const Pulse& pulse) { return pulse.trip != Trip::none; });
     return one == pulses.end()
              ? std::string()
-             : "a pulse tripped the safety chain: " + std::string(explanation(one->trip));
+             : "a pulse tripped the safety chain: " + std::string(explanation(one->trip)) +
+                   ". Nobody may hold the handle meanwhile";
 }
 
 /// The weakest force that moves the handle, and the pulses of it.
@@ -164,7 +166,8 @@ std::string find_force(PulseRunner& runner,
     if (machine.gantry) {
         return {};  // which motor it is tells wrong_motors()
     }
-    return "0.3 N do not move the handle: is it free, are the motors connected and switched on, is "
+    return "0.3 N do not move the handle: is it free, does nobody hold it, are the motors "
+           "connected and switched on, is "
            "a switch pressed";
 }
 

@@ -58,7 +58,7 @@ std::string wrong_encoder(
     const int seen = largest(way);
     if (std::fabs(way[seen]) < kPlaced) {
         return "encoder " + name(axis) + " did not count on the way to " + place_text(place, 3) +
-               ": is its cable in, does it turn with its axis, was the handle brought there";
+               ": is its cable in, does it turn with its axis";
     }
     if (seen != axis) {
         return "encoder " + name(seen) + " counts what moves along " + name(axis) +
@@ -78,8 +78,7 @@ std::string wrong_encoder(
     }
     if (what.empty()) {
         what = "the encoders miss the mark " + place_text(place, 3) + " by " +
-               number_text(std::round(1e4 * glm::length(missed)) / 10.0) +
-               " mm: was the handle there";
+               number_text(std::round(1e4 * glm::length(missed)) / 10.0) + " mm";
     }
     return what;
 }
@@ -109,7 +108,8 @@ std::string wrong_motor(const OpenWiring& wiring, int axis, const Pushed& pushed
     const std::string motor = "motor " + name(axis);
     if (!pushed.forward && !pushed.backward) {
         return "nothing counts when " + motor + " pushes by " + number_text(pushed.force) +
-               " N: is it connected and switched on, is its axis free, is the cable of encoder " +
+               " N: is it connected and switched on, is its axis free, does somebody hold the "
+               "handle, is the cable of encoder " +
                name(axis) + " in, is a switch pressed";
     }
     const int seen = largest(pushed.way);
@@ -236,11 +236,20 @@ std::string wrong_encoders(const Calibration& machine,
             append(found, what);
         }
     }
-    return found;
+    return found.empty()
+             ? found
+             : found +
+                   ". All this if the handle rested at home and then at each mark: was it there";
 }
 
 std::string wrong_motors(const Calibration& machine, std::span<const Pulse> pulses) {
     const Gantry gantry(*machine.gantry);
+    if (std::none_of(pulses.begin(), pulses.end(),
+                     [&](const Pulse& pulse) { return moved_enough(gantry, pulse); })) {
+        return "no motor moves the handle by " + number_text(pulse_forces(3).back()) +
+               " N: does somebody hold it, are the motors connected and switched on, is a switch "
+               "pressed";
+    }
     std::string found;
     for (int i = 0; i < 3; ++i) {
         const std::string what =

@@ -86,6 +86,23 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
         CHECK_THAT(found(folder, board),
                    ContainsSubstring("nothing counts when motor y pushes by 1 N: is it connected"));
     }
+    SECTION("a hand that holds the handle, before the first mark or before the pulses") {
+        FreeBoard board(folder, board_words(kExample));
+        board.bring("hold");
+        CHECK_THAT(found(folder, board),
+                   ContainsSubstring("no motor moves the handle by 1 N: does somebody hold it"));
+    }
+    SECTION("a handle that was not at home") {
+        FreeBoard board(folder, board_words(kExample));
+        const std::string file = folder.file("rig.toml");
+        const Finished end = tests::operated(folder, board, proving(board, file), "15,0,40");
+        CHECK(end.code == 1);
+        CHECK_THAT(end.error,
+                   ContainsSubstring("encoder x counts 0.63 times") &&
+                       ContainsSubstring("All this if the handle rested at home and then "
+                                         "at each mark: was it there"));
+        CHECK_FALSE(std::filesystem::exists(file));
+    }
     SECTION("an encoder's cable") {
         FreeBoard board(folder, board_words(kExample));
         board.bring("unplug 3");
@@ -200,7 +217,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     INFO(typed->program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
     board.bring(kAtHome);
-    board.bring("hold");
+    board.bring("explore");
     bool felt = false;
     for (int i = 0; i < 1800 && !felt && typed->program().running(); ++i) {
         const auto window = hand.find_window("palpate: ");

@@ -28,8 +28,8 @@ struct CommissionOptions {
     std::string device = "sim";
     std::string calibration;         ///< as RunOptions::calibration
     std::vector<std::string> marks;  ///< X_MM,Y_MM of two; none: chosen
-    double handle_g = 60.0;
-    std::string moved_g;  ///< X_G,Y_G,Z_G of three axes
+    double handle_g = 0.0;           ///< 0: not given
+    std::string moved_g;             ///< X_G,Y_G,Z_G of three axes
     bool handle_free = false;
     std::string output;
 };
@@ -160,23 +160,32 @@ std::vector<Vec3> places_of(const CommissionOptions& options, const engine::Cali
 /// kg
 Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machine) {
     constexpr double kMostG = 20000.0;
+    constexpr double kHandleG = 60.0;
     if (!machine.gantry) {
         if (!options.moved_g.empty()) {
             throw std::invalid_argument(
-                "--moved-g is of three axes: give --handle-g for this pantograph");
+                fmt::format("--moved-g {} is of three axes: give --handle-g for the pantograph {}",
+                            options.moved_g, machine.name()));
         }
-        return Vec3(1e-3 * options.handle_g);
+        return Vec3(1e-3 * (options.handle_g > 0.0 ? options.handle_g : kHandleG));
+    }
+    const std::string wanted = fmt::format(
+        "give --moved-g, what the motors of the axes x, y and z move, the handle and all that "
+        "comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is told by it",
+        kMostG);
+    if (options.handle_g > 0.0) {
+        throw std::invalid_argument(
+            fmt::format("--handle-g {:g} is of a linkage, and {} has three axes: {}",
+                        options.handle_g, machine.name(), wanted));
     }
     const auto grams = three_numbers(options.moved_g);
     const auto weighs = [](double g) {
         return g >= 1.0 && g <= kMostG;
     };
     if (!grams || !weighs(grams->x) || !weighs(grams->y) || !weighs(grams->z)) {
-        throw std::invalid_argument(fmt::format(
-            "--moved-g {}: give what the motors of the axes x, y and z move, the handle and all "
-            "that comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is told by "
-            "it",
-            options.moved_g, kMostG));
+        throw std::invalid_argument(
+            options.moved_g.empty() ? fmt::format("{} has three axes: {}", machine.name(), wanted)
+                                    : fmt::format("--moved-g {}: {}", options.moved_g, wanted));
     }
     return 1e-3 * *grams;
 }
@@ -256,9 +265,9 @@ void declare(CommandWords& words, CommissionOptions& options) {
         .again_for_each();
     words
         .add("--handle-g", options.handle_g,
-             "What the handle weighs with the near halves of its links: strength is told by it")
-        .within(1.0, 2000.0)
-        .with_default();
+             "What the handle weighs with the near halves of its links: strength is told by it; 60 "
+             "without it")
+        .within(1.0, 2000.0);
     words
         .add("--moved-g", options.moved_g,
              "Of three axes instead: X_G,Y_G,Z_G, what each motor moves, the handle and all that "

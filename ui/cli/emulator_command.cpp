@@ -73,7 +73,9 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
         "it there (X_MM,Y_MM,Z_MM on a machine of three axes), and gain G lets motors give G times "
         "what they are told to. On three axes motor N G does so of one, swap N M lets two change "
-        "places, friction N and weight N burden the handle, hold and let go bring a hand to it");
+        "places, friction N and weight N burden the handle; hold, explore and let go bring a hand "
+        "to it, still or "
+        "on its way from home, and take it away");
     words
         .add("--at", options.at,
              "Where a free handle rests at first, X_MM,Y_MM or X_MM,Y_MM,Z_MM; left out: at home")
@@ -236,6 +238,9 @@ bool heed_gantry(engine::GantryHand& hand, const std::string& line) {
     } else if (line == "hold" || line == "let go") {
         hand.hold(line == "hold");
         say("{} the handle\n", line == "hold" ? "A hand holds" : "Nobody holds");
+    } else if (line == "explore") {
+        hand.explore();
+        say("A hand explores with the handle, from home\n");
     } else {
         return false;
     }

@@ -240,6 +240,12 @@ std::vector<std::string> order_of(const data::StoredAnswers& answers, const std:
     return order;
 }
 
+/// Whose answers they are: a file's name may hold a code.
+std::string source_of(const FitWords& words, bool database, const std::string& study) {
+    const std::string kind = database && words.kind != "real" ? ", " + words.kind + " data" : "";
+    return (database && !words.keep_codes ? "study " + study : words.file) + kind;
+}
+
 int run(const FitWords& words) {
     const bool database = data::is_database(words.file);
     bool identifications = !database && is_trial_csv(words.file);
@@ -278,8 +284,7 @@ int run(const FitWords& words) {
     options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
     const data::FitReport report =
-        data::fit_all(database && !words.keep_codes ? "study " + answers.study : words.file,
-                      answers.all, options);
+        data::fit_all(source_of(words, database, answers.study), answers.all, options);
     if (!words.svg.empty()) {
         data::write_svg(words.svg, data::fit_figure(report));
     }

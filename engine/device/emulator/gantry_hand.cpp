@@ -45,6 +45,7 @@ void GantryHand::bring(const Vec3& place) {
     }
     plant_.begin({.start = place, .tremor = 0.0});
     plant_.set_force(force_);
+    keeps_ = held_;
 }
 
 void GantryHand::hold(bool held) {
@@ -54,11 +55,12 @@ void GantryHand::hold(bool held) {
     const Vec3 place = plant_.position();
     held_ = held;
     plant_ = GantryPlant(model);
-    if (held) {
-        before_set_up();
-    } else {
-        bring(place);
-    }
+    bring(place);
+}
+
+void GantryHand::explore() {
+    hold(true);
+    before_set_up();
 }
 
 void GantryHand::give(std::size_t motor, double newton_metres) noexcept {
@@ -81,6 +83,7 @@ void GantryHand::before_set_up() noexcept {
     if (held_) {
         plant_.begin(round_from(machine_));
         explores_ = false;
+        keeps_ = false;
         rested_ = 0.0;
     }
 }
@@ -88,6 +91,9 @@ void GantryHand::before_set_up() noexcept {
 void GantryHand::advance(double seconds) noexcept {
     if (!held_) {
         plant_.advance(seconds);
+        return;
+    }
+    if (keeps_) {
         return;
     }
     if (!explores_) {

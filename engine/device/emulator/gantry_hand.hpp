@@ -23,7 +23,7 @@ public:
     /// @throws std::invalid_argument for a machine without a gantry
     explicit GantryHand(const Calibration& machine, bool held = true);
 
-    /// Somebody brings the free handle there and lets go, m. @throws std::invalid_argument outside the workspace
+    /// Somebody brings the handle there and lets go, m, or where a hand holds it keeps it there. @throws std::invalid_argument outside the workspace
     void bring(const Vec3& place);
     /// From now on its motors give `gain` times what they are told to.
     void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
@@ -38,8 +38,10 @@ public:
     /// It rubs and weighs so much from now on, N. @throws std::invalid_argument as GantryPlant::burden
     void burden(double friction, double weight) { plant_.burden(friction, weight); }
     [[nodiscard]] const GantryModel& model() const noexcept { return plant_.model(); }
-    /// From now on a hand holds it, or nobody does. The hand takes it at home.
+    /// From now on a hand holds it where it is, until the board is set up again, or nobody does.
     void hold(bool held);
+    /// A hand takes it at home, and explores.
+    void explore();
 
     void set_torque(const Vec2& newton_metres) noexcept override;
     void set_torque_3(double newton_metres) noexcept override;
@@ -65,6 +67,7 @@ private:
     double rested_ = 0.0;                        ///< s at home
     double settled_ = 0.0;                       ///< s after the way home
     bool explores_ = false;
+    bool keeps_ = false;  ///< the hand that holds it stands still
 };
 
 }  // namespace palpate::engine
