@@ -1,6 +1,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
+
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -113,6 +115,17 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
                        ContainsSubstring(fmt::format("--seed: \"{}\" is no whole number from 0 to "
                                                      "18446744073709551615",
                                                      seed)));
+        }
+    }
+    for (const std::string trial : {"", "9223372036854775808", "1.5"}) {
+        for (const std::vector<std::string>& command :
+             {std::vector<std::string>{"trace", "study.sqlite", trial},
+              {"mark", "study.sqlite", trial, "--invalid", "why"}}) {
+            const Finished end = palpate_command(command);
+            CAPTURE(command, end.error);
+            CHECK(end.code == 2);
+            CHECK_THAT(end.error,
+                       ContainsSubstring(fmt::format("TRIAL: \"{}\" is no whole number", trial)));
         }
     }
     CHECK(std::filesystem::is_empty(folder.path()));

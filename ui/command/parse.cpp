@@ -85,7 +85,8 @@ CLI::Option* added(CLI::App& app, const Word& word) {
     if (std::holds_alternative<std::optional<std::uint64_t>*>(word.target)) {
         option->check(whole_number<std::uint64_t>);
     }
-    if (std::holds_alternative<std::optional<std::int64_t>*>(word.target)) {
+    if (std::holds_alternative<std::optional<std::int64_t>*>(word.target) ||
+        std::holds_alternative<std::int64_t*>(word.target)) {
         option->check(whole_number<std::int64_t>);
     }
     if (word.positive) {
