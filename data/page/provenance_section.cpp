@@ -92,9 +92,11 @@ std::string task_text(const protocols::Protocol& protocol) {
 
 std::string design_text(const protocols::Protocol& protocol) {
     if (protocol.procedure) {
-        return fmt::format(
-            "A rule chose what was felt by the answers so far, {} of {} interleaved.",
-            counted(protocol.procedure->trials, "trial"), counted(protocol.runs.size(), "run"));
+        return fmt::format("A rule chose what was felt by the answers so far, {}{}.",
+                           counted(protocol.procedure->trials, "trial"),
+                           protocol.runs.size() > 1 ? fmt::format(" of each of {} interleaved runs",
+                                                                  protocol.runs.size())
+                                                    : "");
     }
     const auto& design = protocol.design;
     return fmt::format(

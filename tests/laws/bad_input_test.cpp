@@ -131,34 +131,6 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
     CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("c.toml");
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
-    text.erase(0, text.find("# 2DIY, second generation"));
-    text.erase(text.find("[[pantograph]]", text.find("[[pantograph]]") + 1));
-    const std::string limit = "torque_limit_mn_m = 123";
-    text.replace(text.find(limit), limit.size(), "torque_limit_mn_m = 1000000");
-    std::ofstream(file) << "format = 1\n" << text;
-    const Finished end =
-        palpate_command({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                         folder.file("d.sqlite"), "--device", "sim", "--calibration", file});
-    CAPTURE(end.error);
-    CHECK(end.code == 2);
-    CHECK_THAT(end.error, ContainsSubstring(file + ":") &&
-                              ContainsSubstring(": torque_limit_mn_m is 1000000: give ") &&
-                              ContainsSubstring("2000"));
-
-    const std::string beyond = "torque_limit_mn_m = 1000000";
-    text.replace(text.find(beyond), beyond.size(), "torque_limit_mn_m = 124");
-    std::ofstream(file) << "format = 1\n" << text;
-    const Finished check = palpate_command({"check", "pilot", "--calibration", file});
-    CAPTURE(check.error);
-    CHECK(check.code == 2);
-    CHECK_THAT(check.error, ContainsSubstring(file + ":") &&
-                                ContainsSubstring("a Haply board gives 0.123 at most"));
-}
-
 TEST_CASE("a replay of a file that is not there is said before anything is created", "[cli]") {
     const TemporaryFolder folder;
     const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",

@@ -251,3 +251,30 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
     CHECK(tests::palpate_command({"verify", db}).code == 0);
 }
+
+TEST_CASE("what moves is weighed in the words of its kind of machine, or named and refused",
+          "[commission][gantry]") {
+    const TemporaryFolder folder;
+    const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+        std::vector<std::string> all{"commission", "-o", folder.file("rig.toml")};
+        all.insert(all.end(), words.begin(), words.end());
+        const Finished end = tests::palpate_command(all);
+        CAPTURE(words, end.error);
+        CHECK(end.code == 2);
+        CHECK_THAT(end.error, ContainsSubstring(why));
+        CHECK(folder.names().empty());
+    };
+    const std::vector<std::string> straight{"--device", "board:/dev/none", "--calibration",
+                                            kExample};
+    const auto with = [&](const std::string& option, const std::string& value) {
+        std::vector<std::string> words = straight;
+        words.insert(words.end(), {option, value});
+        return words;
+    };
+    refused(straight, "gantry has three axes: give --moved-g, what the motors");
+    refused(with("--handle-g", "60"), "--handle-g 60 is of a linkage, and gantry has three axes");
+    refused(with("--moved-g", "120,120"), "--moved-g 120,120: give --moved-g");
+    refused(with("--moved-g", "120,0,120"), "--moved-g 120,0,120: give --moved-g");
+    refused({"--moved-g", "1,2,3"},
+            "--moved-g 1,2,3 is of three axes: give --handle-g for the pantograph");
+}

@@ -12,7 +12,11 @@ struct SummaryOptions {
 };
 
 void declare(CommandWords& words, SummaryOptions& options) {
-    words.add("FILE", options.database, "A palpate database").required();
+    words
+        .add("FILE", options.database,
+             "A palpate database; each study and kind of session, real, pilot or simulated, by "
+             "itself")
+        .required();
 }
 
 int run(const SummaryOptions& options) {
