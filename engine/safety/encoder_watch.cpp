@@ -30,4 +30,20 @@ bool encoder_stuck(EncoderWatch& watch,
     return stuck;
 }
 
+StillWatch::State stillness(StillWatch& watch,
+                            const EncoderWatch::Counts& counts,
+                            double force,
+                            double now) noexcept {
+    const bool counted = !watch.started || counts != watch.counts;
+    if (counted || !(force > kStillForce || watch.eases)) {
+        watch = {.started = true, .counts = counts, .since = now};
+        return StillWatch::State::moves;
+    }
+    watch.eases = now - watch.since > kStillEase;
+    if (now - watch.since > kStillTrip) {
+        return StillWatch::State::dead;
+    }
+    return watch.eases ? StillWatch::State::eases : StillWatch::State::moves;
+}
+
 }  // namespace palpate::engine

@@ -51,4 +51,32 @@ struct EncoderWatch {
                                  const Vec3& push,
                                  double travel) noexcept;
 
+/// A force above this with no count at all asks whether the encoders live, N.
+inline constexpr double kStillForce = 0.3;
+/// s without a count until the force eases off, and until it ends.
+inline constexpr double kStillEase = 0.2;
+inline constexpr double kStillTrip = 0.3;
+
+/// Since when no encoder has counted while a force was on. A plain value.
+struct StillWatch {
+    enum class State : std::uint8_t { moves, eases, dead };
+    bool started = false;
+    EncoderWatch::Counts counts{};
+    double since = 0.0;  ///< s
+    bool eases = false;
+};
+
+/// All encoders together, which their common supply or a hung board stops at once: EncoderWatch needs one that
+/// still moves, and a frozen place keeps the force as it was for ever.
+///
+/// A held handle may rest within one count under a force that rests. The force itself tells the two apart: `eases`
+/// asks for it to go out within kStillTrip - kStillEase, and a hand that bore it follows. The stiffest fingers and
+/// wrists give way by 1 mm a newton (A. Z. Hajian and R. D. Howe, J. Biomech. Eng. 119, 1997: up to 1 kN/m), which
+/// for kStillForce is three counts of the coarsest encoders. One count, and the force comes back at the ramp's pace.
+/// @param force  |command| at the tick before, N   @param now  s, never less than before
+[[nodiscard]] StillWatch::State stillness(StillWatch& watch,
+                                          const EncoderWatch::Counts& counts,
+                                          double force,
+                                          double now) noexcept;
+
 }  // namespace palpate::engine

@@ -56,6 +56,17 @@ bool finite(const SafetyInput& input) noexcept {
            finite(load_of(input)) && std::isfinite(input.depth) && std::isfinite(input.behind);
 }
 
+/// One of them stands still while others move, or all do under a force.
+bool encoders_dead(SafetyState& state,
+                   const SafetyLimits& limits,
+                   const SafetyInput& input) noexcept {
+    const EncoderWatch::Counts counts{input.counts[0], input.counts[1], input.count_3};
+    const bool one = encoder_stuck(state.encoders, counts, hip_of(input), limits.axes,
+                                   state.command, limits.stuck_travel);
+    const auto all = stillness(state.still, counts, glm::length(state.command), state.clock.now);
+    return one || all == StillWatch::State::dead;
+}
+
 bool silent_too_long(SafetyState& state, const SafetyLimits& limits, bool fresh) noexcept {
     state.silent = fresh ? 0 : state.silent + 1;
     return limits.silent_run > 0 && state.silent >= limits.silent_run;
@@ -127,9 +138,7 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
         motion != Trip::none) {
         return motion;
     }
-    if (limits.watch_encoders &&
-        encoder_stuck(state.encoders, {input.counts[0], input.counts[1], input.count_3},
-                      hip_of(input), limits.axes, state.command, limits.stuck_travel)) {
+    if (limits.watch_encoders && encoders_dead(state, limits, input)) {
         return Trip::stuck_encoder;
     }
     if (late_too_often(state.late, limits, input.lateness_ns)) {
@@ -163,7 +172,11 @@ Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInpu
     const Vec3 strong = saturated(force, limits.max_force);
     command.saturated = strong != force;
     const bool off = quiet(state, limits);
-    state.gain = off ? 0.0 : ramped(state.gain, limits.ramp_step, input.enable);
+    const bool eases = state.still.eases;
+    const double step =
+        eases ? std::fmax(limits.ramp_step, ramp_step(kStillTrip - kStillEase, limits.period))
+              : limits.ramp_step;
+    state.gain = off ? 0.0 : ramped(state.gain, step, input.enable && !eases);
     command.ramped = state.gain < 1.0;
     const Vec3 target = state.gain * strong;
     const Vec3 given = off ? Vec3{} : within_slew(state.command, target, limits.slew);

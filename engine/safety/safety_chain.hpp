@@ -53,6 +53,7 @@ struct SafetyState {
     ReadingClock clock{};
     LateTicks late{};
     EncoderWatch encoders{};
+    StillWatch still{};
     MotionWatch motion{};
     EnergyObserver energy{};
     RunawayWatch runaway{};
@@ -70,7 +71,7 @@ struct Command {
 
 /// What stands between the rendered force and the device, in this order:
 ///
-///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> delayed
+///     finite guard -> jump, speed -> stuck encoders -> late ticks -> silent device -> delayed
 ///     readings -> energy -> runaway -> buzz -> motor heat -> silent screen -> time -> dead-man ->
 ///     the experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
 ///
@@ -79,7 +80,7 @@ struct Command {
 /// rounding); after quiet_run ticks without a new reading it is zero until there is one, and ramps
 /// in again; |F[k]| <= (k + 1)
 /// ramp_step max_force for tick k of a trial; from the tick of a trip on it is zero and keeps the
-/// first cause. When one tick has several, the order above decides. The slew limit comes last since
+/// first cause. While no encoder counts under a force it eases off, see StillWatch. When one tick has several, the order above decides. The slew limit comes last since
 /// it bounds what the hand feels, the ramp included.
 [[nodiscard]] Command make_safe(SafetyState& state,
                                 const SafetyLimits& limits,

@@ -72,9 +72,11 @@ std::string_view explanation(Trip trip) noexcept {
         case Trip::jump:
             return "the handle jumped: check the encoder cables and calibrate again";
         case Trip::stuck_encoder:
-            return "an encoder stands still while the other moves: check its cable";
+            return "an encoder stands still while the handle moves or is pushed: check the "
+                   "encoders' cables and supply";
         case Trip::over_speed:
-            return "the handle was faster than the limit: move more slowly";
+            return "the handle was faster than the limit: move more slowly; if nobody moved it so "
+                   "fast, keep hands off and check the cables of motors and encoders";
         case Trip::late:
             return "the force loop was late too often: close other programs; see palpate doctor";
         case Trip::delayed:

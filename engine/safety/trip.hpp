@@ -16,7 +16,7 @@ enum class Trip : std::uint8_t {
     device_garbage,    ///< readings that cannot be
     out_of_workspace,  ///< no pose, or a singular one
     jump,              ///< HIP moved further in a tick than a hand can
-    stuck_encoder,     ///< an encoder stands still while the other moves
+    stuck_encoder,     ///< an encoder stands still while the other moves, or all do under a force
     over_speed,        ///< HIP is faster than the limit
     late,              ///< too many late ticks
     delayed,           ///< readings became older than the stiffness allows

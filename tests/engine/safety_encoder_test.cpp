@@ -130,3 +130,58 @@ TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck en
     }
     CHECK((state.trip == Trip::none));
 }
+
+TEST_CASE("encoders that all stand still under a force end it within 0.3 s, whatever the force",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    CAPTURE(seed);
+    Random random(seed);
+    const int axes = random.coin() ? 2 : 3;
+    const SafetyLimits limits{
+        .ramp_step = random.decade(-3.0, 0.0), .watch_encoders = true, .axes = axes};
+    SafetyState state;
+    const auto dead = static_cast<int>(random.in(100.0, 3000.0));
+    const Vec3 force = random.in(1.01 * kStillForce, 9.0) * glm::normalize(Vec3(1.0, -2.0, 0.5));
+    int pressed = 0;  // ticks since the force was above what counts, or since the encoders died
+    for (int k = 0; k < 8000; ++k) {
+        const std::int32_t count = std::min(k, dead) / 20;  // 50 counts a second until then
+        const Command command = make_safe(
+            state, limits,
+            {.force = Vec2(force), .counts = {7, count}, .force_z = force.z, .count_3 = -3});
+        const bool strong = glm::length(Vec3(command.force, command.force_z)) > kStillForce;
+        pressed = k > dead && (strong || pressed > 0) ? pressed + 1 : 0;
+        if (command.trip != Trip::none) {
+            CHECK((command.trip == Trip::stuck_encoder));
+            CHECK(k > dead);
+            return;
+        }
+        REQUIRE(pressed <= 301);
+    }
+    FAIL("the force never ended");
+}
+
+TEST_CASE("a hand that rests within a count keeps its force, which eases until it moves one",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    CAPTURE(seed);
+    Random random(seed);
+    const Pantograph device = coarse();
+    const SafetyLimits limits{.ramp_step = random.decade(-2.3, 0.0), .watch_encoders = true};
+    SafetyState state;
+    const double stiffness = random.decade(2.0, 3.0);  // of the hand, N/m, without any tremor
+    const double angle = random.in(0.0, 2.0 * std::numbers::pi);
+    const Vec2 force = random.in(1.1 * kStillForce, 5.0) * Vec2{std::cos(angle), std::sin(angle)};
+    const Vec2 rest{random.in(-0.02, 0.02), random.in(-0.01, 0.015)};
+    Vec2 hip = rest;
+    int full = 0;
+    for (int k = 0; k < 10000; ++k) {
+        const auto counts = counts_at(device, hip);
+        const Vec2 seen = device.locate(device.angles(counts)).value().hip;
+        const Command command =
+            make_safe(state, limits, {.force = force, .hip = seen, .counts = counts});
+        REQUIRE((command.trip == Trip::none));
+        full += command.force == force ? 1 : 0;
+        hip += 0.1 * (rest + command.force / stiffness - hip);  // 10 ms to give way
+    }
+    CHECK(full > 4000);
+}
