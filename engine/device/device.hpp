@@ -96,6 +96,10 @@ public:
     /// Between trials, never while a servo ticks: makes a device that failed work again. Returns at
     /// once or after little more than a second. @return false while it is still away
     [[nodiscard]] virtual bool reconnect() { return true; }
+    /// How often a pose of the handle was taken for home since the device was opened.
+    [[nodiscard]] virtual std::size_t homings() const noexcept { return 0; }
+    /// The handle was not at home when its pose was taken for it: reconnect() waits for it there again.
+    virtual void forget_home() {}
     /// What is wrong and what to do about it, as a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
 };

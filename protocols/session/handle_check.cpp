@@ -1,11 +1,13 @@
 #include "protocols/session/handle_check.hpp"
 
 #include <chrono>
+#include <exception>
 
 namespace palpate::protocols {
 
-HandleCheck::HandleCheck(Apparatus& apparatus) : apparatus_(apparatus) {
-    if (apparatus.can_prove_handle()) {
+HandleCheck::HandleCheck(Apparatus& apparatus, const RigTrust& trust)
+    : apparatus_(apparatus), trust_(trust) {
+    if (apparatus.has_proof()) {
         thread_ = std::thread([this] { live(); });
     } else {
         over_.store(true);
@@ -27,12 +29,24 @@ void HandleCheck::live() {
             std::this_thread::sleep_for(kSlice);
         }
         try {
-            result_ = apparatus_.prove_handle();
+            prove();
         } catch (const std::exception& e) {
-            result_ = engine::ShortForm{.refused = e.what(), .found = {}};
+            refused_ = e.what();
         }
-    } while (resting_.load() && !result_->refused.empty());
+    } while (resting_.load() && !refused_.empty());
     over_.store(true);
+}
+
+void HandleCheck::prove() {
+    refused_.clear();
+    while (trust_.state != Trust::proved && refused_.empty()) {
+        ProofStep step = prove_step(apparatus_, trust_.state);
+        refused_ = std::move(step.refused);
+        if (step.event) {
+            trust_ = apply(trust_, *step.event);
+            proved_.push_back(*std::move(step.event));
+        }
+    }
 }
 
 }  // namespace palpate::protocols

@@ -1,45 +1,48 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
-#include "protocols/trial/apparatus.hpp"
+#include "protocols/session/trust.hpp"
 
 namespace palpate::protocols {
 
-/// s of a break until the first pulses, and until others after those that were not right: a hand has to let
-/// go of the handle.
+/// s of a break until the handle is looked at, and until it is again after it was not right: a hand has to bring it
+/// home and let go of it.
 inline constexpr double kLetGo = 3.0;
 
-/// While a participant rests, weak pulses try the handle that nobody holds, on a thread of their own, until
-/// they are right or the break is over: a motor that became stronger since the session was opened cannot be
-/// told from a hand while somebody holds the handle. Nobody else uses the apparatus until this is over().
+/// While a participant rests, the free handle is proved on a thread of its own, until it is right or the break is
+/// over: its place, where encoders that slipped show, then its motors by weak pulses, since none that became stronger
+/// or weaker can be told from a hand while somebody holds the handle. Nobody else uses the apparatus until this is
+/// over().
 class HandleCheck {
 public:
-    /// @param apparatus  outlives this; one that cannot prove its handle is left alone
-    explicit HandleCheck(Apparatus& apparatus);
+    /// @param apparatus  outlives this; one that has nothing to prove is left alone
+    HandleCheck(Apparatus& apparatus, const RigTrust& trust);
     HandleCheck(const HandleCheck&) = delete;
     HandleCheck& operator=(const HandleCheck&) = delete;
     /// Waits for pulses that are under way.
     ~HandleCheck();
 
-    /// The break is over: pulses that were not right are not tried again. The first ones are given all the
-    /// same.
+    /// The break is over: what was not right is not tried again. It is tried once all the same.
     void finish() noexcept { resting_.store(false); }
     [[nodiscard]] bool over() const noexcept { return over_.load(); }
-    /// After over(): what the last pulses said; none: nothing can be proved.
-    [[nodiscard]] const std::optional<engine::ShortForm>& result() const noexcept {
-        return result_;
-    }
+    /// After over(): what was proved; and what not at last, empty: nothing.
+    [[nodiscard]] const std::vector<Event>& proved() const noexcept { return proved_; }
+    [[nodiscard]] const std::string& refused() const noexcept { return refused_; }
 
 private:
     void live();
+    void prove();
 
     Apparatus& apparatus_;
+    RigTrust trust_;
     std::atomic<bool> resting_{true};
     std::atomic<bool> over_{false};
-    std::optional<engine::ShortForm> result_;
+    std::vector<Event> proved_;
+    std::string refused_;
     std::thread thread_;
 };
 

@@ -29,10 +29,15 @@ struct Ports {
     Apparatus& apparatus;
     Observer& observer;
     Recorder& recorder;
+    std::vector<Event>
+        opening{};  ///< what was found of the rig when it was opened, to be kept first
     std::function<bool()> interrupted = [] {
         return false;
     };  ///< e.g. a signal arrived
     std::function<void(const Progress&)> progress = [](const Progress&) {
+    };
+    /// What is wrong, each time that it becomes another sentence: whoever could mend it is to hear of it.
+    std::function<void(const TroubleView&)> alarm = [](const TroubleView&) {
     };
     std::function<void(double)> pause = sleep_for;  ///< between two questions after a fault, s
     OperatorDesk* desk = nullptr;                   ///< none: nobody asks for anything

@@ -141,11 +141,6 @@ enum class EventKind : std::uint8_t {
 };
 inline constexpr std::size_t kEventKinds = 21;
 
-/// The key of what weak pulses said of the free handle, at an opening and in breaks; and what is said then.
-inline constexpr std::string_view kRigCheck = "rig check";
-inline constexpr std::string_view kHandleMoves =
-    "weak pulses moved the free handle as when it was commissioned";
-
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 /// @throws std::invalid_argument for other words
 [[nodiscard]] EventKind event_kind(std::string_view word);
@@ -154,7 +149,7 @@ inline constexpr std::string_view kHandleMoves =
 /// no program reads it again.
 struct Event {
     EventKind kind = EventKind::note;
-    std::string text;
+    std::string text{};
     std::optional<TrialId> trial{};
     std::optional<std::size_t> position{};  ///< in the plan, from 0
     std::optional<std::size_t> part{};      ///< 0: practice; else 1 + block

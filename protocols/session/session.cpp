@@ -14,6 +14,8 @@
 namespace palpate::protocols {
 namespace {
 
+constexpr const char* kNotProved = "nothing is known of the rig any more: it is proved again";
+
 class Session {
 public:
     Session(const Protocol& protocol,
@@ -25,16 +27,25 @@ public:
           plan_(plan),
           ports_(ports),
           progress_(std::move(progress)),
-          runner_(protocol, plan, ports, simulated, progress_),
+          runner_(protocol,
+                  plan,
+                  ports,
+                  simulated,
+                  progress_,
+                  [this](const Event& event) { happened(event); }),
           rested_(pending().answered()) {}
 
     SessionEnd run(const SessionView& view) {
+        for (const Event& event : ports_.opening) {
+            happened(event);
+        }
         if (ports_.observer.welcome(view) == Signal::abort) {
             return stopped();
         }
         for (bool fresh = true; heed_mark(), !pending().empty();) {
             const TrialView next = view_of_next();
-            if (heed_pause(next) == Signal::abort || (!fresh && between(next) == Signal::abort)) {
+            if (heed_pause(next) == Signal::abort ||
+                ((!fresh || !trusted()) && between(next) == Signal::abort)) {
                 return stopped();
             }
             fresh = true;  // what is wanted now comes without another gap
@@ -52,6 +63,7 @@ public:
             }
             fresh = false;
             last_ = runner_.last();
+            trust_ = apply(trust_, Attempt{.trial = *last_, .position = planned.position});
             ports_.progress(
                 {.planned = planned, .result = result, .number = number, .known = progress_});
             if (result.outcome == Outcome::aborted) {
@@ -69,7 +81,7 @@ public:
                     fmt::format("{}: {}", to_string(result.fault->cause), result.fault->text),
                     to_string(result.fault->cause));
                 note_timing();
-                const Mended mended = mend(ports_, *result.fault, faults_);
+                const Mended mended = mend(ports_, *result.fault, faults_, rig());
                 if (mended.signal == Signal::give_up) {
                     return gave_up(*result.fault, mended.tries);
                 }
@@ -98,6 +110,17 @@ private:
     void happened(const Event& event) {
         ports_.recorder.event(event);
         progress_ = apply(std::move(progress_), event);
+        trust_ = apply(trust_, event);
+    }
+
+    /// Force may be felt.
+    [[nodiscard]] bool trusted() const {
+        return !ports_.apparatus.has_proof() || trust_.state == Trust::proved;
+    }
+    [[nodiscard]] Trusting rig() {
+        return {.trust = trust_, .happened = [this](const Event& event) {
+                    happened(event);
+                }};
     }
 
     /// A mark concerns the last attempt of this run.
@@ -127,20 +150,26 @@ private:
         return signal;
     }
 
-    /// A break where the plan has one after as many answered trials, once; a gap elsewhere.
+    /// A break where the plan has one after as many answered trials, once, and a short one where the rig has to be
+    /// proved; a gap elsewhere.
     Signal between(const TrialView& next) {
         const std::size_t done = pending().answered();
-        if (!plan_.trials[done].break_before || rested_ == done) {
+        const bool planned = plan_.trials[done].break_before && rested_ != done;
+        if (!planned && trusted()) {
             return ports_.observer.gap(protocol_.timing.gap);
         }
-        rested_ = done;
+        if (!trusted() && trust_.state == Trust::unknown) {
+            return mend_unproved(kNotProved);
+        }
+        rested_ = planned ? done : rested_;
         note_before_next(EventKind::rest);
-        HandleCheck check(ports_.apparatus);
-        const Signal signal = ports_.observer.rest(protocol_.timing.break_min, next);
+        HandleCheck check(ports_.apparatus, trust_);
+        const Signal signal =
+            ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next);
         return signal == Signal::go_on ? heed_handle(check) : signal;
     }
 
-    /// What the pulses of a break said. Where they were not right the session goes on once they are.
+    /// What was proved in a break. Where something was not right the session goes on once it is.
     Signal heed_handle(HandleCheck& check) {
         check.finish();
         while (!check.over()) {
@@ -148,18 +177,23 @@ private:
                 return Signal::abort;
             }
         }
-        const auto& form = check.result();
-        if (!form) {
+        for (const Event& event : check.proved()) {
+            happened(event);
+        }
+        if (check.refused().empty()) {
             return Signal::go_on;
         }
-        const bool right = form->refused.empty();
         happened({.kind = EventKind::provenance,
-                  .text = right ? fmt::format("{}: {}", kHandleMoves, form->found) : form->refused,
+                  .text = check.refused(),
                   .key = std::string(kRigCheck),
-                  .value = right ? form->found : "refused"});
-        const Fault fault{.cause = engine::Trip::none, .text = form->refused, .last = {}};
-        return right || mend(ports_, fault, 1).signal == Signal::go_on ? Signal::go_on
-                                                                       : Signal::abort;
+                  .value = std::string(kRefused)});
+        return mend_unproved(check.refused());
+    }
+
+    Signal mend_unproved(const std::string& why) {
+        const Fault fault{.cause = engine::Trip::none, .text = why, .last = {}};
+        return mend(ports_, fault, 1, rig()).signal == Signal::go_on ? Signal::go_on
+                                                                     : Signal::abort;
     }
 
     /// Says whether the answer was right, where the protocol wants that and it can be said.
@@ -236,6 +270,7 @@ private:
     const Plan& plan_;
     Ports& ports_;
     SessionProgress progress_;
+    RigTrust trust_;
     TrialRunner runner_;           ///< notes what becomes of its trials in progress_
     std::size_t rested_;           ///< answered trials at the last break, or when this run began
     std::size_t faults_ = 0;       ///< in a row

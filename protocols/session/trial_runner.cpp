@@ -38,12 +38,14 @@ TrialRunner::TrialRunner(const Protocol& protocol,
                          const Plan& plan,
                          Ports& ports,
                          bool simulated,
-                         SessionProgress& progress)
+                         SessionProgress& progress,
+                         std::function<void(const Event&)> happened)
     : protocol_(protocol),
       plan_(plan),
       ports_(ports),
       simulated_(simulated),
       progress_(progress),
+      happened_(std::move(happened)),
       pictures_(make_pictures(protocol, plan.picture_order)),
       question_(question_of(protocol, pictures_)) {}
 
@@ -190,13 +192,12 @@ void TrialRunner::note_fault(TrialId id, const PlannedTrial& planned, TrialResul
     const engine::Trip cause = ports_.apparatus.trip();
     if (result.outcome != Outcome::faulted) {
         if (tripped_s_) {
-            ports_.recorder.event(
-                {.kind = EventKind::fault,
-                 .text = fmt::format("after the exploration at position {} had ended: {}",
-                                     planned.position, to_string(cause)),
-                 .trial = id,
-                 .position = planned.position,
-                 .value = std::string(to_string(cause))});
+            happened_({.kind = EventKind::fault,
+                       .text = fmt::format("after the exploration at position {} had ended: {}",
+                                           planned.position, to_string(cause)),
+                       .trial = id,
+                       .position = planned.position,
+                       .value = std::string(to_string(cause))});
         }
         return;
     }
@@ -269,12 +270,12 @@ void TrialRunner::drain(TrialId id, bool exploring) {
 void TrialRunner::note_lost_ticks(TrialId id, const PlannedTrial& planned) {
     if (const std::int64_t lost = ports_.apparatus.dropped() - dropped_; lost > 0) {
         dropped_ += lost;
-        ports_.recorder.event({.kind = EventKind::ticks_lost,
-                               .text = fmt::format("{} found the ring full at position {}",
-                                                   counted(lost, "tick"), planned.position),
-                               .trial = id,
-                               .position = planned.position,
-                               .count = lost});
+        happened_({.kind = EventKind::ticks_lost,
+                   .text = fmt::format("{} found the ring full at position {}",
+                                       counted(lost, "tick"), planned.position),
+                   .trial = id,
+                   .position = planned.position,
+                   .count = lost});
     }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "protocols/protocol/protocol.hpp"
@@ -16,11 +17,13 @@ public:
     /// All arguments outlive the runner.
     /// @param simulated  the hand: its late ticks make no trial invalid
     /// @param progress   of the session: every attempt goes there when it is over
+    /// @param happened   takes what happens beside
     TrialRunner(const Protocol& protocol,
                 const Plan& plan,
                 Ports& ports,
                 bool simulated,
-                SessionProgress& progress);
+                SessionProgress& progress,
+                std::function<void(const Event&)> happened);
 
     /// One attempt, recorded unless it was aborted before it began. The force is off when it returns,
     /// and when anything is thrown.
@@ -60,6 +63,7 @@ private:
     Ports& ports_;
     bool simulated_;
     SessionProgress& progress_;
+    std::function<void(const Event&)> happened_;
     std::vector<Picture> pictures_;
     TrialId last_ = 0;
     Question question_;

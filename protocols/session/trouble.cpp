@@ -5,38 +5,80 @@
 #include "engine/base/text.hpp"
 
 namespace palpate::protocols {
+namespace {
 
-Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
-    TroubleView view{.sentence = fault.text,
-                     .in_a_row = in_a_row,
-                     .by_hand = fault.cause == engine::Trip::stopped};
+/// The way from a fault to a rig that may give force again.
+class Mending {
+public:
+    Mending(Ports& ports, const Fault& fault, std::size_t in_a_row, const Trusting& rig)
+        : ports_(ports), fault_(fault), rig_(rig) {
+        const bool another = ports.apparatus.has_proof() && rig.trust.state == Trust::unknown;
+        view.sentence = fault.text;
+        view.in_a_row = in_a_row;
+        view.by_hand = fault.cause == engine::Trip::stopped || another;
+    }
+
+    /// One step: the device has to come back whatever is trusted, then what is not proved is.
+    void try_on() {
+        ProofStep step = prove_step(ports_.apparatus, back_ ? rig_.trust.state : Trust::unknown);
+        if (!step.event) {
+            ++view.tries;
+            view.sentence = step.refused.empty() ? fault_.text : step.refused;
+            return;
+        }
+        if (!back_) {
+            step.event->text += ", after " + counted(view.tries, "try", "tries") + " in vain";
+            step.event->count = static_cast<std::int64_t>(view.tries);
+        }
+        back_ = true;
+        rig_.happened(*step.event);
+        view.solved = !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
+        // No longer why it could not be reached; or what comes next.
+        view.sentence = view.solved ? fault_.text : kProofComes;
+    }
+
+    void go_on() {
+        const bool tripped = fault_.cause != engine::Trip::none;
+        const std::string cause(tripped ? to_string(fault_.cause) : kRigCheck);
+        rig_.happened(
+            {.kind = EventKind::go_on, .text = fmt::format("after {}", cause), .value = cause});
+    }
+
+    TroubleView view;
+
+private:
+    static constexpr const char* kProofComes =
+        "the handle is proved before anybody feels a force: nobody may hold it now, weak pulses "
+        "will move it";
+
+    Ports& ports_;
+    const Fault& fault_;
+    const Trusting& rig_;
+    bool back_ = false;
+};
+
+}  // namespace
+
+Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row, const Trusting& rig) {
+    Mending mending(ports, fault, in_a_row, rig);
+    TroubleView& view = mending.view;
+    TroubleView said_last;
     for (std::size_t slice = 0;; ++slice) {
         if (!view.solved && slice % kSlicesPerTry == 0) {
-            view.solved = ports.apparatus.reconnect();
-            if (view.solved) {
-                view.sentence = fault.text;  // no longer why it could not be reached
-                ports.recorder.event({.kind = EventKind::reconnect,
-                                      .text = "the device works, after " +
-                                              counted(view.tries, "try", "tries") + " in vain",
-                                      .count = static_cast<std::int64_t>(view.tries)});
-            } else {
-                ++view.tries;
-                const std::string trouble = ports.apparatus.trouble();
-                view.sentence = trouble.empty() ? fault.text : trouble;
-            }
+            mending.try_on();
         }
         if (ports.interrupted()) {
             return {Signal::abort, view.tries};
+        }
+        if (said_last.sentence != view.sentence || said_last.solved != view.solved) {
+            ports.alarm(said_last = view);
         }
         const std::optional<Signal> said = ports.observer.trouble(view);
         if (said == Signal::abort || said == Signal::give_up) {
             return {*said, view.tries};
         }
         if (said == Signal::go_on && view.solved) {
-            const bool tripped = fault.cause != engine::Trip::none;
-            const std::string cause(tripped ? to_string(fault.cause) : kRigCheck);
-            ports.recorder.event(
-                {.kind = EventKind::go_on, .text = fmt::format("after {}", cause), .value = cause});
+            mending.go_on();
             return {Signal::go_on, view.tries};
         }
         ports.pause(kTroubleSlice);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
+
 #include "protocols/session/ports.hpp"
+#include "protocols/session/trust.hpp"
 
 namespace palpate::protocols {
 
@@ -13,9 +16,19 @@ struct Mended {
     std::size_t tries = 0;          ///< how often the device was asked to come back, in vain
 };
 
-/// After a faulted trial: asks the device to come back, at once and then every half second, and the
-/// observer whether to go on, until one of both settles it. What comes of it is an event.
+/// Trust, and what has to be done with an event.
+struct Trusting {
+    const RigTrust& trust;  ///< as events leave it
+    std::function<void(const Event&)> happened;
+};
+
+/// After a faulted trial, or a proof that failed: asks the device to come back and proves what has to be proved, at
+/// once and then every half second, and the observer whether to go on, until one of both settles it. What comes of it
+/// is an event. A rig that may be another one asks for the experimenter: the participant cannot go on.
 /// @param in_a_row  faulted trials since the last good one, this one too
-[[nodiscard]] Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row);
+[[nodiscard]] Mended mend(Ports& ports,
+                          const Fault& fault,
+                          std::size_t in_a_row,
+                          const Trusting& rig);
 
 }  // namespace palpate::protocols

@@ -52,12 +52,14 @@ public:
     [[nodiscard]] virtual bool reconnect() { return true; }
     /// What is wrong with the device and what to do, a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
-    /// It can tell by weak pulses whether a handle that nobody holds still moves as when the rig was
-    /// commissioned.
-    [[nodiscard]] virtual bool can_prove_handle() const noexcept { return false; }
-    /// Between trials, on any thread while nobody else uses it: does so. What is wrong is trouble() from then
-    /// on, and reconnect() tries again.
-    [[nodiscard]] virtual engine::ShortForm prove_handle() { return {}; }
+    /// It gives the force of a commissioned rig, and nobody may feel it before that was proved (see Trust). Else
+    /// there is nothing to prove.
+    [[nodiscard]] virtual bool has_proof() const noexcept { return false; }
+    /// Between trials, on any thread while nobody else uses it: is the free handle where its encoders say? After
+    /// they lost their place also at the second mark.
+    [[nodiscard]] virtual engine::ShortForm prove_place() { return {}; }
+    /// The same: do weak pulses move it as when the rig was commissioned?
+    [[nodiscard]] virtual engine::ShortForm prove_motors() { return {}; }
     /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a virtual
     /// clock, which is never late.
     [[nodiscard]] virtual std::string timing() const { return {}; }

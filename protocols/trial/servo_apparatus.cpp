@@ -32,14 +32,15 @@ constexpr double kTimeToSpare = 0.5;
 
 engine::ServoSpec servo_spec(const Protocol& protocol,
                              const engine::Device& device,
-                             double spin_share) {
+                             double spin_share,
+                             double max_force) {
     const ApparatusSpec& apparatus = protocol.apparatus;
     const SafetySpec& safety = protocol.safety;
     const engine::DeviceTraits traits = device.traits();
     const double period = 1.0 / apparatus.rate_hz;
     const double damping = contact_damping(protocol);
     engine::SafetyLimits limits{.period = period,
-                                .max_force = apparatus.force_limit,
+                                .max_force = std::min(apparatus.force_limit, max_force),
                                 .ramp_step = engine::ramp_step(apparatus.force_ramp, period),
                                 .slew = safety.slew_limit * period,
                                 .stiffness = apparatus.stiffness};
@@ -140,8 +141,10 @@ bool ReplayApparatus::exhausted() const noexcept {
 
 DeviceApparatus::DeviceApparatus(const Protocol& protocol,
                                  std::unique_ptr<engine::Device> device,
-                                 double spin_share)
-    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_, spin_share)) {}
+                                 double spin_share,
+                                 double max_force)
+    : device_(std::move(device)),
+      servo_(*device_, servo_spec(protocol, *device_, spin_share, max_force)) {}
 
 void DeviceApparatus::begin(const engine::SceneView& scene,
                             const PlannedTrial& /*planned*/,
@@ -151,16 +154,29 @@ void DeviceApparatus::begin(const engine::SceneView& scene,
 
 bool DeviceApparatus::reconnect() {
     servo_.park();  // nobody else may use the device meanwhile
-    if (!device_->reconnect()) {
-        return false;
-    }
-    const bool due = !unproved_.empty() || servo_.trip() == engine::Trip::runaway;
-    return !due || !can_prove_handle() || prove_handle().refused.empty();
+    return device_->reconnect();
 }
 
-engine::ShortForm DeviceApparatus::prove_handle() {
+engine::ShortForm RigProof::place(engine::Device& device) {
+    if (!device.reconnect()) {
+        return {.refused = device.trouble(), .found = {}};
+    }
+    const std::size_t homings = device.homings();
+    const engine::ShortForm form = homings != proved_homings ? mark(device) : home(device);
+    proved_homings = form.refused.empty() ? homings : proved_homings;
+    return form;
+}
+
+engine::ShortForm DeviceApparatus::prove_place() {
     servo_.park();
-    const engine::ShortForm form = prove_(*device_);
+    const engine::ShortForm form = proof_.place(*device_);
+    unproved_ = form.refused;
+    return form;
+}
+
+engine::ShortForm DeviceApparatus::prove_motors() {
+    servo_.park();
+    const engine::ShortForm form = proof_.motors(*device_);
     unproved_ = form.refused;
     servo_.unpark();
     return form;

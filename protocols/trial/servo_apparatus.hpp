@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,11 +17,17 @@
 
 namespace palpate::protocols {
 
+/// N that are asked of a rig that nobody proved.
+inline constexpr double kUnprovedForce = 0.3;
+
 /// What protocol and device together ask of the servo. Limits on motion, energy, heat and lateness are for
 /// devices that give force. @param spin_share  see engine::ServoSpec
-[[nodiscard]] engine::ServoSpec servo_spec(const Protocol& protocol,
-                                           const engine::Device& device,
-                                           double spin_share = 0.0);
+/// @param max_force  N, where the device may give less than the protocol's limit
+[[nodiscard]] engine::ServoSpec servo_spec(
+    const Protocol& protocol,
+    const engine::Device& device,
+    double spin_share = 0.0,
+    double max_force = std::numeric_limits<double>::infinity());
 
 /// An apparatus that is a servo and a little more.
 class ServoApparatus : public Apparatus {
@@ -133,33 +140,45 @@ private:
     engine::VirtualServo servo_;
 };
 
+/// How a commissioned rig is proved between trials, while nobody else uses its device.
+struct RigProof {
+    using Step = std::function<engine::ShortForm(engine::Device&)>;
+    Step home;    ///< the handle rests at home
+    Step mark;    ///< it rests at the second mark
+    Step motors;  ///< weak pulses move it as they should
+
+    /// The device has to work; home is enough where it was proved before, the mark is asked for where it was taken
+    /// anew.
+    [[nodiscard]] engine::ShortForm place(engine::Device& device);
+
+    std::size_t proved_homings = 0;  ///< of those that the device had, so many met the mark
+};
+
 /// A real device in real time, on the servo's own thread.
 class DeviceApparatus : public ServoApparatus {
 public:
-    /// @param spin_share  see engine::ServoSpec
+    /// @param spin_share, max_force  see servo_spec()
     DeviceApparatus(const Protocol& protocol,
                     std::unique_ptr<engine::Device> device,
-                    double spin_share = 0.0);
+                    double spin_share = 0.0,
+                    double max_force = std::numeric_limits<double>::infinity());
 
     void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
-    /// After a runaway, and after pulses that moved the handle otherwise than they should, pulses have to be
-    /// right before the device counts as working.
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::string trouble() const override {
         const std::string trouble = device_->trouble();
         return trouble.empty() ? unproved_ : trouble;
     }
-    [[nodiscard]] bool can_prove_handle() const noexcept override { return bool{prove_}; }
-    [[nodiscard]] engine::ShortForm prove_handle() override;
+    [[nodiscard]] bool has_proof() const noexcept override { return bool{proof_.motors}; }
+    [[nodiscard]] engine::ShortForm prove_place() override;
+    [[nodiscard]] engine::ShortForm prove_motors() override;
     [[nodiscard]] std::string device_name() const override { return device_->name(); }
     [[nodiscard]] const engine::Device& device() const noexcept override { return *device_; }
 
-    /// @param prove  gives the pulses of the short form to this device, which nobody else uses meanwhile
-    void prove_by(std::function<engine::ShortForm(engine::Device&)> prove) {
-        prove_ = std::move(prove);
-    }
+    /// @param proof  of the rig that was opened and proved with it
+    void prove_by(RigProof proof) { proof_ = std::move(proof); }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
@@ -168,8 +187,8 @@ protected:
 private:
     std::unique_ptr<engine::Device> device_;
     engine::ThreadServo servo_;
-    std::function<engine::ShortForm(engine::Device&)> prove_;
-    std::string unproved_;  ///< what pulses found wrong, and nothing has disproved since
+    RigProof proof_;
+    std::string unproved_;  ///< what was found wrong, and nothing has disproved since
 };
 
 /// The screen pointer as the handle, in real time on a thread of its own.

@@ -5,12 +5,12 @@
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
-#include "engine/device/emulator/free_handle.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/miswired_handle.hpp"
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
@@ -20,44 +20,6 @@ using Catch::Matchers::ContainsSubstring;
 // The same miswirings on both kinds of boards, by the driver that a session uses, on the board's own clock.
 
 namespace {
-
-/// A free handle whose encoders and motors hang on the board as `encoders` and `motors` say.
-class MiswiredHandle : public BoardPlant {
-public:
-    MiswiredHandle(const Calibration& machine, const Connection& encoders, const Connection& motors)
-        : encoders_(encoders), motors_(motors), handle_(plant_of(machine), *machine.home) {
-        home_ = handle_.angles();
-    }
-
-    void bring(const Vec2& place) { handle_.bring(place); }
-    void set_torque(const Vec2& told) noexcept override {
-        asked = std::fmax(asked, glm::length(told));
-        const Vec2 came = motors_.swapped ? Vec2{told.y, told.x} : told;
-        handle_.set_torque(Vec2{motors_.factor[0], motors_.factor[1]} * came);
-    }
-    void advance(double seconds) noexcept override { handle_.advance(seconds); }
-    [[nodiscard]] JointAngles angles() const noexcept override {
-        JointAngles seen = home_;
-        for (std::size_t i = 0; i < 2; ++i) {
-            const std::size_t joint = encoders_.swapped ? 1 - i : i;
-            seen[i] += encoders_.factor[i] * (handle_.angles()[joint] - home_[joint]);
-        }
-        return seen;
-    }
-    double asked = 0.0;  ///< the most torque that the motors were told to give, N m
-
-private:
-    static PlantModel plant_of(const Calibration& machine) {
-        PlantModel plant;
-        plant.machine = machine.pantograph;
-        return plant;
-    }
-
-    Connection encoders_;
-    Connection motors_;
-    FreeHandle handle_;
-    JointAngles home_{};
-};
 
 Calibration machine_of(bool open) {
     return open ? open_machine() : emulated_calibration("gen3");

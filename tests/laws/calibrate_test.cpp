@@ -6,10 +6,12 @@
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
+using tests::palpate_command;
 using tests::palpate_program;
 using tests::TemporaryFolder;
 
@@ -113,4 +115,32 @@ TEST_CASE("a session whose calibration cannot be is refused before a file is mad
         CHECK_THAT(run.error, ContainsSubstring("there is no such calibration"));
         CHECK(folder.names().empty());
     }
+}
+
+TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("c.toml");
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
+    text.erase(0, text.find("# 2DIY, second generation"));
+    text.erase(text.find("[[pantograph]]", text.find("[[pantograph]]") + 1));
+    const std::string limit = "torque_limit_mn_m = 123";
+    text.replace(text.find(limit), limit.size(), "torque_limit_mn_m = 1000000");
+    std::ofstream(file) << "format = 1\n" << text;
+    const Finished end =
+        palpate_command({"run", "shape_friction_demo", "--participant", "P1", "--db",
+                         folder.file("d.sqlite"), "--device", "sim", "--calibration", file});
+    CAPTURE(end.error);
+    CHECK(end.code == 2);
+    CHECK_THAT(end.error, ContainsSubstring(file + ":") &&
+                              ContainsSubstring(": torque_limit_mn_m is 1000000: give ") &&
+                              ContainsSubstring("2000"));
+
+    const std::string beyond = "torque_limit_mn_m = 1000000";
+    text.replace(text.find(beyond), beyond.size(), "torque_limit_mn_m = 124");
+    std::ofstream(file) << "format = 1\n" << text;
+    const Finished check = palpate_command({"check", "pilot", "--calibration", file});
+    CAPTURE(check.error);
+    CHECK(check.code == 2);
+    CHECK_THAT(check.error, ContainsSubstring(file + ":") &&
+                                ContainsSubstring("a Haply board gives 0.123 at most"));
 }

@@ -203,15 +203,11 @@ void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
     }));
 }
 
-TEST_CASE(
-    "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
-    "[commission][haply][window][law]") {
-    const TemporaryFolder folder;
-    const bool open = GENERATE(false, true);
-    FreeBoard board(folder, open ? "--open" : "");
-    const std::string rig = commissioned_rig(folder, board.word());
-    const tests::Xvfb screen(1280, 800);
-    tests::XHand hand(screen.display());
+/// A real session in a window, as an operator opens it.
+std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
+                                        FreeBoard& board,
+                                        const tests::Xvfb& screen,
+                                        const std::string& rig) {
     std::unique_ptr<TypedTo> typed;
     for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
         board.bring("0,89.3");
@@ -222,17 +218,10 @@ TEST_CASE(
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
         operate(*typed, board, "If it ends early");
     }
-    TypedTo& run = *typed;
-    INFO(run.program().error());
-    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
-    if (!open) {  // a motor that becomes stronger is found in the next break
-        press_up_to(hand, run, "question");
-        board.bring("gain 2");
-        press_up_to(hand, run, "break");
-        press_up_to(hand, run, "trouble");
-        board.bring("gain 1");
-        press_up_to(hand, run, "ready");
-    }
+    return typed;
+}
+
+void end_session(tests::XHand& hand, TypedTo& run) {
     for (int i = 0; i < 40 && run.program().running(); ++i) {
         hand.focus(hand.find_window("palpate: "));
         hand.chord("q");
@@ -240,6 +229,31 @@ TEST_CASE(
         hand.key("y");
         tests::pause(0.2);
     }
+}
+
+TEST_CASE(
+    "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
+    "[commission][haply][window][law]") {
+    const TemporaryFolder folder;
+    const bool open = GENERATE(false, true);
+    FreeBoard board(folder, open ? "--open" : "");
+    const std::string rig = commissioned_rig(folder, board.word());
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    const auto typed = opened_session(folder, board, screen, rig);
+    TypedTo& run = *typed;
+    INFO(run.program().error());
+    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    if (!open) {  // a motor that becomes stronger is found in the next break
+        press_up_to(hand, run, "question");
+        board.bring("gain 2");
+        press_up_to(hand, run, "break");
+        board.bring("0,89.3");
+        press_up_to(hand, run, "trouble");
+        board.bring("gain 1");
+        press_up_to(hand, run, "ready");
+    }
+    end_session(hand, run);
     const Finished end = run.program().wait();
     CAPTURE(end.error);
     CHECK(end.code == 3);
@@ -247,17 +261,81 @@ TEST_CASE(
     auto row = database.prepare(
         "SELECT key, value, text FROM event WHERE event_kind = 'provenance' ORDER BY event_id");
     REQUIRE(row.step());
-    CHECK(row.text(0) == "rig check");
-    CHECK(times(row.text(1), " % at ") == 4);
-    REQUIRE(row.step());
     CHECK(row.text(0) == "start pose");
     CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
     REQUIRE(row.step());
-    CHECK(row.text(0) == (open ? "device watchdog" : "rig check"));  // a Haply board has none
-    CHECK(row.text(1) == (open ? "20 ms" : "refused"));
-    CHECK_THAT(row.text(2), ContainsSubstring(open ? "a watchdog" : "a motor is too strong"));
+    CHECK(row.text(0) == "rig check");
+    CHECK(times(row.text(1), " % at ") == 4);
+    REQUIRE(row.step());
+    CHECK(row.text(0) == (open ? "device watchdog" : "start pose"));  // a Haply board has none
+    CHECK_THAT(row.text(1), ContainsSubstring(open ? "20 ms" : "at home to "));
+    if (!open) {
+        REQUIRE(row.step());
+        CHECK(row.text(1) == "refused");
+        CHECK_THAT(row.text(2), ContainsSubstring("a motor is too strong"));
+    }
     const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
     CHECK(warned != open);
+    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+}
+
+TEST_CASE(
+    "after a replug nothing is felt before home, second mark and pulses, and the experimenter's "
+    "chord",
+    "[commission][haply][window][law]") {
+    const TemporaryFolder folder;
+    auto board = std::make_unique<FreeBoard>(folder);
+    const std::string rig = commissioned_rig(folder, board->word());
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    const auto typed = opened_session(folder, *board, screen, rig);
+    TypedTo& run = *typed;
+    INFO(run.program().error());
+    auto said = [&, from = std::size_t{0}](const std::string& what) mutable {
+        CAPTURE(what);
+        CHECK(
+            eventually([&] { return run.program().out().find(what, from) != std::string::npos; }));
+        from = run.program().out().find(what, from) + what.size();
+    };
+    press_up_to(hand, run, "explore");
+    const std::string out = run.program().out();
+    const std::string mark = tests::last_place(out.substr(out.rfind("Bring the handle to")));
+    board.reset();  // the cable is out
+    said("trouble: ");
+    std::filesystem::remove(folder.file("board"));
+    std::filesystem::remove(folder.file("hand"));
+    board = std::make_unique<FreeBoard>(folder, "--at=12,89.3");  // another board, beside home
+    board->bring("gain 2.5");
+    said("Bring the handle to the second mark ");
+    board->bring(mark);
+    said("neither home nor the second mark ");
+    board->bring("0,89.3");
+    said("Bring the handle to the second mark ");
+    board->bring(mark);
+    said("a motor is too strong");
+    CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
+    board->bring("gain 1");
+    said("mended: Ctrl+Shift+P");
+    hand.focus(hand.find_window("palpate: "));
+    hand.key("space");  // the participant's alone
+    tests::pause(0.5);
+    CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
+    hand.chord("p");
+    press_up_to(hand, run, "ready");
+    end_session(hand, run);
+    CHECK(run.program().wait().code == 3);
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN "
+        "event_kind = "
+        "'provenance' THEN '' ELSE ' ' || coalesce(value, '') END AS word FROM event WHERE "
+        "event_kind "
+        "IN ('fault', 'reconnect', 'go on') OR key IN ('start pose', 'rig check') ORDER BY "
+        "event_id)");
+    REQUIRE(row.step());
+    CHECK(row.text(0) ==
+          "start pose; rig check; fault device_lost; reconnect ; start pose; rig check; go on "
+          "device_lost");
     CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
 }
 
@@ -302,32 +380,4 @@ TEST_CASE(
                               ContainsSubstring("lower stiffness_n_per_m to "));
     CHECK((end.error.find(" ticks of delay") != std::string::npos) >= slow);
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
-}
-
-TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("c.toml");
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
-    text.erase(0, text.find("# 2DIY, second generation"));
-    text.erase(text.find("[[pantograph]]", text.find("[[pantograph]]") + 1));
-    const std::string limit = "torque_limit_mn_m = 123";
-    text.replace(text.find(limit), limit.size(), "torque_limit_mn_m = 1000000");
-    std::ofstream(file) << "format = 1\n" << text;
-    const Finished end =
-        palpate_command({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                         folder.file("d.sqlite"), "--device", "sim", "--calibration", file});
-    CAPTURE(end.error);
-    CHECK(end.code == 2);
-    CHECK_THAT(end.error, ContainsSubstring(file + ":") &&
-                              ContainsSubstring(": torque_limit_mn_m is 1000000: give ") &&
-                              ContainsSubstring("2000"));
-
-    const std::string beyond = "torque_limit_mn_m = 1000000";
-    text.replace(text.find(beyond), beyond.size(), "torque_limit_mn_m = 124");
-    std::ofstream(file) << "format = 1\n" << text;
-    const Finished check = palpate_command({"check", "pilot", "--calibration", file});
-    CAPTURE(check.error);
-    CHECK(check.code == 2);
-    CHECK_THAT(check.error, ContainsSubstring(file + ":") &&
-                                ContainsSubstring("a Haply board gives 0.123 at most"));
 }

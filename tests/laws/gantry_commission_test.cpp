@@ -243,12 +243,12 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
         "event_kind = "
         "'provenance' ORDER BY event_id");
     REQUIRE(row.step());
+    CHECK(row.text(0) == "start pose");
+    CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
+    REQUIRE(row.step());
     CHECK(row.text(0) == "rig check");
     CHECK(tests::times(row.text(1), " % at ") == 6);
     CHECK(row.text(2) == "real");
-    REQUIRE(row.step());
-    CHECK(row.text(0) == "start pose");
-    CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
     CHECK(tests::palpate_command({"verify", db}).code == 0);
 }
 

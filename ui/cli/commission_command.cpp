@@ -7,6 +7,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
 #include "engine/commissioning/commissioning.hpp"
+#include "engine/commissioning/place_proof.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/emulator/free_handle.hpp"
 #include "engine/device/simulated_pantograph.hpp"
@@ -105,17 +106,17 @@ Rig real_rig(const CommissionOptions& options,
     Rig rig;
     rig.own = open_device(choice, machine, kPeriod);
     rig.device = rig.own.get();
-    rig.desk = {.bring =
-                    [there = home_of(machine), axes = machine.axes()](const Vec3& place) mutable {
-                        const bool already = place == there;
-                        there = place;
-                        return already ||
-                               wait_for_enter(fmt::format(
-                                   "Bring the handle to {}, let go of it and press Enter. ",
-                                   engine::place_text(place, axes)));
-                    },
-                .wait = ticks_until_stopped(),
-                .period = kPeriod};
+    rig.desk = {
+        .bring =
+            [there = engine::home_of(machine), axes = machine.axes()](const Vec3& place) mutable {
+                const bool already = place == there;
+                there = place;
+                return already || wait_for_enter(fmt::format(
+                                      "Bring the handle to {}, let go of it and press Enter. ",
+                                      engine::place_text(place, axes)));
+            },
+        .wait = ticks_until_stopped(),
+        .period = kPeriod};
     return rig;
 }
 
@@ -139,7 +140,7 @@ Rig open_rig(const CommissionOptions& options, engine::Calibration& machine) {
 }
 
 std::vector<Vec3> places_of(const CommissionOptions& options, const engine::Calibration& machine) {
-    const Vec3 home = home_of(machine);
+    const Vec3 home = engine::home_of(machine);
     if (options.marks.empty()) {
         return engine::places_to_commission(machine, Vec2(home));
     }

@@ -13,6 +13,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "engine/commissioning/place_proof.hpp"
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/free_handle.hpp"
@@ -268,7 +269,7 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
     engine::PlantModel plant;
     plant.machine = machine.pantograph;
-    engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(home_of(machine))
+    engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(engine::home_of(machine))
                                                         : parse_place(options.at, "--at"));
     live(options, machine, handle, [&](const std::string& line) {
         if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {

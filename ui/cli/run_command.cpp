@@ -109,7 +109,7 @@ void heed_record(RigSpec& spec, const std::string& device) {
     } else if (spec.kind == data::RunKind::real) {
         throw std::invalid_argument("no real session: " + why);
     } else {
-        warn("{}. Until then nobody should hold its handle", why);
+        warn("{}. Until then it gives {:g} N at most", why, protocols::kUnprovedForce);
     }
 }
 

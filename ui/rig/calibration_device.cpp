@@ -91,21 +91,4 @@ std::optional<engine::Vec3> three_numbers(const std::string& text) {
     return numbers_of<3>(text);
 }
 
-bool starts_at_home(const engine::Calibration& calibration) {
-    return calibration.home || calibration.haply || calibration.board;
-}
-
-engine::Vec3 home_of(const engine::Calibration& calibration) {
-    if (calibration.gantry) {
-        return calibration.gantry->home();
-    }
-    if (calibration.home) {
-        return {*calibration.home, 0.0};
-    }
-    const engine::Pantograph machine(calibration.pantograph);
-    const auto fix =
-        starts_at_home(calibration) ? machine.locate(machine.angles({0, 0})) : std::nullopt;
-    return {fix ? fix->hip : engine::Vec2{0.0, 0.020}, 0.0};
-}
-
 }  // namespace palpate::ui

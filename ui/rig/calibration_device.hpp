@@ -35,11 +35,4 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place);
 /// As many digits of a calibration's id tell it from others, for people.
 inline constexpr std::size_t kShownId = 12;
 
-/// The device takes the pose in which it is opened for home.
-[[nodiscard]] bool starts_at_home(const engine::Calibration& calibration);
-
-/// Where the handle rests when the device is switched on: the calibration's home, or where its counts
-/// are 0 on a Haply or open board, or a place in the middle of the workspace.
-[[nodiscard]] engine::Vec3 home_of(const engine::Calibration& calibration);
-
 }  // namespace palpate::ui

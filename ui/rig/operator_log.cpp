@@ -170,6 +170,17 @@ std::string fault_text(const protocols::Fault& fault) {
     return fmt::format("fault: {}", what);
 }
 
+std::string trouble_text(const protocols::TroubleView& view) {
+    const std::string sentence = without_stop(view.sentence);
+    if (!view.solved) {
+        return fmt::format("trouble: {}\n", sentence);
+    }
+    return view.by_hand
+             ? std::string(
+                   "what was wrong is mended: Ctrl+Shift+P at the participant's screen goes on\n")
+             : std::string("what was wrong is mended: the participant goes on\n");
+}
+
 std::string display_lost_text(const protocols::SessionEnd& end) {
     return fmt::format(
         "the display is gone. The force is off and what was recorded is kept; where a display "

@@ -25,6 +25,11 @@ namespace palpate::ui {
 ///     fault: the handle was faster than the limit: move more slowly
 [[nodiscard]] std::string fault_text(const protocols::Fault& fault);
 
+/// The same where something has to be mended, and when it is.
+///
+///     trouble: the board at /dev/ttyACM0 is gone: plug it in again and check its power
+[[nodiscard]] std::string trouble_text(const protocols::TroubleView& view);
+
 /// A session that ended because its display did, and how it goes on.
 [[nodiscard]] std::string display_lost_text(const protocols::SessionEnd& end);
 

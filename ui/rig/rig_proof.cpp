@@ -12,9 +12,10 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/commissioning/place_proof.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/file/calibration_file.hpp"
-#include "protocols/session/recorder.hpp"
+#include "protocols/session/trust.hpp"
 #include "ui/rig/calibration_device.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
@@ -23,10 +24,11 @@
 namespace palpate::ui {
 namespace {
 
-constexpr double kRest = 1.0;         ///< s that the handle has to rest
-constexpr double kLook = 0.25;        ///< s at the second mark
-constexpr double kStillCounts = 1.0;  ///< an encoder at rest may flicker by one
-constexpr double kOffHome = 2.0;      ///< counts between set-up and now
+constexpr double kRest = 1.0;     ///< s that the handle has to rest
+constexpr double kOffHome = 2.0;  ///< counts between set-up and now
+constexpr double kAtPlace =
+    0.002;                   ///< m by which a person misses a place, without a hole for the handle
+constexpr int kAstray = 12;  ///< looks at a handle that rests elsewhere: three seconds
 
 std::string commission_words(const std::string& device,
                              const std::string& calibration,
@@ -65,11 +67,12 @@ void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibrat
     if (!std::isfinite(rest.place.x)) {
         throw std::runtime_error("the device said nothing new for a second: check its cable");
     }
-    if (rest.span.x > kStillCounts || rest.span.y > kStillCounts || rest.span.z > kStillCounts) {
+    if (rest.span.x > engine::kStillCounts || rest.span.y > engine::kStillCounts ||
+        rest.span.z > engine::kStillCounts) {
         throw std::runtime_error(
             "the handle moves: let it rest, free, at home, and run the same command again");
     }
-    if (!starts_at_home(calibration)) {
+    if (!engine::starts_at_home(calibration)) {
         return;  // its counts are its own: where it rests is told by them alone
     }
     const engine::Machine::Counts home = engine::Machine(calibration).home();
@@ -84,34 +87,43 @@ void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibrat
 OpeningFact prove_mark(engine::PulseRunner& runner,
                        const engine::Calibration& calibration,
                        const engine::Vec3& mark) {
-    const auto text = [&](const engine::Vec3& place) {
-        return engine::place_text(place, calibration.axes());
-    };
-    if (!wait_for_enter(
-            fmt::format("Bring the handle to the second mark {}, let go of it and press Enter. ",
-                        text(mark)))) {
+    const std::string aim = engine::place_text(mark, calibration.axes());
+    if (!wait_for_enter(fmt::format(
+            "Bring the handle to the second mark {}, let go of it and press Enter. ", aim))) {
         throw std::runtime_error(
             interrupted() ? "stopped before the second mark was tried; no session was begun"
                           : "standard input ended before the second mark was tried: --handle-free "
                             "gives your word instead");
     }
-    const engine::Rest seen = runner.watch(kLook);
-    const auto whole = [&](int i) {
-        return static_cast<std::int32_t>(std::lround(seen.counts[i]));
-    };
-    const auto there = engine::Machine(calibration).locate({whole(0), whole(1), whole(2)});
-    const double off = there ? glm::length(there->hip - mark) : engine::kPlaced * 100.0;
-    if (!(off <= engine::kPlaced)) {
+    const engine::Sight seen = engine::look_for(runner, calibration, mark);
+    if (!seen.there()) {
         throw std::runtime_error(fmt::format(
             "the handle is at the second mark {}, and the encoders say {}: it did not rest at home "
             "{} when the device was opened. Put it there and run the same command again",
-            text(mark), there ? text(there->hip) : "nowhere", text(home_of(calibration))));
+            aim, seen.text(calibration.axes()),
+            engine::place_text(engine::home_of(calibration), calibration.axes())));
     }
     return {
-        .key = "start pose",
-        .value = fmt::format("second mark met to {:.1f} mm", 1e3 * off),
+        .key = std::string(protocols::kStartPose),
+        .value = fmt::format("second mark met to {:.1f} mm", 1e3 * seen.off),
         .text = fmt::format("the handle rested at home; the second mark {} was met to {:.1f} mm",
-                            text(mark), 1e3 * off)};
+                            aim, 1e3 * seen.off)};
+}
+
+/// Gives a step of a proof its runner, on a thread that is woken in time.
+using Look = std::function<engine::ShortForm(engine::PulseRunner&, engine::Device&)>;
+protocols::RigProof::Step step_of(const engine::Calibration& calibration,
+                                  double period,
+                                  Look look) {
+    return [calibration, period, look = std::move(look)](engine::Device& device) {
+        engine::ShortForm form;
+        in_real_time([&] {
+            engine::PulseRunner runner(device, engine::Machine(calibration), period,
+                                       wall_ticks(period));
+            form = look(runner, device);
+        });
+        return form;
+    };
 }
 
 }  // namespace
@@ -197,13 +209,13 @@ engine::PulseRunner::Wait wall_ticks(double period) {
 }
 
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
-    const bool at_home = starts_at_home(calibration);
+    const bool at_home = engine::starts_at_home(calibration);
     ask_for_yes(
         fmt::format("Nobody may hold the handle now: weak pulses will move it by some mm. {}",
-                    at_home
-                        ? fmt::format("It has to rest at home, {}.",
-                                      engine::place_text(home_of(calibration), calibration.axes()))
-                        : std::string("Let it rest in the middle of the workspace.")),
+                    at_home ? fmt::format("It has to rest at home, {}.",
+                                          engine::place_text(engine::home_of(calibration),
+                                                             calibration.axes()))
+                            : std::string("Let it rest in the middle of the workspace.")),
         beforehand);
 }
 
@@ -217,6 +229,14 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
         engine::PulseRunner runner(device, engine::Machine(calibration), period,
                                    wall_ticks(period));
         prove_rest(runner, calibration);
+        if (record.mark && !beforehand) {
+            facts.push_back(prove_mark(runner, calibration, *record.mark));
+        } else {
+            facts.push_back(
+                {.key = std::string(protocols::kStartPose),
+                 .value = "the operator's word",
+                 .text = "the handle rested; that it was at home is the operator's word"});
+        }
         const engine::ShortForm form =
             prove_again(runner, calibration, record, device.traits().delay_ticks * period);
         if (!form.refused.empty()) {
@@ -227,27 +247,17 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
         facts.push_back({.key = std::string(protocols::kRigCheck),
                          .value = form.found,
                          .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)});
-        if (record.mark && !beforehand) {
-            facts.push_back(prove_mark(runner, calibration, *record.mark));
-        } else {
-            facts.push_back(
-                {.key = "start pose",
-                 .value = "the operator's word",
-                 .text = "the handle rested; that it was at home is the operator's word"});
-        }
     });
     return facts;
 }
 
-std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
-    const engine::Calibration& calibration, const engine::RigRecord& record, double period) {
-    return [calibration, record, period](engine::Device& device) {
-        engine::ShortForm form;
-        in_real_time([&] {
-            engine::PulseRunner runner(device, engine::Machine(calibration), period,
-                                       wall_ticks(period));
-            form = prove_again(runner, calibration, record, device.traits().delay_ticks * period);
-        });
+protocols::RigProof proof_between_trials(const engine::Calibration& calibration,
+                                         const engine::RigRecord& record,
+                                         double period) {
+    const auto motors = [calibration, record, period](engine::PulseRunner& runner,
+                                                      engine::Device& device) {
+        engine::ShortForm form =
+            prove_again(runner, calibration, record, device.traits().delay_ticks * period);
         if (!form.refused.empty()) {
             form.refused =
                 "weak pulses try the handle again and again, and nobody may hold it until "
@@ -256,6 +266,21 @@ std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
         }
         return form;
     };
+    const Look home = [calibration](engine::PulseRunner& runner, engine::Device&) {
+        return prove_home(runner, calibration);
+    };
+    Look mark = [](engine::PulseRunner&, engine::Device&) -> engine::ShortForm {
+        return {.refused = {}, .found = "the experimenter's word: there is no second mark"};
+    };
+    if (record.mark) {
+        mark = [proof = engine::MarkProof(calibration, *record.mark)](
+                   engine::PulseRunner& runner, engine::Device& device) mutable {
+            return proof.look(runner, device);
+        };
+    }
+    return {.home = step_of(calibration, period, home),
+            .mark = step_of(calibration, period, std::move(mark)),
+            .motors = step_of(calibration, period, motors)};
 }
 
 }  // namespace palpate::ui

@@ -9,6 +9,7 @@
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/calibration.hpp"
 #include "engine/device/device.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 
 /// Before a person holds a handle that gives force: is this the rig that was commissioned, does its
 /// handle rest where it should, and does it still move as it did?
@@ -47,8 +48,8 @@ void in_real_time(const std::function<void()>& work);
 /// pose for. @throws as ask_for_yes
 void ask_for_home(const engine::Calibration& calibration, bool beforehand);
 
-/// After it was opened: the handle rests, at home; weak pulses, one in each direction, move it as
-/// when it was commissioned; and at the second mark the encoders say that it is there. Takes 5 s.
+/// After it was opened: the handle rests, at home; at the second mark the encoders say that it is there; and weak
+/// pulses, one in each direction, move it as when it was commissioned. Takes 5 s.
 /// @param beforehand  the operator has given their word for home, in place of the second mark
 /// @throws std::runtime_error  what is wrong, with the remedy; no force was more than record.force
 [[nodiscard]] std::vector<OpeningFact> prove_opening(engine::Device& device,
@@ -57,8 +58,10 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
                                                      double period,
                                                      bool beforehand);
 
-/// The pulses again, wherever the handle rests: for protocols::DeviceApparatus::prove_by().
-[[nodiscard]] std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
-    const engine::Calibration& calibration, const engine::RigRecord& record, double period);
+/// The same between trials, where nobody sits at a terminal: home and mark count as soon as the handle rests there to
+/// within kAtPlace. See engine::MarkProof.
+[[nodiscard]] protocols::RigProof proof_between_trials(const engine::Calibration& calibration,
+                                                       const engine::RigRecord& record,
+                                                       double period);
 
 }  // namespace palpate::ui

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "engine/base/text.hpp"
 
@@ -29,6 +30,13 @@ void say(fmt::format_string<Values...> text, Values&&... values) {
 template <class... Values>
 void warn(fmt::format_string<Values...> text, Values&&... values) {
     say_to(stderr, "palpate: " + fmt::format(text, std::forward<Values>(values)...) + '\n');
+}
+
+/// An alarm that is heard where somebody sits at a terminal: its bell.
+inline void ring() noexcept {
+    if (isatty(STDERR_FILENO) == 1) {
+        static_cast<void>(std::fputc('\a', stderr));
+    }
 }
 
 }  // namespace palpate::ui

@@ -1,6 +1,7 @@
 #include "ui/session/open_apparatus.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -63,10 +64,11 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
     if (spec.record) {
         opening = prove_opening(*device, calibration, *spec.record, period, spec.handle_free);
     }
-    auto apparatus =
-        std::make_unique<protocols::DeviceApparatus>(protocol, std::move(device), spec.spin_share);
+    auto apparatus = std::make_unique<protocols::DeviceApparatus>(
+        protocol, std::move(device), spec.spin_share,
+        unproved(spec) ? protocols::kUnprovedForce : std::numeric_limits<double>::infinity());
     if (spec.record) {
-        apparatus->prove_by(proof_in_breaks(calibration, *spec.record, period));
+        apparatus->prove_by(proof_between_trials(calibration, *spec.record, period));
     }
     return apparatus;
 }
@@ -96,6 +98,11 @@ std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
 
 }  // namespace
 
+bool unproved(const RigSpec& spec) {
+    return spec.kind == data::RunKind::pilot && held_by_a_person(spec.device.kind) &&
+           gives_force(spec.device.kind) && !spec.record;
+}
+
 OpenedApparatus open_apparatus(const RigSpec& spec) {
     const engine::Calibration calibration = calibration_of(spec.device, spec.calibration);
     OpenedApparatus opened;
@@ -120,6 +127,10 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     if (spec.spin_share > 0.0 && apparatus->real_time()) {
         opened.provenance.emplace_back("realtime spin",
                                        fmt::format("{:g} of the period", spec.spin_share));
+    }
+    if (unproved(spec)) {
+        opened.provenance.emplace_back(
+            "force limit", fmt::format("{:g} N: nobody proved the rig", protocols::kUnprovedForce));
     }
     if (held_by_a_person(spec.device.kind) && gives_force(spec.device.kind)) {
         opened.awake = std::make_unique<StayAwake>();

@@ -58,6 +58,7 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
     options.asks = spec.study.protocol.response.kind;
     options.start = spec.study.protocol.apparatus.start;
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
+                      : unproved(spec)                        ? "PILOT, NOT PROVED: 0.3 N"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"
                                                               : "";
     options.interrupted = [] {
@@ -219,6 +220,17 @@ void print_start(const RigSpec& spec,
     }
 }
 
+std::vector<protocols::Event> opening_events(const std::vector<OpeningFact>& facts) {
+    std::vector<protocols::Event> events;
+    for (const OpeningFact& fact : facts) {
+        events.push_back({.kind = protocols::EventKind::provenance,
+                          .text = fact.text,
+                          .key = fact.key,
+                          .value = fact.value});
+    }
+    return events;
+}
+
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
 void heed(const OpenedApparatus& felt) {
@@ -327,12 +339,6 @@ RigEnd run_rig(data::Database& database,
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
-    for (const OpeningFact& fact : felt.opening) {
-        record.event({.kind = protocols::EventKind::provenance,
-                      .text = fact.text,
-                      .key = fact.key,
-                      .value = fact.value});
-    }
     if (!masking.note.empty()) {
         record.event({.kind = protocols::EventKind::masking, .text = masking.note});
     }
@@ -353,10 +359,16 @@ RigEnd run_rig(data::Database& database,
                     {.apparatus = *apparatus,
                      .observer = masked ? *masked : observers.port(),
                      .recorder = record,
+                     .opening = opening_events(felt.opening),
                      .interrupted = [] { return interrupted(); },
                      .progress =
                          [&](const protocols::Progress& progress) {
                              say("{}", log.line(progress, answer_line(spec, progress), now_s()));
+                         },
+                     .alarm =
+                         [](const protocols::TroubleView& view) {
+                             say("{}", trouble_text(view));
+                             ring();  // they may look elsewhere
                          },
                      .desk = &desk});
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {

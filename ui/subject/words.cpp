@@ -58,7 +58,7 @@ constexpr Words kEnglish{
     .right = "Correct",
     .wrong = "Wrong",
     .rest = "Time for a break",
-    .let_go = "Let go of the handle and rest your hand.",
+    .let_go = "Bring the handle home, let go of it and rest your hand.",
     .next_trial = "Next: trial {0} of {1}",
     .next_practice = "Next: practice {0} of {1}",
     .wait = "You can go on in {0} s",
@@ -135,7 +135,7 @@ constexpr Words kTurkish{
     .right = "Doğru",
     .wrong = "Yanlış",
     .rest = "Mola zamanı",
-    .let_go = "Tutamağı bırakın ve elinizi dinlendirin.",
+    .let_go = "Tutamağı yerine götürün, bırakın ve elinizi dinlendirin.",
     .next_trial = "Sıradaki: deneme {0} / {1}",
     .next_practice = "Sıradaki: alıştırma {0} / {1}",
     .wait = "{0} s sonra devam edebilirsiniz",
@@ -172,8 +172,10 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(engine::Trip::st
         "aygıt olanaksız değerler gönderiyor: fişini çekin, bekleyin, yeniden takın",
         "tutamak çalışma alanından çıktı: ortaya geri getirin",
         "tutamağın konumu sıçradı: kodlayıcı kablolarını denetleyin ve yeniden kalibre edin",
-        "bir kodlayıcı, öteki dönerken duruyor: kablosunu denetleyin",
-        "tutamak sınırdan hızlıydı: daha yavaş hareket edin",
+        "bir kodlayıcı, tutamak dönerken ya da itilirken duruyor: kodlayıcıların kablolarını ve "
+        "beslemesini denetleyin",
+        "tutamak sınırdan hızlıydı: daha yavaş hareket edin; onu kimse bu kadar hızlı hareket "
+        "ettirmediyse elinizi çekin, motorların ve kodlayıcıların kablolarını denetleyin",
         "kuvvet döngüsü çok sık gecikti: öteki programları kapatın; palpate doctor nedenini söyler",
         "aygıtın yanıtları bu sertlik için çok geç geliyor: bilgisayarın kendi girişini, çoklayıcı "
         "olmadan kullanın ve onu meşgul eden programları kapatın",

@@ -323,6 +323,7 @@ bool BoardDevice::reconnect() {
     if (homeless_) {
         back = rests();
         homeless_ = homeless_ && !back;
+        homings_ += back ? 1U : 0U;
     } else if (fault_ == DeviceFault::stopped && quiet) {
         back = line_->forgive() && guard_->watch(link_->descriptor(), line_->guard_packets());
     } else if (fault_ != DeviceFault::lost && quiet &&
@@ -341,6 +342,11 @@ bool BoardDevice::reconnect() {
         ask_anew_ = true;
     }
     return back;
+}
+
+void BoardDevice::forget_home() {
+    fault_ = DeviceFault::unreachable;
+    homeless_ = true;
 }
 
 std::string BoardDevice::explained(DeviceFault fault) const {

@@ -63,6 +63,8 @@ public:
     /// trouble() asks for the handle at home, and a later call takes the pose of a handle that
     /// rested.
     [[nodiscard]] bool reconnect() override;
+    [[nodiscard]] std::size_t homings() const noexcept override { return homings_; }
+    void forget_home() override;
     [[nodiscard]] std::string trouble() const override {
         return trouble_.empty() ? explained(fault_) : trouble_;
     }
@@ -96,6 +98,7 @@ private:
     DeviceFault fault_ = DeviceFault::none;  ///< latched
     int zeros_left_ = 0;                     ///< zero packets still to be sent after a fault
     bool homeless_ = false;                  ///< set up, but where the handle was is not known
+    std::size_t homings_ = 0;                ///< poses taken for home since it was opened
     double round_trip_ = 0.0;                ///< s, of the first set-up
     std::size_t depth_ = 0;                  ///< periods until an answer; 0: not measured yet
     bool ask_anew_ = true;

@@ -286,10 +286,15 @@ bool ComediDevice::reconnect() {
     }
     problem_ = start();
     if (problem_.empty()) {
+        homings_ += calibration_.home ? 1U : 0U;
         return true;
     }
     shut();
     return false;
+}
+
+void ComediDevice::forget_home() {
+    fail(DeviceFault::unreachable, 0);
 }
 
 std::string ComediDevice::trouble() const {

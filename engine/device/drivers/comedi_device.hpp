@@ -45,6 +45,8 @@ public:
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override;
     [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override;
     [[nodiscard]] bool reconnect() override;
+    [[nodiscard]] std::size_t homings() const noexcept override { return homings_; }
+    void forget_home() override;
     [[nodiscard]] std::string trouble() const override;
 
 private:
@@ -79,6 +81,7 @@ private:
     bool open_ = false;
     DeviceFault fault_ = DeviceFault::none;  ///< until reconnect()
     int error_ = 0;                          ///< the card's, 0: none
+    std::size_t homings_ = 0;                ///< poses taken for home since it was opened
     std::string problem_;                    ///< why the card could not be opened again
 };
 

@@ -1,0 +1,242 @@
+#include <map>
+
+#include "protocols/session/trust.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/faulty.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using engine::Trip;
+using tests::FaultyApparatus;
+using tests::Patient;
+using tests::plan_of;
+using tests::Random;
+using tests::short_protocol;
+using tests::World;
+
+namespace {
+
+/// Keeps the kinds of events, and what trust they leave: written by hand beside the fold.
+class Kinds : public Recorder {
+public:
+    TrialId begin_trial(const PlannedTrial& /*planned*/) override { return ++trial_; }
+    void begin_interval(TrialId /*trial*/,
+                        const Presentation& /*felt*/,
+                        const SceneConstants& /*scene*/) override {}
+    void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {}
+    void end_trial(TrialId /*trial*/, const TrialResult& /*result*/) override {}
+    void event(const Event& event) override {
+        ++count[event.kind];
+        count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
+    }
+    void finish_session() override {}
+
+    std::map<EventKind, std::size_t> count;
+    std::map<std::string, std::size_t> count_of_key;
+
+private:
+    TrialId trial_ = 0;
+};
+
+/// A rig with the truth beside what is believed: it changes at faults and in breaks, and is proved by steps that
+/// fail for the first tries after each change. No force may be felt on one that was not looked at since.
+class ChangingRig : public FaultyApparatus {
+public:
+    ChangingRig(World& world, int wrong, Trip cause)
+        : FaultyApparatus(world), wrong_(wrong), cause_(cause) {}
+
+    void begin(const engine::SceneView& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override {
+        CHECK(placed);
+        CHECK(pulsed);
+        CHECK(since++ < kMaxTrialsOfAProof);
+        FaultyApparatus::begin(scene, planned, interval);
+    }
+    engine::ServoStatus advance() override {
+        const auto status = FaultyApparatus::advance();
+        if (status == engine::ServoStatus::faulted) {
+            change();
+        }
+        return status;
+    }
+    [[nodiscard]] Trip trip() const override {
+        return FaultyApparatus::trip() == Trip::over_speed ? cause_ : FaultyApparatus::trip();
+    }
+    [[nodiscard]] bool has_proof() const noexcept override { return true; }
+    [[nodiscard]] engine::ShortForm prove_place() override {
+        CHECK_FALSE(force_on);
+        return step(places_left_, placed, "the handle is elsewhere");
+    }
+    [[nodiscard]] engine::ShortForm prove_motors() override {
+        CHECK_FALSE(force_on);
+        CHECK(placed);  // a force at a wrong place proves nothing
+        const auto form = step(pulses_left_, pulsed, "a motor is too strong");
+        since = pulsed ? 0 : since;
+        return form;
+    }
+    void change() {
+        placed = pulsed = false;
+        places_left_ = pulses_left_ = wrong_;
+    }
+
+    bool placed = false;
+    bool pulsed = false;
+    std::size_t since = 0;  ///< trials since pulses were right
+
+private:
+    static engine::ShortForm step(int& left, bool& right, const char* why) {
+        right = left == 0;
+        left -= left > 0 ? 1 : 0;
+        return right ? engine::ShortForm{.refused = {}, .found = "as it should be"}
+                     : engine::ShortForm{.refused = why, .found = {}};
+    }
+    int wrong_;
+    Trip cause_;
+    int places_left_ = 0;
+    int pulses_left_ = 0;
+};
+
+/// Somebody in whose breaks the rig changes.
+class Meddler : public Patient {
+public:
+    explicit Meddler(ChangingRig& rig) : rig_(&rig) {}
+    Signal rest(double seconds, const TrialView& next) override {
+        rig_->change();
+        return Patient::rest(seconds, next);
+    }
+
+private:
+    ChangingRig* rig_;
+};
+
+Event proof(std::string_view key) {
+    return {.kind = EventKind::provenance, .key = std::string(key), .value = "found"};
+}
+
+SessionEnd run(const Protocol& protocol, ChangingRig& rig, Patient& observer, Kinds& kept) {
+    const Plan plan = plan_of(protocol);
+    return run_session(
+        protocol, plan, {}, SessionProgress(protocol, plan, {}),
+        {.apparatus = rig, .observer = observer, .recorder = kept, .pause = [](double) {
+         }});
+}
+
+}  // namespace
+
+TEST_CASE("trust is no more than what was proved since the rig could last have changed",
+          "[session][trust][law]") {
+    // The law, said without the fold: what of place and pulses was proved after the last event that could have
+    // changed it.
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
+    CAPTURE(seed);
+    Random random(seed);
+    RigTrust trust;
+    bool answers = false;
+    bool placed = false;
+    bool pulsed = false;
+    for (int i = 0; i < 60; ++i) {
+        switch (random.below(6)) {
+            case 0:
+                trust = apply(trust, {.kind = EventKind::reconnect});
+                answers = true;
+                break;
+            case 1:
+                trust = apply(trust, proof(kStartPose));
+                answers = placed = true;
+                pulsed = false;
+                break;
+            case 2:
+                trust = apply(trust, proof(kRigCheck));
+                pulsed = pulsed || placed;
+                break;
+            case 3: {
+                const bool away = random.coin();
+                const Trip cause = away ? Trip::device_silent : Trip::jump;
+                trust = apply(trust,
+                              {.kind = EventKind::fault, .value = std::string(to_string(cause))});
+                answers = answers && !away;
+                placed = pulsed = false;
+                break;
+            }
+            case 4:
+                trust = apply(trust, {.kind = random.coin() ? EventKind::rest : EventKind::pause});
+                placed = pulsed = false;
+                break;
+            default:
+                trust = apply(trust, {.kind = EventKind::fault,
+                                      .value = std::string(to_string(Trip::let_go))});
+                trust = apply(trust, {.kind = EventKind::note, .text = "proved"});
+        }
+        REQUIRE((trust.state == Trust::proved) == (placed && pulsed));
+        REQUIRE((trust.state >= Trust::at_home) == placed);
+        REQUIRE((trust.state >= Trust::answers) == answers);
+    }
+}
+
+TEST_CASE("each cause of a fault takes as much trust as it could have changed of the rig",
+          "[session][trust]") {
+    const RigTrust proved{.state = Trust::proved};
+    int kept = 0;
+    int place = 0;
+    int all = 0;
+    for (int i = 0; i < 64; ++i) {
+        const auto cause = static_cast<Trip>(i);
+        if (cause != Trip::none && to_string(cause) == "none") {
+            break;
+        }
+        const Trust left =
+            apply(proved, {.kind = EventKind::fault, .value = std::string(to_string(cause))}).state;
+        kept += left == Trust::proved ? 1 : 0;
+        place += left == Trust::answers ? 1 : 0;
+        all += left == Trust::unknown ? 1 : 0;
+        if (cause == Trip::stuck_encoder || cause == Trip::runaway || cause == Trip::over_speed) {
+            CHECK((left == Trust::answers));
+        }
+    }
+    CHECK(all == 4);  // lost, silent, stopped, garbage
+    CHECK(kept >= 8);
+    CHECK(place >= 9);
+    CHECK((apply(proved, {.kind = EventKind::fault, .value = "a new cause"}).state < proved.state));
+}
+
+TEST_CASE("no force is felt on a rig that was not proved since it could have changed",
+          "[session][trust][fault][law]") {
+    const auto cause = GENERATE(Trip::device_lost, Trip::device_silent, Trip::jump, Trip::runaway);
+    const int wrong = GENERATE(0, 1, 3);
+    const std::uint64_t seed = GENERATE(0U, 1U, 2U);
+    CAPTURE(to_string(cause), wrong, seed);
+    World world{.seed = seed, .fault_share = 0.3};
+    ChangingRig rig(world, wrong, cause);
+    Meddler observer(rig);
+    Kinds kept;
+    const SessionEnd end = run(short_protocol(), rig, observer, kept);
+    CHECK((end.why == SessionEnd::Why::finished));
+    REQUIRE(observer.rests.size() >= 2);
+    CHECK(kept.count[EventKind::fault] > 0);
+    CHECK(kept.count_of_key["rig check"] >= observer.rests.size() + kept.count[EventKind::fault]);
+    for (const TroubleView& view :
+         observer.troubles) {  // who may be another asks for the experimenter
+        const bool away = cause == Trip::device_lost || cause == Trip::device_silent;
+        CHECK((!view.by_hand || away || view.in_a_row == 1));
+    }
+}
+
+TEST_CASE("a protocol without breaks has its rig proved anew after thirty attempts",
+          "[session][trust][law]") {
+    Protocol protocol = short_protocol();
+    protocol.design.break_every = 0;
+    protocol.design.repetitions = 12;
+    World world;
+    ChangingRig rig(world, 0, Trip::none);
+    Patient observer;
+    Kinds kept;
+    const Plan plan = plan_of(protocol);
+    REQUIRE(plan.trials.size() > 2 * kMaxTrialsOfAProof);
+    const SessionEnd end = run(protocol, rig, observer, kept);
+    CHECK((end.why == SessionEnd::Why::finished));
+    const std::size_t expected = (plan.trials.size() - 1) / kMaxTrialsOfAProof;
+    CHECK(observer.rests.size() >= expected);
+    CHECK(kept.count_of_key["rig check"] >= expected + 1);
+}

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cmath>
+
+#include "engine/commissioning/encoder_proof.hpp"
+#include "engine/device/emulator/free_handle.hpp"
+
+namespace palpate::tests {
+
+/// A free handle whose encoders and motors hang on a board as `encoders` and `motors` say.
+class MiswiredHandle : public engine::BoardPlant {
+public:
+    /// At home. @param machine  has one
+    MiswiredHandle(const engine::Calibration& machine,
+                   const engine::Connection& encoders,
+                   const engine::Connection& motors)
+        : encoders_(encoders), motors_(motors), handle_(plant_of(machine), *machine.home) {
+        home_ = handle_.angles();
+    }
+
+    void bring(const engine::Vec2& place) { handle_.bring(place); }
+    /// Somebody changes plugs.
+    void connect(const engine::Connection& encoders, const engine::Connection& motors) {
+        encoders_ = encoders;
+        motors_ = motors;
+    }
+    /// The disc of an encoder slips on its shaft, rad.
+    void slip(std::size_t joint, double angle) noexcept { slipped_[joint] += angle; }
+    [[nodiscard]] engine::JointAngles true_angles() const noexcept { return handle_.angles(); }
+
+    void set_torque(const engine::Vec2& told) noexcept override {
+        asked = std::fmax(asked, glm::length(told));
+        const engine::Vec2 came = motors_.swapped ? engine::Vec2{told.y, told.x} : told;
+        handle_.set_torque(engine::Vec2{motors_.factor[0], motors_.factor[1]} * came);
+    }
+    void advance(double seconds) noexcept override { handle_.advance(seconds); }
+    [[nodiscard]] engine::JointAngles angles() const noexcept override {
+        engine::JointAngles seen = home_;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::size_t joint = encoders_.swapped ? 1 - i : i;
+            seen[i] += encoders_.factor[i] * (handle_.angles()[joint] - home_[joint]) + slipped_[i];
+        }
+        return seen;
+    }
+    double asked = 0.0;  ///< the most torque that the motors were told to give, N m
+
+private:
+    static engine::PlantModel plant_of(const engine::Calibration& machine) {
+        engine::PlantModel plant;
+        plant.machine = machine.pantograph;
+        return plant;
+    }
+
+    engine::Connection encoders_;
+    engine::Connection motors_;
+    engine::FreeHandle handle_;
+    engine::JointAngles home_{};
+    engine::JointAngles slipped_{};
+};
+
+}  // namespace palpate::tests
