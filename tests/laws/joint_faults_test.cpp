@@ -42,6 +42,7 @@ enum class Cause : std::uint8_t {
     screen_stands,
     let_go,
     stopped,
+    encoders_die,  ///< all at once: their supply
     count,
 };
 
@@ -59,6 +60,7 @@ constexpr double kSilence = 0.014;
 constexpr double kWatchdog = 0.022;
 constexpr double kGuardPatience = 0.028;
 constexpr double kScreen = 0.254;
+constexpr double kStill = kStillTrip + 0.004;
 constexpr double kSoon = 0.006;
 
 /// ms that half a packet may stay the last word: the guard's zeros to a host that hangs are so far apart.
@@ -137,7 +139,10 @@ public:
         const bool screen = std::any_of(events.begin(), events.end(), [](const Event& event) {
             return event.cause == Cause::screen_stands;
         });
-        const int end = screen ? 420 : 200;
+        const bool dead = std::any_of(events.begin(), events.end(), [](const Event& event) {
+            return event.cause == Cause::encoders_die;
+        });
+        const int end = dead ? 640 : screen ? 420 : 200;
         bool pressed = false;
         for (int ms = 0; ms < end; ++ms) {
             for (const Event& event : events) {
@@ -145,7 +150,9 @@ public:
                     befall(event);
                 }
             }
-            plant_->lead(way(ms));
+            if (!encoders_dead_) {
+                plant_->lead(way(ms));
+            }
             if (host_alive_ && now() >= stalled_until_) {
                 tick(loop, device, events.empty(), tally);
             }
@@ -248,8 +255,19 @@ private:
                 stop_ = stop_ || event.cause == Cause::stopped;
                 host_due(kSoon);
                 break;
+            case Cause::encoders_die:
+                encoders_dead_ = true;
+                break;
             case Cause::count:
                 break;
+        }
+    }
+
+    /// Dead encoders are told from a hand at rest by a force that stands for some time.
+    void still(const Watched& device) {
+        if (encoders_dead_ && pushed_since_ == kNever && glm::length(device.last) > kStillForce) {
+            pushed_since_ = now();
+            host_due(kStill);
         }
     }
 
@@ -277,6 +295,7 @@ private:
                                  (before == Trip::none || loop.trip() == before);
             tally.not_latched += latched ? 0 : 1;
         }
+        still(device);
     }
 
     /// Five zeros after a death, or after 25 ms without a packet while the force is on; then one every 5 ms while the
@@ -325,6 +344,8 @@ private:
     double host_deadline_ = kNever;
     double died_ = kNever;
     bool host_alive_ = true;
+    double pushed_since_ = kNever;  ///< with dead encoders
+    bool encoders_dead_ = false;
     bool held_ = true;
     bool stop_ = false;
     int zeros_ = 0;
