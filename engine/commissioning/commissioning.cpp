@@ -16,6 +16,7 @@ namespace {
 constexpr double kLook = 0.25;        ///< s at a mark
 constexpr double kStrong = 0.3;       ///< N, of the pulses that find numbers
 constexpr std::int32_t kEnough = 12;  ///< counts that a pulse has to move an encoder
+constexpr double kNearHome = 0.002;   ///< m: a pose that a board has just taken for home
 constexpr double kCertain = 0.8;      ///< share of the damping found that is relied upon
 constexpr const char* kCorrect = ": correct the wiring or the calibration, then commission again";
 constexpr const char* kAgain = ". Commission again once that is right";
@@ -37,14 +38,6 @@ void check_marks(const Calibration& machine, const std::vector<Vec3>& places) {
     }
 }
 
-PulsePlan plan_of(const Calibration& machine,
-                  const Vec3& direction,
-                  double force,
-                  const Vec3& mass) {
-    return machine.gantry ? straight_pulse(force, glm::dot(glm::abs(direction), mass))
-                          : PulsePlan{.force = force};
-}
-
 /// Of the pulses that find numbers, N. @param force  that moves the handle
 double strong(const Calibration& machine, double force) {
     const double most = pulse_forces(machine.axes()).back();
@@ -63,6 +56,23 @@ std::string encoders_text(const EncoderProof& proof) {
            number_text(std::round(std::fmin(proof.missed, 1.0) * 1e4) / 10.0) +
            " mm: was the handle at home and then at each mark, are the lengths of the links and "
            "counts_per_turn right";
+}
+
+/// A board that was opened anew where the handle stood says that it is home.
+/// @param seen  what the encoders say of `place`, m
+std::string took_for_home(const PulseRunner& runner,
+                          const Vec3& home,
+                          const Vec3& place,
+                          const Vec3& seen,
+                          std::size_t axes) {
+    const bool far = glm::length(place - home) > 2.0 * kPlaced;
+    if (!runner.reconnected() || !far || !(glm::length(seen - home) <= kNearHome)) {
+        return {};
+    }
+    return "the device fell silent, and was opened anew while the handle was at " +
+           place_text(place, axes) +
+           ": it took that for home. Check its cable and what else this machine does, bring the "
+           "handle home and commission again";
 }
 
 /// Encoders at the places, in their order; nothing but zero force meanwhile.
@@ -90,6 +100,10 @@ std::string read_marks(PulseRunner& runner,
                    (axes > 2 ? ": let go of it; one that sinks by itself needs a counterweight or "
                                "a spring"
                              : ": let go of it, on a level desk");
+        }
+        if (std::string what = took_for_home(runner, places.front(), place, mark.place, axes);
+            !what.empty()) {
+            return what;
         }
         marks.push_back(mark);
     }
@@ -120,7 +134,7 @@ void push(PulseRunner& runner,
           const Vec3& mass,
           std::vector<Pulse>& pulses) {
     for (const Vec3& direction : pulse_directions(machine.axes())) {
-        pulses.push_back(runner.give(direction, plan_of(machine, direction, force, mass)));
+        pulses.push_back(runner.give(direction, pulse_plan(machine, direction, force, mass)));
     }
 }
 
@@ -152,7 +166,7 @@ std::string find_force(PulseRunner& runner,
             if (!moves[i]) {  // what moves is not pushed harder
                 force = newtons;
                 pulses[i] =
-                    runner.give(directions[i], plan_of(machine, directions[i], newtons, mass));
+                    runner.give(directions[i], pulse_plan(machine, directions[i], newtons, mass));
                 moves[i] = enough(pulses[i]);
             }
         }
@@ -206,7 +220,7 @@ double least_friction(const Pantograph& machine,
         least = std::fmin(least, dynamics.friction.x / glm::length(fix->jacobian.column_1()));
         least = std::fmin(least, dynamics.friction.y / glm::length(fix->jacobian.column_2()));
     }
-    return least;
+    return least + dynamics.handle_friction;
 }
 
 /// How strong the motors are, and how the handle moves.
@@ -215,19 +229,17 @@ std::string prove_strength(const Calibration& machine,
                            const Vec3& mass,
                            double delay,
                            Commissioned& done) {
-    std::string what;
     if (machine.gantry) {
-        done.record.axes = fit_axes(Gantry(*machine.gantry), done.pulses, mass, delay);
-        what = wrong_strength(done.record.axes, mass);
-        return what.empty()
-                 ? what
-                 : what +
-                       ": correct torque_limit_mn_m or the amplifier, or weigh what each "
-                       "motor moves and give --moved-g, then commission again";
+        const FittedAxes found = fit_axes(Gantry(*machine.gantry), done.pulses, mass, delay);
+        done.record.axes = found.axes;
+        return wrong_strength(found, mass);
     }
     done.motors = prove_motors(machine.pantograph, done.pulses, mass.x, delay);
     done.record.dynamics = done.motors->dynamics;
-    what = motors_text(done.motors->connection, done.motors->gain);
+    const std::string what = motors_text(done.motors->connection, done.motors->gain);
+    if (!what.empty() && done.motors->unexplained > kMostUnexplained) {
+        return unexplained_text(done.motors->unexplained);
+    }
     return what.empty()
              ? what
              : what + " for a handle of " + number_text(std::round(mass.x * 1e4) / 10.0) +
@@ -248,8 +260,9 @@ void fill_record(RigRecord& record,
             std::fmin(axes[0].friction, std::fmin(axes[1].friction, axes[2].friction));
         record.mark = Vec3(places.at(1).x, places.at(2).y, places.at(3).z);
     } else {
-        damping =
-            min_handle_damping({.machine = machine.pantograph, .damping = record.dynamics.damping});
+        damping = min_handle_damping({.machine = machine.pantograph,
+                                      .damping = record.dynamics.damping,
+                                      .handle_damping = record.dynamics.handle_damping});
         record.friction = least_friction(Pantograph(machine.pantograph), places, record.dynamics);
         record.mark = places.at(1);
     }
@@ -287,13 +300,18 @@ std::string prove_pushes(PulseRunner& runner,
             push(runner, machine, force, mass, here);
         }
         push(runner, machine, strong(machine, force), mass, here);
+        if (std::string what =
+                took_for_home(runner, places.front(), places[i], here.back().place, machine.axes());
+            !what.empty()) {
+            return what;
+        }
         if (std::string what = tripped(here); !what.empty()) {
             return what;
         }
         done.pulses.insert(done.pulses.end(), here.begin(), here.end());
     }
     const std::string what = prove_strength(machine, mass, delay, done);
-    return what.empty() ? wrong_with(Machine(machine), done.pulses, done.record, delay) : what;
+    return what.empty() ? unexplained_by(done.record, Machine(machine), done.pulses, delay) : what;
 }
 
 }  // namespace
@@ -335,27 +353,6 @@ std::vector<Vec3> places_to_commission(const Calibration& machine, const Vec2& h
         places.emplace_back(place, 0.0);
     }
     return places;
-}
-
-ShortForm prove_again(PulseRunner& runner,
-                      const Calibration& machine,
-                      const RigRecord& record,
-                      double delay) {
-    ShortForm form;
-    const Machine whole(machine);
-    const Vec3 mass(record.axes[0].mass, record.axes[1].mass, record.axes[2].mass);
-    for (const Vec3& direction : pulse_directions(machine.axes())) {
-        const Pulse pulse = runner.give(direction, plan_of(machine, direction, record.force, mass));
-        form.refused = wrong_with(whole, {&pulse, 1}, record, delay);
-        if (!form.refused.empty()) {
-            return form;
-        }
-        const PulseMatch found = match(whole, pulse, record, delay);
-        form.found += (form.found.empty() ? "" : ", ") +
-                      number_text(std::round(100.0 * found.share)) + " % at " +
-                      number_text(std::round(found.angle * 180.0 / kPi)) + " deg";
-    }
-    return form;
 }
 
 }  // namespace palpate::engine

@@ -13,18 +13,18 @@ namespace {
 constexpr int kSubSteps = 4;
 constexpr std::size_t kEvery = 4;  ///< ticks between two that are compared
 
-/// Inertia 1, 2, mass, damping 1, 2, friction 1, 2, ratio.
+/// Inertia 1, 2, mass, damping 1, 2, friction 1, 2, damping and friction of the handle, ratio.
 using Numbers = LeastSquares::Row;
 
-constexpr Numbers kLeast{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.05};
-constexpr Numbers kMost{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 20.0};
+constexpr Numbers kLeast{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05};
+constexpr Numbers kMost{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 100.0, 10.0, 20.0};
 /// What a step of the differences is, where a number is near 0.
-constexpr Numbers kSmall{1e-6, 1e-6, 1e-3, 1e-4, 1e-4, 3e-5, 3e-5, 1e-2};
+constexpr Numbers kSmall{1e-6, 1e-6, 1e-3, 1e-4, 1e-4, 3e-5, 3e-5, 1e-2, 1e-3, 1e-2};
 
 Numbers numbers_of(const FittedHandle& handle) {
     const HandleDynamics& d = handle.dynamics;
-    Numbers all{d.inertia.x, d.inertia.y,  d.handle_mass, d.damping.x,
-                d.damping.y, d.friction.x, d.friction.y,  handle.ratio};
+    Numbers all{d.inertia.x,  d.inertia.y,  d.handle_mass,    d.damping.x,       d.damping.y,
+                d.friction.x, d.friction.y, d.handle_damping, d.handle_friction, handle.ratio};
     for (std::size_t i = 0; i < all.size(); ++i) {
         all[i] = std::clamp(all[i], kLeast[i], kMost[i]);
     }
@@ -35,12 +35,16 @@ FittedHandle handle_of(const Numbers& x) {
     return {.dynamics = {.handle_mass = x[2],
                          .inertia = {x[0], x[1]},
                          .damping = {x[3], x[4]},
-                         .friction = {x[5], x[6]}},
-            .ratio = x[7]};
+                         .friction = {x[5], x[6]},
+                         .handle_damping = x[7],
+                         .handle_friction = x[8]},
+            .ratio = x[9]};
 }
 
-/// (I + m J^T J) v' = tau - B v - f sgn v from rest, damping and friction taken implicitly; J is that
-/// of the measured way. Appends the counts of both joints at every kEvery-th tick.
+/// (I + m J^T J) v' = tau - (B + b J^T J + m J^T C(v)) v - f sgn v - g J^T w / |w|, w = J v, from rest,
+/// damping and friction taken implicitly; J and C are those of the measured way. Without C, which
+/// says how J changes, the mass comes out a tenth too low. Appends the counts of both joints at every
+/// kEvery-th tick.
 void predict(const Track& track, const Numbers& x, std::vector<double>& counts) {
     const double h = track.period / kSubSteps;
     Vec2 rate{};
@@ -49,13 +53,17 @@ void predict(const Track& track, const Numbers& x, std::vector<double>& counts) 
         const Track::Step& step = track.steps[k];
         const Vec2 m1 = x[2] * step.carry_1 + Vec2{x[0], 0.0};
         const Vec2 m2 = x[2] * step.carry_2 + Vec2{0.0, x[1]};
-        const Vec2 a1 = m1 + Vec2{0.5 * h * x[3], 0.0};
-        const Vec2 a2 = m2 + Vec2{0.0, 0.5 * h * x[4]};
-        const Vec2 torque = step.torque * Vec2{1.0, x[7]};
+        const Vec2 b1 = 0.5 * h * (x[7] * step.carry_1 + Vec2{x[3], 0.0});
+        const Vec2 b2 = 0.5 * h * (x[7] * step.carry_2 + Vec2{0.0, x[4]});
+        const Vec2 torque = step.torque * Vec2{1.0, x[9]};
+        const StepFriction friction{{h * x[5], h * x[6]}, h * x[8], step.carry_1, step.carry_2};
         for (int i = 0; i < kSubSteps; ++i) {
-            const Vec2 right{glm::dot(m1, rate) - 0.5 * h * x[3] * rate.x + h * torque.x,
-                             glm::dot(m2, rate) - 0.5 * h * x[4] * rate.y + h * torque.y};
-            const Vec2 after = after_dry_friction(a1, a2, right, {h * x[5], h * x[6]}, rate);
+            const Vec2 right{glm::dot(m1 - b1, rate) + h * torque.x,
+                             glm::dot(m2 - b2, rate) + h * torque.y};
+            const Vec2 c1 = h * x[2] * (rate.x * step.drift_1[0] + rate.y * step.drift_2[0]);
+            const Vec2 c2 = h * x[2] * (rate.x * step.drift_1[1] + rate.y * step.drift_2[1]);
+            const Vec2 after =
+                after_dry_friction(m1 + b1 + c1, m2 + b2 + c2, right, friction, rate);
             turned += 0.5 * h * (rate + after);
             rate = after;
         }
@@ -77,24 +85,37 @@ Track track_of(
     track.period = samples.size() > 1 ? samples[1].time - samples[0].time : 1e-3;
     for (std::size_t k = 1; k < samples.size(); ++k) {
         const Vec2 asked(acting_torque(samples, k, delay));
-        const auto fix = machine.locate(machine.angles(samples[k].joints()));
-        if (!fix) {
+        const auto before = machine.angles(samples[k - 1].joints());
+        const auto after = machine.angles(samples[k].joints());
+        const FiveBar& linkage = machine.spec().linkage;
+        const auto pose =
+            linkage.forward({0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])});
+        const auto jacobian = pose ? linkage.jacobian(*pose) : std::nullopt;
+        if (!jacobian) {
             break;
         }
-        const Jacobian& j = fix->jacobian;
-        const Vec2 c1 = j.column_1();
-        const Vec2 c2 = j.column_2();
+        const auto rows = [&](const Jacobian& a) {  // of J^T A
+            const Vec2 c1 = jacobian->transposed(a.column_1());
+            const Vec2 c2 = jacobian->transposed(a.column_2());
+            return std::array<Vec2, 2>{Vec2{c1.x, c2.x}, Vec2{c1.y, c2.y}};
+        };
+        const std::array<Vec2, 2> carry = rows(*jacobian);
         track.steps.push_back({.torque = sign * (swapped ? Vec2{asked.y, asked.x} : asked),
                                .turned = {static_cast<double>(samples[k].counts[0] - start[0]),
                                           static_cast<double>(samples[k].counts[1] - start[1])},
-                               .carry_1 = {glm::dot(c1, c1), glm::dot(c1, c2)},
-                               .carry_2 = {glm::dot(c1, c2), glm::dot(c2, c2)},
+                               .carry_1 = carry[0],
+                               .carry_2 = carry[1],
+                               .drift_1 = rows(linkage.drift(*pose, *jacobian, {1.0, 0.0})),
+                               .drift_2 = rows(linkage.drift(*pose, *jacobian, {0.0, 1.0})),
                                .fresh = samples[k].fresh});
     }
     return track;
 }
 
-FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start, bool free_ratio) {
+namespace {
+
+/// Counts of both joints at the ticks that are compared.
+std::vector<double> counted(std::span<const Track> tracks) {
     std::vector<double> measured;
     for (const Track& track : tracks) {
         for (std::size_t k = 0; k < track.steps.size(); k += kEvery) {
@@ -103,15 +124,58 @@ FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start
             measured.push_back(step.fresh ? step.turned.y : kUnknown);
         }
     }
-    const auto predicted = [&](const Numbers& x) {
-        std::vector<double> counts;
-        for (const Track& track : tracks) {
-            predict(track, x, counts);
-        }
-        return counts;
+    return measured;
+}
+
+std::vector<double> predicted(std::span<const Track> tracks, const Numbers& x) {
+    std::vector<double> counts;
+    for (const Track& track : tracks) {
+        predict(track, x, counts);
+    }
+    return counts;
+}
+
+/// Of the pulse that the numbers explain worst, so that one which somebody held is not lost among many.
+double unexplained(std::span<const Track> tracks, const Numbers& x) {
+    double worst = 0.0;
+    for (const Track& track : tracks) {
+        worst = std::fmax(worst, left_over(counted({&track, 1}), predicted({&track, 1}, x), 1.0));
+    }
+    return worst;
+}
+
+/// Gains of both motors and friction, as numbers of a handle: a motion does not change if torques and
+/// all that withstands them become as much stronger.
+Numbers changed(const HandleDynamics& before, const Numbers& by) {
+    Numbers x = numbers_of({.dynamics = before});
+    for (std::size_t i = 0; i < 9; ++i) {
+        x[i] *= (i < 3 ? 1.0 : by[2]) / by[0];
+    }
+    x[9] = by[1] / by[0];
+    return x;
+}
+
+}  // namespace
+
+FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start, bool free_ratio) {
+    const Numbers found =
+        nearest_numbers([&](const Numbers& x) { return predicted(tracks, x); }, counted(tracks),
+                        numbers_of(start), {kLeast, kMost, kSmall}, free_ratio ? 10 : 9);
+    FittedHandle handle = handle_of(found);
+    handle.unexplained = unexplained(tracks, found);
+    return handle;
+}
+
+HandleChange fit_change(std::span<const Track> tracks, const HandleDynamics& before) {
+    const auto moved = [&](const Numbers& by) {
+        return predicted(tracks, changed(before, by));
     };
-    return handle_of(nearest_numbers(predicted, measured, numbers_of(start),
-                                     {kLeast, kMost, kSmall}, free_ratio ? 8 : 7));
+    const Numbers found = nearest_numbers(
+        moved, counted(tracks), {1.0, 1.0, 1.0},
+        {.least = {0.02, 0.02, 0.0}, .most = {10.0, 10.0, 10.0}, .small = {1e-2, 1e-2, 1e-2}}, 3);
+    return {.gain = {found[0], found[1]},
+            .friction = found[2],
+            .unexplained = unexplained(tracks, changed(before, found))};
 }
 
 }  // namespace palpate::engine

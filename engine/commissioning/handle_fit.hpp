@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -15,8 +16,11 @@ struct Track {
     struct Step {
         Vec2 torque{};   ///< N m that act on the joints, mean of the step
         Vec2 turned{};   ///< counts since the start, at the step's end
-        Vec2 carry_1{};  ///< J^T J there: rows
+        Vec2 carry_1{};  ///< J^T J, J the handle's Jacobian halfway: rows
         Vec2 carry_2{};
+        /// J^T C of a rate of joint 1, and of joint 2, rows: FiveBar::drift, linear in the rates.
+        std::array<Vec2, 2> drift_1{};
+        std::array<Vec2, 2> drift_2{};
         bool fresh = true;
     };
     double period = 1e-3;  ///< s of a step
@@ -33,11 +37,25 @@ struct Track {
 struct FittedHandle {
     HandleDynamics dynamics{};
     double ratio = 1.0;
+    /// Of the pulse that the numbers explain worst: what is left over of its counts by their size, root
+    /// mean square, beyond the rounding of whole counts.
+    double unexplained = 0.0;
 };
 
 /// @param free_ratio  find the ratio as well
 [[nodiscard]] FittedHandle fit_handle(std::span<const Track> tracks,
                                       const FittedHandle& start,
                                       bool free_ratio);
+
+/// What has become of a handle since its numbers were found: torques and friction by what they were.
+struct HandleChange {
+    Vec2 gain{1.0, 1.0};       ///< of each motor
+    double friction = 1.0;     ///< of all that rubs, damping and dry alike
+    double unexplained = 0.0;  ///< as above
+};
+
+/// A push out and back tells strength from friction: friction takes of both, and a weak motor gives less.
+/// @param tracks  of four directions at one place
+[[nodiscard]] HandleChange fit_change(std::span<const Track> tracks, const HandleDynamics& before);
 
 }  // namespace palpate::engine

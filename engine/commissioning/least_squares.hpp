@@ -9,7 +9,7 @@ namespace palpate::engine {
 /// Least squares by normal equations, at most kMost unknowns.
 class LeastSquares {
 public:
-    static constexpr std::size_t kMost = 8;
+    static constexpr std::size_t kMost = 10;
     using Row = std::array<double, kMost>;
 
     explicit LeastSquares(std::size_t unknowns) : n_(unknowns) {}

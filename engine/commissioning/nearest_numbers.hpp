@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -83,7 +84,7 @@ template <class Predict>
                                                 LeastSquares::Row x,
                                                 const NumberRange& range,
                                                 std::size_t unknowns) {
-    constexpr int kRounds = 14;
+    constexpr int kRounds = 25;
     std::vector<double> here = predict(x);
     std::vector<double> wrong = detail::missed(measured, here);
     double damped = 1e-2;
@@ -100,7 +101,7 @@ template <class Predict>
             std::vector<double> left = detail::missed(measured, there);
             better = detail::squares_of(left) < detail::squares_of(wrong);
             if (better) {
-                const bool enough = detail::squares_of(left) > 0.999 * detail::squares_of(wrong);
+                const bool enough = detail::squares_of(left) > 0.9999 * detail::squares_of(wrong);
                 x = next;
                 here = std::move(there);
                 wrong = std::move(left);
@@ -111,6 +112,28 @@ template <class Predict>
         }
     }
     return x;
+}
+
+/// What is left of a motion by its size, root mean square, beyond the rounding of both its ends to whole
+/// counts; 0 for a motion of no size.
+/// @param measured  as above   @param count  in its unit
+[[nodiscard]] inline double left_over(std::span<const double> measured,
+                                      std::span<const double> predicted,
+                                      double count) {
+    constexpr double kRounding = 0.5;
+    double left = 0.0;
+    double size = 0.0;
+    double n = 0.0;
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+        if (!std::isnan(measured[k])) {
+            left += (measured[k] - predicted[k]) * (measured[k] - predicted[k]);
+            size += measured[k] * measured[k];
+            n += 1.0;
+        }
+    }
+    return size > 0.0
+             ? std::fmax(std::sqrt(left / size) - kRounding * count * std::sqrt(n / size), 0.0)
+             : 0.0;
 }
 
 }  // namespace palpate::engine

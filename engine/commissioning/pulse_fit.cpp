@@ -223,7 +223,9 @@ HandleDynamics first_idea(std::span<const Moments> pulses, const Order& order) {
     return {.handle_mass = within(x[2], 0.02, 1.0),
             .inertia = {within(x[0], 2e-5, 1e-2), within(x[1], 2e-5, 1e-2)},
             .damping = {within(x[3], 1e-4, 1.0), within(x[4], 1e-4, 1.0)},
-            .friction = {within(x[5], 1e-4, 1.0), within(x[6], 1e-4, 1.0)}};
+            .friction = {within(x[5], 1e-4, 1.0), within(x[6], 1e-4, 1.0)},
+            .handle_damping = 0.05,
+            .handle_friction = 0.005};
 }
 
 std::vector<Moments> moments_of_all(const Pantograph& machine,
@@ -276,6 +278,7 @@ MotorProof prove_motors(const PantographSpec& spec,
     }
     const FittedHandle fitted = fit_handle(tracks, {first_idea(all, order), 1.0}, true);
     proof.connection.swapped = order.swapped;
+    proof.unexplained = fitted.unexplained;
     proof.gain = {order.sign.x * mass / fitted.dynamics.handle_mass,
                   order.sign.y * mass / fitted.dynamics.handle_mass * fitted.ratio};
     for (std::size_t i = 0; i < 2; ++i) {

@@ -25,6 +25,7 @@ struct MotorProof {
     std::array<double, 2> gain{};  ///< as found: 1 is right
     HandleDynamics dynamics{};     ///< if the connection is right
     bool moved = false;            ///< every motor moved its joint
+    double unexplained = 0.0;      ///< FittedHandle::unexplained of the gains
 };
 /// Which motor turns which joint, and which way, from the pulses of one place or more: factors of 1
 /// and -1.

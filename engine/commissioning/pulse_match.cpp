@@ -12,6 +12,17 @@ namespace palpate::engine {
 namespace {
 
 constexpr double kDegree = 180.0 / kPi;
+constexpr double kLeastShare =
+    0.4;  ///< of a push at once: a change of friction is not enough for it
+constexpr double kMostShare = 2.0;
+constexpr const char* kUnexplained = "the motion is not explained by mass, damping and friction: ";
+constexpr const char* kMayPull =
+    ". Is the desk level, does a cable pull at the handle, does somebody hold it, is something in "
+    "its way? Nothing is said of the motors before that is right";
+
+std::string percent(double share) {
+    return number_text(std::round(100.0 * share)) + " %";
+}
 
 PantographPlant free_handle(const PantographSpec& spec, const HandleDynamics& dynamics) {
     return PantographPlant(
@@ -21,6 +32,8 @@ PantographPlant free_handle(const PantographSpec& spec, const HandleDynamics& dy
          .coulomb = dynamics.friction,
          .current_time = 0.0,
          .handle_mass = dynamics.handle_mass,
+         .handle_damping = dynamics.handle_damping,
+         .handle_friction = dynamics.handle_friction,
          .hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0}});
 }
 
@@ -104,34 +117,46 @@ PulseMatch match(const Machine& machine,
 }
 
 std::string wrong_with(const Machine& machine,
-                       std::span<const Pulse> pulses,
+                       const Pulse& pulse,
                        const RigRecord& record,
                        double delay) {
+    const std::string pushed = pushed_text(pulse, machine.axes());
+    if (pulse.trip != Trip::none) {
+        return pushed + "tripped the safety chain: " + std::string(explanation(pulse.trip));
+    }
+    const PulseMatch found = match(machine, pulse, record, delay);
+    const std::string moved = pushed + "moved " + percent(found.share) + " of what it should: ";
+    if (!(found.share >= kLeastShare)) {
+        return moved + "is somebody holding it, does something block it, or is a motor too weak";
+    }
+    if (!(found.angle <= kMostTurn)) {
+        return pushed + "went " + number_text(std::round(found.angle * kDegree)) +
+               " degrees beside that: a motor or an encoder is reversed or swapped, a motor has "
+               "become weaker, or the handle was not at home";
+    }
+    if (!(found.share <= kMostShare)) {
+        return moved + "a motor is too strong, or the handle is lighter than it was";
+    }
+    return {};
+}
+
+std::string unexplained_by(const RigRecord& record,
+                           const Machine& machine,
+                           std::span<const Pulse> pulses,
+                           double delay) {
     for (const Pulse& pulse : pulses) {
-        if (pulse.trip != Trip::none) {
-            return pushed_text(pulse, machine.axes()) +
-                   "tripped the safety chain: " + std::string(explanation(pulse.trip));
-        }
         const PulseMatch found = match(machine, pulse, record, delay);
-        const std::string share = number_text(std::round(100.0 * found.share)) + " %";
-        if (!(found.share >= 1.0 - kMostGainError)) {
-            return pushed_text(pulse, machine.axes()) + "moved " + share +
-                   " of what it should: is somebody holding it, does something block it, or is a "
-                   "motor too weak";
-        }
-        if (!(found.angle <= kMostTurn)) {
-            return pushed_text(pulse, machine.axes()) + "went " +
-                   number_text(std::round(found.angle * kDegree)) +
-                   " degrees beside that: a motor or an encoder is reversed or swapped, or the "
-                   "handle was not at home";
-        }
-        if (!(found.share <= 1.0 + kMostGainError)) {
-            return pushed_text(pulse, machine.axes()) + "moved " + share +
-                   " of what it should: a motor is too strong, or the handle is lighter than it "
-                   "was";
+        if (!(std::fabs(found.share - 1.0) <= kMostGainError && found.angle <= kMostTurn)) {
+            return kUnexplained + (pushed_text(pulse, machine.axes()) + "moved ") +
+                   percent(found.share) + " of what they say, " +
+                   number_text(std::round(found.angle * kDegree)) + " degrees beside it" + kMayPull;
         }
     }
     return {};
+}
+
+std::string unexplained_text(double left) {
+    return kUnexplained + percent(left) + " of a push is left over" + kMayPull;
 }
 
 }  // namespace palpate::engine

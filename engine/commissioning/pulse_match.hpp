@@ -22,6 +22,8 @@ struct PulseMatch {
 /// degrees.
 inline constexpr double kMostGainError = 0.3;
 inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
+/// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
+inline constexpr double kMostUnexplained = 0.2;
 
 /// The turn until the force was reversed, measured and predicted by the plant.
 /// @param record  whose dynamics are those of the handle
@@ -31,11 +33,19 @@ inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
                                const RigRecord& record,
                                double delay);
 
-/// What speaks against a rig whose handle should move as `record` says: a sentence without a full stop,
-/// empty if nothing does.
+/// What speaks at once against a rig whose handle should move as `record` says, be its friction what it
+/// may: a sentence without a full stop, empty if nothing does.
 [[nodiscard]] std::string wrong_with(const Machine& machine,
-                                     std::span<const Pulse> pulses,
+                                     const Pulse& pulse,
                                      const RigRecord& record,
                                      double delay);
+
+/// The first pulse whose motion the numbers that were found from all do not explain, as above.
+[[nodiscard]] std::string unexplained_by(const RigRecord& record,
+                                         const Machine& machine,
+                                         std::span<const Pulse> pulses,
+                                         double delay);
+/// @param left  share of a motion, FittedHandle::unexplained
+[[nodiscard]] std::string unexplained_text(double left);
 
 }  // namespace palpate::engine

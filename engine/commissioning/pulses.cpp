@@ -129,12 +129,18 @@ void PulseRunner::settle() {
     }
 }
 
+bool PulseRunner::answers_again() {
+    const bool back = device_->reconnect();
+    reconnected_ = reconnected_ || back;
+    return back;
+}
+
 /// A machine that is busy may keep the board's answers back: the zeros are out, and it is asked again.
 Pulse PulseRunner::give(const Vec3& direction, const PulsePlan& plan) {
     Pulse pulse = give_once(direction, plan);
     const auto is_worth_another = [&] {
         return pulse.trip == Trip::none ? !pulse.steady
-                                        : pulse.trip == Trip::device_silent && device_->reconnect();
+                                        : pulse.trip == Trip::device_silent && answers_again();
     };
     for (int i = 0; i < kAgain && is_worth_another(); ++i) {
         pulse = give_once(direction, plan);
@@ -194,7 +200,7 @@ Rest PulseRunner::watch(double seconds) {
         const Reading reading = device_->read();
         device_->press(Vec3{});
         if (reading.fault == DeviceFault::silent) {
-            static_cast<void>(device_->reconnect());
+            static_cast<void>(answers_again());
         }
         const bool usable = reading.ok() || reading.fault == DeviceFault::unreachable;
         if (usable && reading.fresh) {

@@ -76,6 +76,10 @@ public:
     /// Reads for `seconds` without a force.
     [[nodiscard]] Rest watch(double seconds);
 
+    /// The device fell silent and answers again: it may have been opened anew, and have taken the pose
+    /// of that moment for home.
+    [[nodiscard]] bool reconnected() const noexcept { return reconnected_; }
+
 private:
     struct Tick {
         Reading reading{};
@@ -85,6 +89,7 @@ private:
 
     [[nodiscard]] Tick tick(const Vec3& force);
     [[nodiscard]] Pulse give_once(const Vec3& direction, const PulsePlan& plan);
+    [[nodiscard]] bool answers_again();
     void settle();
 
     Device* device_;
@@ -95,6 +100,7 @@ private:
     SafetyState safety_{};
     Vec3 load_{};
     std::int64_t ticks_ = 0;
+    bool reconnected_ = false;
 };
 
 /// "(0, 89.3) mm", or of three axes "(0, 0, 40) mm".

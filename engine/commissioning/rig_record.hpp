@@ -10,10 +10,12 @@ namespace palpate::engine {
 
 /// How a handle moves when nobody holds it, as found from pulses.
 struct HandleDynamics {
-    double handle_mass = 0.060;  ///< kg, handle and free links lumped at the handle
-    Vec2 inertia{1e-4, 1e-4};    ///< kg m^2 of each driven link with its motor
-    Vec2 damping{};              ///< N m s/rad at each motor
-    Vec2 friction{};             ///< N m of dry friction at each motor
+    double handle_mass = 0.060;    ///< kg, handle and free links lumped at the handle
+    Vec2 inertia{1e-4, 1e-4};      ///< kg m^2 of each driven link with its motor
+    Vec2 damping{};                ///< N m s/rad at each motor
+    Vec2 friction{};               ///< N m of dry friction at each motor
+    double handle_damping = 0.0;   ///< N s/m at the handle: a plate, a sleeve, air
+    double handle_friction = 0.0;  ///< N of dry friction at the handle
 };
 
 /// How one straight axis moves when nobody holds it.

@@ -178,6 +178,35 @@ AxisDynamics dynamics_of(const LeastSquares::Row& x) {
     return {.mass = x[0], .damping = x[1], .friction = x[2], .pull = x[3]};
 }
 
+/// The pulses along an axis, and their ways one after the other.
+struct AxisPulses {
+    std::vector<AxisTrack> tracks;
+    std::vector<double> measured;
+};
+
+AxisPulses pulses_along(const Gantry& gantry,
+                        std::span<const Pulse> pulses,
+                        int axis,
+                        double delay) {
+    AxisPulses all;
+    for (const Pulse& pulse : pulses) {
+        if (pulse.force[axis] != 0.0) {
+            all.tracks.push_back(track_of(gantry, pulse, axis, delay));
+            const auto& way = all.tracks.back().way;
+            all.measured.insert(all.measured.end(), way.begin(), way.end());
+        }
+    }
+    return all;
+}
+
+std::vector<double> predicted_ways(const AxisPulses& pulses, const AxisDynamics& axis) {
+    std::vector<double> ways;
+    for (const AxisTrack& track : pulses.tracks) {
+        predict(track, axis, ways);
+    }
+    return ways;
+}
+
 }  // namespace
 
 std::vector<Vec3> straight_places(const GantrySpec& spec) {
@@ -271,6 +300,14 @@ PulsePlan straight_pulse(double force, double mass) {
     return plan;
 }
 
+PulsePlan pulse_plan(const Calibration& machine,
+                     const Vec3& direction,
+                     double force,
+                     const Vec3& mass) {
+    return machine.gantry ? straight_pulse(force, glm::dot(glm::abs(direction), mass))
+                          : PulsePlan{.force = force};
+}
+
 Vec3 way_of(const Gantry& gantry, const Pulse& pulse, std::size_t sample) {
     const auto& samples = pulse.samples;
     const Machine::Counts& to = samples[std::min(sample, samples.size() - 1)].counts;
@@ -292,48 +329,71 @@ Vec3 predicted_way(const Gantry& gantry,
     return way;
 }
 
-std::array<AxisDynamics, 3> fit_axes(const Gantry& gantry,
-                                     std::span<const Pulse> pulses,
-                                     const Vec3& mass,
-                                     double delay) {
+FittedAxes fit_axes(const Gantry& gantry,
+                    std::span<const Pulse> pulses,
+                    const Vec3& mass,
+                    double delay) {
     const NumberRange range{.least = {1e-3, 0.0, 0.0, -20.0},
                             .most = {50.0, 100.0, 20.0, 20.0},
                             .small = {1e-3, 1e-2, 1e-3, 1e-3}};
-    std::array<AxisDynamics, 3> axes{};
+    FittedAxes found;
     for (int i = 0; i < 3; ++i) {
-        std::vector<AxisTrack> tracks;
-        std::vector<double> measured;
-        for (const Pulse& pulse : pulses) {
-            if (pulse.force[i] != 0.0) {
-                tracks.push_back(track_of(gantry, pulse, i, delay));
-                const auto& way = tracks.back().way;
-                measured.insert(measured.end(), way.begin(), way.end());
-            }
-        }
+        const AxisPulses pushed = pulses_along(gantry, pulses, i, delay);
         const auto predicted = [&](const LeastSquares::Row& x) {
-            std::vector<double> ways;
-            for (const AxisTrack& track : tracks) {
-                predict(track, dynamics_of(x), ways);
-            }
-            return ways;
+            return predicted_ways(pushed, dynamics_of(x));
         };
-        axes[static_cast<std::size_t>(i)] =
-            dynamics_of(nearest_numbers(predicted, measured, {mass[i], 1.0, 0.02, 0.0}, range, 4));
+        const auto x =
+            nearest_numbers(predicted, pushed.measured, {mass[i], 1.0, 0.02, 0.0}, range, 4);
+        const auto at = static_cast<std::size_t>(i);
+        found.axes[at] = dynamics_of(x);
+        found.unexplained[at] = left_over(pushed.measured, predicted(x), gantry.quantum()[i]);
     }
-    return axes;
+    return found;
 }
 
-std::string wrong_strength(const std::array<AxisDynamics, 3>& axes, const Vec3& mass) {
-    std::string found;
+std::string wrong_strength(const FittedAxes& found, const Vec3& mass) {
+    std::string wrong;
+    double left = 0.0;
     for (int i = 0; i < 3; ++i) {
-        const double gain = mass[i] / axes[static_cast<std::size_t>(i)].mass;
+        const auto at = static_cast<std::size_t>(i);
+        const double gain = mass[i] / found.axes[at].mass;
         if (!(std::fabs(gain - 1.0) <= kMostGainError)) {
-            append(found, "motor " + name(i) + " gives " + hundredths(gain) +
+            left = std::fmax(left, found.unexplained[at]);
+            append(wrong, "motor " + name(i) + " gives " + hundredths(gain) +
                               " times what it should for " +
                               number_text(std::round(1e4 * mass[i]) / 10.0) + " g that it moves");
         }
     }
-    return found;
+    if (left > kMostUnexplained) {
+        return unexplained_text(left);
+    }
+    return wrong.empty() ? wrong
+                         : wrong +
+                               ": correct torque_limit_mn_m or the amplifier, or weigh what each "
+                               "motor moves and give --moved-g, then commission again";
+}
+
+AxesChange change_of_axes(const Gantry& gantry,
+                          std::span<const Pulse> pulses,
+                          const std::array<AxisDynamics, 3>& axes,
+                          double delay) {
+    const NumberRange range{.least = {0.02, 0.0}, .most = {10.0, 10.0}, .small = {1e-2, 1e-2}};
+    AxesChange change;
+    for (int i = 0; i < 3; ++i) {
+        const AxisPulses pushed = pulses_along(gantry, pulses, i, delay);
+        const AxisDynamics& was = axes[static_cast<std::size_t>(i)];
+        const auto predicted = [&](const LeastSquares::Row& by) {
+            return predicted_ways(pushed, {.mass = was.mass / by[0],
+                                           .damping = was.damping * by[1] / by[0],
+                                           .friction = was.friction * by[1] / by[0],
+                                           .pull = was.pull / by[0]});
+        };
+        const auto by = nearest_numbers(predicted, pushed.measured, {1.0, 1.0}, range, 2);
+        change.gain[i] = by[0];
+        change.unexplained = std::fmax(
+            change.unexplained, left_over(pushed.measured, predicted(by), gantry.quantum()[i]));
+    }
+    return change;
 }
 
 }  // namespace palpate::engine

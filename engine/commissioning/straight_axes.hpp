@@ -36,6 +36,12 @@ void check_straight_places(const GantrySpec& spec, std::span<const Vec3> places)
 /// @param force  N   @param mass  of the axis, kg
 [[nodiscard]] PulsePlan straight_pulse(double force, double mass);
 
+/// How a machine of either kind is pushed. @param mass  kg of straight axes
+[[nodiscard]] PulsePlan pulse_plan(const Calibration& machine,
+                                   const Vec3& direction,
+                                   double force,
+                                   const Vec3& mass);
+
 /// From the start of the pulse to a sample, m, as the encoders say.
 [[nodiscard]] Vec3 way_of(const Gantry& gantry, const Pulse& pulse, std::size_t sample);
 /// The same of axes that move so:
@@ -47,14 +53,32 @@ void check_straight_places(const GantrySpec& spec, std::span<const Vec3> places)
                                  const std::array<AxisDynamics, 3>& axes,
                                  double delay);
 
+/// Numbers of axes, and what share of the ways of each they leave over.
+struct FittedAxes {
+    std::array<AxisDynamics, 3> axes{};
+    std::array<double, 3> unexplained{};
+};
+
 /// The numbers of each axis whose motion is nearest to that of its pulses.
 /// @param mass  kg, where to begin
-[[nodiscard]] std::array<AxisDynamics, 3> fit_axes(const Gantry& gantry,
-                                                   std::span<const Pulse> pulses,
-                                                   const Vec3& mass,
-                                                   double delay);
+[[nodiscard]] FittedAxes fit_axes(const Gantry& gantry,
+                                  std::span<const Pulse> pulses,
+                                  const Vec3& mass,
+                                  double delay);
 
-/// Each motor that is too strong or too weak for the mass that it moves, as above.
-[[nodiscard]] std::string wrong_strength(const std::array<AxisDynamics, 3>& axes, const Vec3& mass);
+/// Each motor that is too strong or too weak for the mass that it moves, as above; and before that a
+/// motion that mass and friction do not explain.
+[[nodiscard]] std::string wrong_strength(const FittedAxes& found, const Vec3& mass);
+
+/// What each motor gives by what it gave when `axes` were found, friction being what it may.
+struct AxesChange {
+    Vec3 gain{1.0};
+    double unexplained = 0.0;  ///< of the axis that this explains worst
+};
+/// @param pulses  both directions of every axis
+[[nodiscard]] AxesChange change_of_axes(const Gantry& gantry,
+                                        std::span<const Pulse> pulses,
+                                        const std::array<AxisDynamics, 3>& axes,
+                                        double delay);
 
 }  // namespace palpate::engine

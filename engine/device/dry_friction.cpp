@@ -73,4 +73,40 @@ Vec2 after_dry_friction(const Vec2& row_1,
     return best.rates;
 }
 
+Vec2 after_dry_friction(const Vec2& row_1,
+                        const Vec2& row_2,
+                        const Vec2& right,
+                        const StepFriction& friction,
+                        const Vec2& before) noexcept {
+    constexpr int kRounds = 3;
+    constexpr double kStands = 1e-3;
+    const auto& [joints, handle, carry_1, carry_2] = friction;
+    const auto speed = [&](const Vec2& rates) {
+        return std::sqrt(std::fmax(
+            rates.x * glm::dot(carry_1, rates) + rates.y * glm::dot(carry_2, rates), 0.0));
+    };
+    const auto braked = [&](double by) {
+        return after_dry_friction(row_1 + by * carry_1, row_2 + by * carry_2, right, joints,
+                                  before);
+    };
+    const Vec2 loose = after_dry_friction(row_1, row_2, right, joints, before);
+    const double fastest = speed(loose);
+    if (!(handle > 0.0) || !(fastest > 0.0)) {
+        return loose;
+    }
+    const double slowest = kStands * fastest;
+    if (!(speed(braked(handle / slowest)) > slowest)) {
+        return {};
+    }
+    // Of a mass m alone: speed = p / (m + handle / s), and s = p / m - handle / m.
+    Vec2 rates = braked(handle / fastest);
+    const double slower = std::fmax(fastest * (fastest / speed(rates) - 1.0), 0.0);
+    double s = std::fmax(fastest - slower, slowest);
+    for (int i = 0; i < kRounds; ++i) {
+        rates = braked(handle / s);
+        s = std::fmax(speed(rates) * (1.0 + slower / s) - slower, slowest);
+    }
+    return rates;
+}
+
 }  // namespace palpate::engine

@@ -53,6 +53,8 @@ void check(const PlantModel& model) {
     }
     in_range(model.current_time, 0.0, 1.0, "current's time constant (s)");
     in_range(model.handle_mass, 0.0, 10.0, "handle mass (kg)");
+    in_range(model.handle_damping, 0.0, 1e3, "handle damping (N s/m)");
+    in_range(model.handle_friction, 0.0, 1e3, "dry friction at the handle (N)");
     in_range(model.hand.mass, 0.0, 10.0, "hand mass (kg)");
     in_range(model.hand.stiffness, 0.0, 1e5, "hand stiffness (N/m)");
     in_range(model.hand.damping, 0.0, 1e3, "hand damping (N s/m)");
@@ -148,8 +150,9 @@ void PantographPlant::step(double h, const Vec2& torque) noexcept {
 
     // (mass + damping h / 2) v+ = (mass - damping h / 2) v + h drive, c as C(v) v+
     const double mass = model_.handle_mass + hand.mass;
-    const double less = mass - 0.5 * h * hand.damping;
-    const double more = mass + 0.5 * h * hand.damping;
+    const double damping = hand.damping + model_.handle_damping;
+    const double less = mass - 0.5 * h * damping;
+    const double more = mass + 0.5 * h * damping;
     const Vec2 brake = 0.5 * h * model_.damping;
     const Matrix g = transposed_times(*jacobian, *jacobian);
     const Matrix turning = transposed_times(*jacobian, linkage.drift(*pose, *jacobian, rates_));
@@ -159,7 +162,9 @@ void PantographPlant::step(double h, const Vec2& torque) noexcept {
     Vec2 row_2 = more * g.row_2 + h * mass * turning.row_2;
     row_1.x += model_.inertia.x + brake.x;
     row_2.y += model_.inertia.y + brake.y;
-    const Vec2 rates = after_dry_friction(row_1, row_2, right, h * model_.coulomb, rates_);
+    const Vec2 rates = after_dry_friction(
+        row_1, row_2, right, {h * model_.coulomb, h * model_.handle_friction, g.row_1, g.row_2},
+        rates_);
     if (!std::isfinite(rates.x + rates.y)) {
         lost_ = true;
         return;

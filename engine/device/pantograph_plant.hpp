@@ -23,6 +23,8 @@ struct PlantModel {
     Vec2 coulomb{1.0e-3, 1.0e-3};   ///< N m of dry friction at each motor, >= 0
     double current_time = 0.15e-3;  ///< s, time constant of the motor current; 0: at once
     double handle_mass = 0.060;     ///< kg, handle and free links lumped at the handle, >= 0
+    double handle_damping = 0.0;    ///< N s/m at the handle: a plate, a sleeve, air, >= 0
+    double handle_friction = 0.0;   ///< N of dry friction at the handle, against its way, >= 0
     HandModel hand{};
 };
 
@@ -30,7 +32,7 @@ struct PlantModel {
 ///
 /// In joint angles q:
 ///
-///     (I + m J^T J) q'' = tau - B q' - f_c sgn q' + J^T (F_hand - m c)
+///     (I + m J^T J) q'' = tau - B q' - f_c sgn q' + J^T (F_hand - b v - f v/|v| - m c),   v = J q'
 ///     tau' = (clamped command - tau) / current_time
 ///
 /// exact for driven links of inertia I and a point mass m at the handle; c is the handle's

@@ -47,7 +47,7 @@ double min_handle_damping(const PlantModel& model) {
             lowest = std::fmin(lowest, smallest * smallest);
         }
     }
-    return std::isfinite(lowest) ? lowest : 0.0;
+    return (std::isfinite(lowest) ? lowest : 0.0) + model.handle_damping;
 }
 
 SimulatedPantograph::SimulatedPantograph(const PantographModel& model, double period)

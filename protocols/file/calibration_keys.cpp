@@ -250,6 +250,10 @@ constexpr Key kLinkageRecord[]{
      .meaning = "dry, at motor 1"},
     {.name = "friction_2_mn_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.friction.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
      .meaning = "dry, at motor 2"},
+    {.name = "handle_damping_n_s_per_m", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.handle_damping; }>, .need = required, .range = {0, 1e3},
+     .meaning = "at the handle itself: a plate, a sleeve, air"},
+    {.name = "handle_friction_n", .slot = in<LinkageRecord, [](auto& r) -> auto& { return r.dynamics.handle_friction; }>, .need = required, .range = {0, 1e3},
+     .meaning = "dry, at the handle itself"},
     {.name = "mark_mm", .slot = at<&LinkageRecord::mark>, .range = {-1000, 1000}, .per_si = kMilli,
      .meaning = "where the handle is brought at each opening; left out: the operator's word"},
 };

@@ -314,3 +314,36 @@ TEST_CASE("a plant that cannot be is refused with its number", "[plant]") {
     CHECK_THROWS_WITH(PantographPlant(model),
                       Catch::Matchers::ContainsSubstring("free link 1 is -0.07"));
 }
+
+TEST_CASE("friction at the handle stops it as a mass on a plate is stopped", "[plant][law]") {
+    const double damping = GENERATE(0.0, 0.5);
+    const double force = GENERATE(0.03, 0.1, 0.25);  // N; up to 0.04 it stands
+    CAPTURE(damping, force);
+    constexpr double kMass = 0.1;
+    constexpr double kFriction = 0.04;
+    PlantModel model;
+    model.inertia = {1e-8, 1e-8};
+    model.damping = model.coulomb = {};
+    model.current_time = 0.0;
+    model.handle_mass = kMass;
+    model.handle_damping = damping;
+    model.handle_friction = kFriction;
+    model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    PantographPlant plant(model);
+    plant.begin({.start = {0.0, 0.050}, .tremor = 0.0});
+    const Pantograph machine(model.machine);
+    const Vec2 from = machine.locate(plant.angles())->hip;
+    const double time = 0.05;
+    for (int i = 0; i < 500; ++i) {
+        plant.set_torque(machine.locate(plant.angles())->jacobian.transposed({force, 0.0}));
+        plant.advance(time / 500);
+    }
+    const Vec2 way = machine.locate(plant.angles())->hip - from;
+    const double push = std::max(force - kFriction, 0.0);
+    const double lag = damping / kMass;  // 1/s; m x'' = push - b x'
+    const double expected = damping > 0.0
+                              ? push / damping * (time - (1.0 - std::exp(-lag * time)) / lag)
+                              : 0.5 * push / kMass * time * time;
+    CHECK(way.x == Approx(expected).epsilon(0.01).margin(1e-6));
+    CHECK(std::fabs(way.y) < 1e-5 + 0.02 * expected);
+}

@@ -120,18 +120,19 @@ TEST_CASE(
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
           "[commission][haply][law]") {
     const TemporaryFolder folder;
-    FreeBoard board(folder);
-    const Finished end =
-        operated(folder, board,
-                 "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
+    FreeBoard board(folder, "--handle-g 120 --handle-damping 0.5 --handle-friction 0.03");
+    const Finished end = operated(folder, board,
+                                  "commission --handle-g 120 --device " + board.word() + " -o '" +
+                                      folder.file("new.toml") + "'");
     CAPTURE(end.out, end.error);
     REQUIRE(end.code == 0);
     const protocols::RigFile rig = protocols::load_rig(folder.file("new.toml"));
-    const engine::PlantModel true_plant;
     REQUIRE(rig.record);
-    CHECK(rig.record->dynamics.handle_mass == Approx(true_plant.handle_mass).epsilon(0.25));
+    CHECK(rig.record->dynamics.handle_mass == Approx(0.12).epsilon(0.25));
+    CHECK(rig.record->dynamics.handle_damping == Approx(0.5).epsilon(0.25));
+    CHECK(rig.record->dynamics.handle_friction == Approx(0.03).epsilon(0.25));
     CHECK(rig.record->round_trip > 0.0);
-    CHECK(rig.record->stiffness > 0.0);
+    CHECK(rig.record->stiffness > 200.0);
 }
 
 TEST_CASE("the example of a device behind UDP is commissioned as a board is, and needs its record",
@@ -203,17 +204,23 @@ void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
     }));
 }
 
-/// A real session in a window, as an operator opens it.
+/// Of a session that counts, although the board is emulated.
+std::string real_words(const TemporaryFolder& folder,
+                       const FreeBoard& board,
+                       const std::string& rig) {
+    return ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
+}
+
+/// A session in a window, as an operator opens it.
 std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
                                         FreeBoard& board,
                                         const tests::Xvfb& screen,
-                                        const std::string& rig) {
+                                        const std::string& words) {
     std::unique_ptr<TypedTo> typed;
     for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
         board.bring("0,89.3");
         typed = std::make_unique<TypedTo>(
-            folder, fmt::format("run{}", attempt),
-            ran_words(folder, board.word()) + " --calibration '" + rig + "'",
+            folder, fmt::format("run{}", attempt), words,
             std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
         operate(*typed, board, "If it ends early");
@@ -240,7 +247,7 @@ TEST_CASE(
     const std::string rig = commissioned_rig(folder, board.word());
     const tests::Xvfb screen(1280, 800);
     tests::XHand hand(screen.display());
-    const auto typed = opened_session(folder, board, screen, rig);
+    const auto typed = opened_session(folder, board, screen, real_words(folder, board, rig));
     TypedTo& run = *typed;
     INFO(run.program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
@@ -288,7 +295,7 @@ TEST_CASE(
     const std::string rig = commissioned_rig(folder, board->word());
     const tests::Xvfb screen(1280, 800);
     tests::XHand hand(screen.display());
-    const auto typed = opened_session(folder, *board, screen, rig);
+    const auto typed = opened_session(folder, *board, screen, real_words(folder, *board, rig));
     TypedTo& run = *typed;
     INFO(run.program().error());
     auto said = [&, from = std::size_t{0}](const std::string& what) mutable {

@@ -26,8 +26,10 @@ public:
     /// A person brings the handle there and lets go.
     void bring(const engine::Vec2& place) {
         plant_.begin({.start = place, .tremor = 0.0});
+        brought_ = place;
+        acting_ = {};
         if (!homed_) {
-            home_ = plant_.angles();
+            home_ = zero_ = plant_.angles();
             homed_ = true;
         }
     }
@@ -39,14 +41,29 @@ public:
     /// The most force that was ever asked for, N.
     [[nodiscard]] double most_asked() const { return most_asked_; }
 
+    /// From now on a cable pulls the handle back to where it is brought, N/m.
+    void tie(double stiffness) { cable_ = stiffness; }
+    /// It falls silent, and takes the pose in which it is opened anew for home.
+    void fall_silent() { silent_ = true; }
+    [[nodiscard]] bool reconnect() override {
+        zero_ = silent_ ? plant_.angles() : zero_;
+        silent_ = false;
+        return true;
+    }
+
     [[nodiscard]] engine::Reading read() noexcept override {
+        plant_.set_torque(acting_ + pulled());
         plant_.advance(period_);
         engine::Reading reading;
+        if (silent_) {
+            reading.fault = engine::DeviceFault::silent;
+            return reading;
+        }
         const auto at_home = machine_.counts(home_);
         for (std::size_t i = 0; i < 2; ++i) {
             const std::size_t joint = encoders_.swapped ? 1 - i : i;
             const double turned =
-                (plant_.angles()[joint] - home_[joint]) / machine_.spec().axes[joint].count_angle();
+                (plant_.angles()[joint] - zero_[joint]) / machine_.spec().axes[joint].count_angle();
             reading.counts[i] = at_home[i] + static_cast<std::int32_t>(
                                                  std::floor(turned * encoders_.factor[i] + 0.5));
         }
@@ -67,7 +84,7 @@ public:
                 motors_.factor[static_cast<std::size_t>(i)] * asked[motors_.swapped ? 1 - i : i];
         }
         strongest_ = std::fmax(strongest_, std::fmax(std::fabs(given.x), std::fabs(given.y)));
-        plant_.set_torque(waiting_);
+        acting_ = waiting_;
         waiting_ = given;
         return {};
     }
@@ -81,6 +98,11 @@ private:
         plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
         return plant;
     }
+    /// N m of the cable.
+    [[nodiscard]] engine::Vec2 pulled() const noexcept {
+        const auto fix = machine_.locate(plant_.angles());
+        return fix ? fix->jacobian.transposed(cable_ * (brought_ - fix->hip)) : engine::Vec2{};
+    }
 
     engine::Pantograph machine_;
     engine::PantographPlant plant_;
@@ -88,9 +110,14 @@ private:
     engine::Connection motors_;
     double period_;
     engine::JointAngles home_{};
+    engine::JointAngles zero_{};  ///< where it counts as at home
+    bool silent_ = false;
     bool homed_ = false;
     std::optional<engine::Pantograph::Fix> fix_{};
     engine::Vec2 waiting_{};
+    engine::Vec2 acting_{};
+    engine::Vec2 brought_{};
+    double cable_ = 0.0;  ///< N/m
     double strongest_ = 0.0;
     double most_asked_ = 0.0;
 };

@@ -208,8 +208,11 @@ void print_found(const engine::RigRecord& record, bool straight) {
     if (straight) {
         print_axes(record);
     } else {
-        say("handle: {:.0f} g, damping {:.2g} N s/m (relied upon: {:.2g}), dry friction {:.2g} N\n",
-            1e3 * d.handle_mass, record.damping / 0.8, record.damping, record.friction);
+        say("handle: {:.0f} g, damping {:.2g} N s/m (relied upon: {:.2g}), dry friction {:.2g} N; "
+            "of "
+            "these {:.2g} N s/m and {:.2g} N at the handle, the rest in the joints\n",
+            1e3 * d.handle_mass, record.damping / 0.8, record.damping, record.friction,
+            d.handle_damping, d.handle_friction);
     }
     if (record.round_trip > 0.0) {
         say("answers after {:.2f} ms: up to {:.0f} Hz without a tick of delay more\n",

@@ -15,6 +15,7 @@
 #include "ui/doctor/checks.hpp"
 #include "ui/doctor/report.hpp"
 #include "ui/rig/device_choice.hpp"
+#include "ui/rig/emulator_behind.hpp"
 #include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/load_study.hpp"
@@ -140,8 +141,15 @@ void look_at_device(Report& report, const std::string& word, const Asked& plan) 
         }
     };
     report.look("device", [&] {
-        return check_device(
+        Check check = check_device(
             word, [&] { return open_device(plan); }, plan.demand, then);
+        if (const auto board = emulator_behind(parse_device(word))) {
+            check.detail += fmt::format(
+                "; behind it is palpate haply-emulator, process {}: its sessions are recorded as "
+                "simulated unless --kind says otherwise",
+                *board);
+        }
+        return check;
     });
     if (feasible) {
         report.add(*std::move(feasible));

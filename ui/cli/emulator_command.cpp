@@ -39,6 +39,10 @@ struct EmulatorOptions {
     std::optional<std::int64_t> udp;   ///< its UDP port instead of a terminal; 0: any
     bool free = false;                 ///< nobody holds the handle
     std::string at;                    ///< where it rests then; empty: at home
+    std::string start;                 ///< where a hand that explores rests; empty: 0,60
+    double handle_g = 60.0;            ///< of a linkage, as the two below
+    double handle_damping = 0.0;
+    double handle_friction = 0.0;
 };
 
 constexpr int kStepUs = 250;
@@ -72,14 +76,38 @@ void declare(CommandWords& words, EmulatorOptions& options) {
     words.add(
         "--free", options.free,
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
-        "it there (X_MM,Y_MM,Z_MM on a machine of three axes), and gain G lets motors give G times "
-        "what they are told to. On three axes motor N G does so of one, swap N M lets two change "
-        "places, friction N and weight N burden the handle; hold, explore and let go bring a hand "
-        "to it, still or "
-        "on its way from home, and take it away");
+        "it there (X_MM,Y_MM,Z_MM on a machine of three axes), gain G lets motors give G times "
+        "what they are asked for, motor N G does so of one; hold, explore and let go bring a hand "
+        "to it, still or on its way, and take it away. On three axes swap N M lets two motors "
+        "change places, friction N and weight N burden the handle");
     words
         .add("--at", options.at,
              "Where a free handle rests at first, X_MM,Y_MM or X_MM,Y_MM,Z_MM; left out: at home")
+        .needs("--free");
+    words
+        .add("--start", options.start,
+             "Where a hand that explores rests between its ways, X_MM,Y_MM: the protocol's "
+             "start_mm. "
+             "Left out: 0,60")
+        .needs("--free");
+    words
+        .add("--handle-g", options.handle_g,
+             "What a free handle weighs with the near halves of its links")
+        .within(1.0, 2000.0)
+        .with_default()
+        .needs("--free");
+    words
+        .add(
+            "--handle-damping", options.handle_damping,
+            "What brakes it at the handle itself, beside its joints, N s/m: a plate, a sleeve, air")
+        .within(0.0, 100.0)
+        .with_default()
+        .needs("--free");
+    words
+        .add("--handle-friction", options.handle_friction,
+             "Its dry friction at the handle itself, N")
+        .within(0.0, 10.0)
+        .with_default()
         .needs("--free");
 }
 
@@ -208,9 +236,10 @@ void live(const EmulatorOptions& options,
 
 /// "motor 2 -1", "swap 1 2": a motor, and another or a number. @return none: it is another line
 std::optional<std::pair<std::size_t, double>> motor_and(const std::string& line,
-                                                        const std::string& word) {
+                                                        const std::string& word,
+                                                        double axes) {
     const std::size_t gap = line.find(' ', word.size());
-    const auto motor = number_after(line.substr(0, gap), word, 1.0, 3.0);
+    const auto motor = number_after(line.substr(0, gap), word, 1.0, axes);
     if (!motor || gap == std::string::npos) {
         return std::nullopt;
     }
@@ -218,15 +247,40 @@ std::optional<std::pair<std::size_t, double>> motor_and(const std::string& line,
     return std::pair(static_cast<std::size_t>(*motor) - 1, number.value_or(0.0));
 }
 
+/// Lines about motors and hand that every free handle takes. @return false: it is another line
+template <class Handle>
+bool heed_handle(Handle& handle, const std::string& line, double axes) {
+    if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
+        handle.strengthen(*gain);
+        say("The motors give {:g} times what they are asked for\n", *gain);
+    } else if (const auto one = motor_and(line, "motor ", axes)) {
+        handle.strengthen(one->first, one->second);
+        say("Motor {} gives {:g} times what it is asked for\n", one->first + 1, one->second);
+    } else if (line == "hold" || line == "let go") {
+        handle.hold(line == "hold");
+        say("{} the handle\n", line == "hold" ? "A hand holds" : "Nobody holds");
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/// Lines about a free handle on a linkage. @return false: it is another line
+bool heed_linkage(engine::FreeHandle& handle,
+                  const std::string& line,
+                  const engine::Exploration& plan) {
+    if (line == "explore") {
+        handle.explore(plan);
+        say("A hand rests {:g} s at ({:g}, {:g}) mm, explores, and so on\n",
+            engine::FreeHandle::kRest, 1e3 * plan.start.x, 1e3 * plan.start.y);
+        return true;
+    }
+    return heed_handle(handle, line, 2.0);
+}
+
 /// Lines about what is wrong with a free handle on three axes. @return false: it is another line
 bool heed_gantry(engine::GantryHand& hand, const std::string& line) {
-    if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
-        hand.strengthen(*gain);
-        say("The motors give {:g} times what they are asked for\n", *gain);
-    } else if (const auto one = motor_and(line, "motor ")) {
-        hand.strengthen(one->first, one->second);
-        say("Motor {} gives {:g} times what it is asked for\n", one->first + 1, one->second);
-    } else if (const auto two = motor_and(line, "swap ")) {
+    if (const auto two = motor_and(line, "swap ", 3.0)) {
         hand.swap_motors(two->first,
                          static_cast<std::size_t>(std::clamp(two->second, 1.0, 3.0)) - 1);
         say("Motors {} and {:g} have changed places\n", two->first + 1, two->second);
@@ -236,20 +290,25 @@ bool heed_gantry(engine::GantryHand& hand, const std::string& line) {
     } else if (const auto weight = number_after(line, "weight ", -100.0, 100.0)) {
         hand.burden(hand.model().friction, *weight);
         say("The handle weighs {:g} N more than its counterweight\n", *weight);
-    } else if (line == "hold" || line == "let go") {
-        hand.hold(line == "hold");
-        say("{} the handle\n", line == "hold" ? "A hand holds" : "Nobody holds");
     } else if (line == "explore") {
         hand.explore();
         say("A hand explores with the handle, from home\n");
     } else {
-        return false;
+        return heed_handle(hand, line, 3.0);
     }
     return true;
 }
 
 /// A machine of three straight axes, held or free.
 void live_in_space(const EmulatorOptions& options, const engine::Calibration& machine) {
+    const EmulatorOptions plain;
+    if (options.handle_g != plain.handle_g || options.handle_damping != plain.handle_damping ||
+        options.handle_friction != plain.handle_friction || !options.start.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "--start, --handle-g, --handle-damping and --handle-friction are of a linkage, and {} "
+            "has three axes: type friction N and weight N to it",
+            machine.name()));
+    }
     engine::GantryHand hand(machine, !options.free);
     if (!options.at.empty()) {
         hand.bring(parse_place_3(options.at, "--at"));
@@ -269,13 +328,17 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
     engine::PlantModel plant;
     plant.machine = machine.pantograph;
+    plant.handle_mass = 1e-3 * options.handle_g;
+    plant.handle_damping = options.handle_damping;
+    plant.handle_friction = options.handle_friction;
+    engine::Exploration plan;
+    if (!options.start.empty()) {
+        plan.start = parse_place(options.start, "--start");
+    }
     engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(engine::home_of(machine))
                                                         : parse_place(options.at, "--at"));
     live(options, machine, handle, [&](const std::string& line) {
-        if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
-            handle.strengthen(*gain);
-            say("The motors give {:g} times what they are asked for\n", *gain);
-        } else {
+        if (!heed_linkage(handle, line, plan)) {
             handle.bring(parse_place(line, "brought to"));
             say("The handle is at {} mm\n", line);
         }

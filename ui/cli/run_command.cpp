@@ -11,6 +11,7 @@
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/emulator_behind.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
 #include "ui/rig/operator_log.hpp"
@@ -31,7 +32,7 @@ struct RunOptions {
     std::string device = "sim";  ///< see parse_device
     std::string
         calibration;   ///< a calibration file or a shipped machine's name; empty: the device's own
-    std::string kind;  ///< pilot, real; empty: real
+    std::string kind;  ///< pilot, real; empty: what the device is
     std::optional<std::size_t> session;
     bool elsewhere = false;  ///< the sessions before that one are in another file
     bool another = false;    ///< somebody new, although a code in the file is much like this one
@@ -79,6 +80,13 @@ data::RunKind kind_of(const RunOptions& options,
         if (options.kind == "real") {
             warn("the hand is simulated: the session is recorded as simulated, not real");
         }
+        return data::RunKind::simulated;
+    }
+    if (const auto board = emulator_behind(device); board && options.kind.empty()) {
+        warn(
+            "behind --device {} is palpate haply-emulator, process {}: the session is recorded as "
+            "simulated; --kind pilot and --kind real record it otherwise",
+            options.device, *board);
         return data::RunKind::simulated;
     }
     return kind_by_hand(options, device, protocol);
@@ -198,7 +206,10 @@ void declare(CommandWords& words, RunOptions& options) {
         .required();
     words.add("--device", options.device, std::string(kDeviceWords)).with_default();
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
-    words.add("--kind", options.kind, "pilot or real; what is simulated is recorded as simulated")
+    words
+        .add("--kind", options.kind,
+             "pilot or real; left out: real, without force pilot, and simulated where hand or "
+             "board is")
         .among({"pilot", "real"});
     words.add("--session", options.session, "Session number; without it the last one goes on")
         .above_zero();

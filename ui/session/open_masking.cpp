@@ -19,7 +19,7 @@ OpenedMasking silent(const std::string& why) {
 
 OpenedMasking open_masking(const RigSpec& spec) {
     const protocols::MaskingSpec& asked = spec.study.protocol.masking;
-    if (asked.noise == protocols::Noise::none || spec.kind == data::RunKind::simulated) {
+    if (asked.noise == protocols::Noise::none || !held_by_a_person(spec.device.kind)) {
         return {};
     }
     if (spec.screen.no_sound) {

@@ -146,7 +146,7 @@ std::string answer_line(const RigSpec& spec, const protocols::Progress& progress
     if (!result.response) {
         return {};
     }
-    return spec.kind == data::RunKind::simulated
+    return !held_by_a_person(spec.device.kind)
              ? answer_text(spec.study.protocol, progress.planned, result)
              : fmt::format("felt {:.1f} s, answered in {:.1f} s", result.done_s,
                            result.response->reaction_s);
@@ -353,7 +353,7 @@ RigEnd run_rig(data::Database& database,
                      .trials = plan.trials.size(),
                      .next = opened.progress.pending().answered(),
                      .practice = opened.progress.pending().left(true),
-                     .simulated = spec.kind == data::RunKind::simulated,
+                     .simulated = !held_by_a_person(spec.device.kind),
                      .device = apparatus->device_name()},
                     opened.progress,
                     {.apparatus = *apparatus,

@@ -1,0 +1,112 @@
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/free_board.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/rig_file.hpp"
+#include "tests/support/slurp.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::commissioned_rig;
+using tests::eventually;
+using tests::Finished;
+using tests::FreeBoard;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+using tests::TypedTo;
+
+// README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in a window.
+
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), by);
+}
+
+/// Two trials without friction, and a break.
+std::string study(const TemporaryFolder& folder) {
+    std::string text = replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                                "stiffness_n_per_m = 1000\nforce_limit_n = 10",
+                                "stiffness_n_per_m = 200\nforce_limit_n = 1.5");
+    text = replaced(text, "break_every = 0", "break_every = 1");
+    const std::size_t from = text.rfind("[[friction]]");
+    std::ofstream(folder.file("p.toml")) << text.erase(from, text.find("[design]") - from);
+    return folder.file("p.toml");
+}
+
+/// Two trials, as rehearsed: a hand that is typed to the emulator explores, lets go in the
+/// break, and the experimenter's keys do the rest.
+void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
+    bool explores = false;
+    bool felt = false;
+    std::string before;
+    CHECK(eventually([&] {
+        const auto window = hand.find_window("palpate: ");
+        const std::string& at = window.title;
+        if (at == "palpate: explore" && !felt) {
+            felt = board.motors() != "0, 0";
+        } else if (at == "palpate: ready" && !explores) {
+            board.bring("explore");
+            explores = true;
+        } else if ((at == "palpate: break" || at == "palpate: trouble") && at != before) {
+            board.bring("0,89.3");  // brought home without a jump, and let go
+            explores = false;
+        } else if (window.id != 0) {
+            hand.focus(window);
+            if (at == "palpate: trouble" || at == "palpate: pause") {
+                hand.chord("p");
+            }
+            hand.key(at == "palpate: question" ? "1" : "space");
+            felt = felt && at == "palpate: explore";
+        }
+        before = at;
+        tests::pause(0.3);
+        return !run.program().running();
+    }));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a commissioned session is rehearsed on the emulator to its end, and recorded as simulated",
+    "[commission][open][window][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder, "--open");
+    const std::string rig = commissioned_rig(folder, board.word());
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    const std::string words = "run '" + study(folder) + "' --participant P1 --db '" +
+                              folder.file("d.sqlite") + "' --windowed --device " + board.word() +
+                              " --calibration '" + rig + "'";
+    std::unique_ptr<TypedTo> run;
+    for (int attempt = 0; attempt < 8 && !(run && run->program().running()); ++attempt) {
+        board.bring("0,89.3");
+        run = std::make_unique<TypedTo>(
+            folder, fmt::format("run{}", attempt), words,
+            std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
+                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
+        tests::operate(*run, board, "If it ends early");
+    }
+    INFO(run->program().error());
+    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    rehearse(hand, *run, board);
+    const Finished end = run->program().wait();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 0);
+    CHECK_THAT(end.error, ContainsSubstring("the session is recorded as simulated"));
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT session_kind, "
+        "(SELECT count(*) FROM analysis_trial WHERE counts AND mean_normal_force_n > 0.1) "
+        "FROM session");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "simulated");
+    CHECK(row.text(1) == "2");
+    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+    const Finished doctor = palpate_command({"doctor", "--device", board.word(), "--calibration",
+                                             rig, "--db", folder.file("e.sqlite")});
+    CHECK_THAT(doctor.out, ContainsSubstring("haply-emulator, process "));
+}

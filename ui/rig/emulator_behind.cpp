@@ -1,0 +1,108 @@
+#include "ui/rig/emulator_behind.hpp"
+
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include "engine/device/drivers/udp_link.hpp"
+
+namespace palpate::ui {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned kFirstPtyMajor = 136;  // Unix98 slaves: 136 to 143, 256 of them each
+constexpr unsigned kLastPtyMajor = 143;
+constexpr const char* kName = "haply-emulator";  // engine::run_like_a_board gives it
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+/// What stands in /proc/PID/fdinfo of the master, if `port` is a pseudo-terminal.
+std::string master_words(const std::string& port) {
+    struct stat seen {};
+    if (stat(port.c_str(), &seen) != 0 || !S_ISCHR(seen.st_mode) ||
+        major(seen.st_rdev) < kFirstPtyMajor || major(seen.st_rdev) > kLastPtyMajor) {
+        return {};
+    }
+    const unsigned index = (major(seen.st_rdev) - kFirstPtyMajor) * 256 + minor(seen.st_rdev);
+    return fmt::format("tty-index:\t{}\n", index);
+}
+
+/// What /proc/PID/fd says of the socket that listens on this port of this machine.
+std::string socket_words(const std::string& port) {
+    const engine::UdpAddress address = engine::udp_address(port);
+    if (address.host != "localhost" && address.host != "::1" && !address.host.starts_with("127.")) {
+        return {};
+    }
+    int number = 0;
+    std::from_chars(address.port.data(), address.port.data() + address.port.size(), number);
+    const std::string local = fmt::format(":{:04X}", number);
+    for (const char* table : {"/proc/net/udp", "/proc/net/udp6"}) {
+        std::istringstream lines(text_of(table));
+        for (std::string line; std::getline(lines, line);) {
+            std::istringstream words(line);
+            std::string word;
+            std::string at;
+            words >> word >> at;
+            for (int i = 0; i < 8; ++i) {
+                words >> word;
+            }
+            if (at.ends_with(local)) {
+                return "socket:[" + word + "]";
+            }
+        }
+    }
+    return {};
+}
+
+/// That process has an open file of which the kernel says `words`.
+bool holds(const fs::path& process, const std::string& words) {
+    std::error_code unseen;
+    const bool is_socket = words.starts_with("socket:");
+    for (const auto& file :
+         fs::directory_iterator(process / (is_socket ? "fd" : "fdinfo"), unseen)) {
+        std::error_code gone;
+        const std::string said =
+            is_socket ? fs::read_symlink(file.path(), gone).string() : text_of(file.path());
+        if (said.find(words) != std::string::npos) {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+std::optional<pid_t> emulator_behind(const DeviceChoice& choice) {
+    if (choice.kind != DeviceChoice::Kind::haply && choice.kind != DeviceChoice::Kind::board) {
+        return std::nullopt;
+    }
+    const std::string words = choice.file.starts_with(engine::kUdp) ? socket_words(choice.file)
+                                                                    : master_words(choice.file);
+    std::error_code unseen;
+    for (const auto& entry : fs::directory_iterator("/proc", unseen)) {
+        const std::string name = entry.path().filename().string();
+        pid_t id = 0;
+        const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
+        if (!words.empty() && error == std::errc{} && end == name.data() + name.size() &&
+            text_of(entry.path() / "comm") == std::string(kName) + "\n" &&
+            holds(entry.path(), words)) {
+            return id;
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace palpate::ui
