@@ -145,7 +145,7 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
                     device.word(), calibration, folder.file("rig.toml"));
     Finished end = operated(folder, device, commission, "0,0");
     // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than was asked for.
-    for (int again = 0; again < 4 && end.error.find("% of what it should") != std::string::npos;
+    for (int again = 0; again < 4 && end.error.find("is not explained by") != std::string::npos;
          ++again) {
         device.bring("0,0");
         end = operated(folder, device, commission, "0,0");
