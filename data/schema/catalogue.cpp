@@ -268,7 +268,8 @@ CREATE TABLE event (
     event_kind    TEXT NOT NULL CHECK (event_kind IN  -- what
                       ('break', 'pause', 'go on', 'abort', 'gave up', 'fault', 'reconnect', 'invalid', 'note',
                        'mark', 'redo', 'interrupted', 'timing', 'ticks lost', 'masking', 'display lost',
-                       'device', 'operator', 'provenance', 'participant', 'planned again')),
+                       'device', 'operator', 'provenance', 'participant', 'planned again',
+                       'stop')),
     text          TEXT NOT NULL,                    -- [details] a sentence; of a mark the reason
     at_utc        TEXT NOT NULL,                    -- [details] wall clock, ISO 8601
     at_ns         INTEGER,                          -- [details] on the servo's clock, as trial.started_ns
@@ -280,7 +281,7 @@ CREATE TABLE event (
     count         INTEGER CHECK (count >= 0),       -- ticks lost; redo: answers; gave up, reconnect: tries in vain
     duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause; masking: without noise
     key           TEXT,                             -- [details] provenance, participant: what
-    value         TEXT                              -- [details] of key; fault, go on: the cause; device, operator: the new one
+    value         TEXT                              -- [details] of key; fault, go on: the cause; stop: by what; device, operator: the new one
 ) STRICT;
 )sql";
 

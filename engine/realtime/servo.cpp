@@ -93,7 +93,6 @@ void Servo::run_idle(std::int64_t at_ns) noexcept {
 
 void Servo::rewind() noexcept {
     ring_.clear();
-    stop_.store(false);
     beat();
 }
 

@@ -61,8 +61,8 @@ struct LatestTick {
 
 /// Runs ticks of a device and a scene, on some clock. Ticks come out of ring().
 ///
-/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), beat(), stop() and
-/// latest() to any.
+/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), beat(), stop(),
+/// allow() and latest() to any.
 class Servo {
 public:
     /// @param device  outlives the servo
@@ -107,8 +107,14 @@ public:
     /// Any thread: whoever could end the force is alive. On the wall's clock a trial with
     /// SafetyLimits::screen_silence needs this again and again; its begin counts as one.
     void beat() noexcept;
-    /// Any thread: force off now and for the rest of the trial, the experimenter's key.
-    void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+    /// Any thread: force off now, and none in this trial or another until allow(). The first cause
+    /// stays. @param why  Trip::stopped or Trip::focus_lost
+    void stop(Trip why = Trip::stopped) noexcept {
+        Trip none = Trip::none;
+        stop_.compare_exchange_strong(none, why);
+    }
+    /// Between trials: whoever may has settled what stopped the force.
+    void allow() noexcept { stop_.store(Trip::none); }
     /// Any thread: the newest tick; none before the first.
     [[nodiscard]] std::optional<LatestTick> latest() const noexcept { return latest_.read(); }
 
@@ -127,7 +133,7 @@ protected:
                   std::int64_t lateness_ns,
                   bool enable) noexcept;
     void run_idle(std::int64_t at_ns) noexcept;
-    /// Before each trial: forgets stop() and the last trial's ticks.
+    /// Before each trial: forgets the last trial's ticks.
     void rewind() noexcept;
     /// Where the ticks go that come out of ring().
     [[nodiscard]] MemoryPart ring_memory() const noexcept {
@@ -152,7 +158,7 @@ private:
     std::atomic<std::int64_t> dropped_{0};
     std::atomic<std::int64_t> held_ns_{kAlways};  ///< when it was last seen held; 0: let go
     std::atomic<std::int64_t> beat_ns_{0};
-    std::atomic<bool> stop_{false};
+    std::atomic<Trip> stop_{Trip::none};
 };
 
 /// The virtual clock: a tick is due whenever advance() is called, so a run is as fast as the

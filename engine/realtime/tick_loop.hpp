@@ -19,7 +19,7 @@ struct TickOrder {
     bool enable = true;            ///< ramp the force towards on or off
     bool held = true;              ///< someone holds the dead-man key
     double screen_age = 0.0;       ///< s since the screen's last sign of life
-    bool stop = false;             ///< the experimenter's key
+    Trip stop = Trip::none;        ///< who ends it by hand, see SafetyInput
 };
 
 /// The last ticks before a fault, whatever became of the ring. No allocation but in last().

@@ -119,10 +119,10 @@ Trip people(const SafetyState& state,
     if (input.enable && !(state.clock.now <= limits.time_limit)) {
         return Trip::time_limit;
     }
-    if (limits.dead_man && !input.held) {
-        return Trip::let_go;
+    if (input.stop != Trip::none) {
+        return input.stop;
     }
-    return input.stop ? Trip::stopped : Trip::none;
+    return limits.dead_man && !input.held ? Trip::let_go : Trip::none;
 }
 
 Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {

@@ -34,7 +34,7 @@ struct SafetyInput {
     double screen_age = 0.0;       ///< s since the screen's last sign of life
     bool enable = true;            ///< ramp towards on (true) or off (false)
     bool held = true;              ///< someone holds the dead-man key
-    bool stop = false;             ///< the experimenter's key
+    Trip stop = Trip::none;        ///< who ends it by hand: stopped, focus_lost; none: nobody
     double force_z = 0.0;          ///< N
     double spring_z = 0.0;         ///< m
     double hip_z = 0.0;            ///< m
@@ -72,8 +72,8 @@ struct Command {
 /// What stands between the rendered force and the device, in this order:
 ///
 ///     finite guard -> jump, speed -> stuck encoders -> late ticks -> silent device -> delayed
-///     readings -> energy -> runaway -> buzz -> motor heat -> silent screen -> time -> dead-man ->
-///     the experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
+///     readings -> energy -> runaway -> buzz -> motor heat -> silent screen -> time -> stop by
+///     hand -> dead-man -> latched fault, or: saturation -> ramp -> slew limit
 ///
 /// For any input at all, finite or not: the command is finite, |F| <= max_force, and |F[k] -
 /// F[k-1]| <= slew but for the step to zero at a trip or where the device is quiet (both to

@@ -44,6 +44,8 @@ std::string_view to_string(Trip trip) noexcept {
             return "time_limit";
         case Trip::let_go:
             return "let_go";
+        case Trip::focus_lost:
+            return "focus_lost";
         case Trip::stopped:
             return "stopped";
     }
@@ -99,8 +101,11 @@ std::string_view explanation(Trip trip) noexcept {
                    "report it with the database";
         case Trip::let_go:
             return "the participant let go: hold the handle, and the dead-man key, until done";
+        case Trip::focus_lost:
+            return "the participant's window lost the keyboard, was hidden or was to be closed: "
+                   "put away what stands before it, and go on with the chord for pauses";
         case Trip::stopped:
-            return "the experimenter stopped the force: Ctrl+Shift+P goes on";
+            return "somebody stopped the force: the experimenter's chord for pauses goes on";
     }
     return "nothing happened";
 }

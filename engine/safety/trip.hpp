@@ -27,8 +27,14 @@ enum class Trip : std::uint8_t {
     screen_silent,  ///< the screen or the session's loop stood still: nobody could stop the force
     time_limit,     ///< the force was on for longer than the protocol allows
     let_go,         ///< the participant let go of the handle or of the dead-man key
-    stopped,        ///< the experimenter's key
+    focus_lost,     ///< the participant's window lost the keyboard, was hidden or was to be closed
+    stopped,        ///< by hand: a key, the terminal, another shell, a button
 };
+
+/// After it the experimenter goes on, and never the participant.
+[[nodiscard]] constexpr bool waits_for_experimenter(Trip trip) noexcept {
+    return trip == Trip::focus_lost || trip == Trip::stopped;
+}
 
 /// For the database: "over_speed".
 [[nodiscard]] std::string_view to_string(Trip trip) noexcept;

@@ -41,9 +41,10 @@ namespace {
 
 /// In the order of EventKind.
 constexpr std::array<std::string_view, kEventKinds> kEventWords{
-    "break",   "pause",        "go on",  "abort",    "gave up",     "fault",       "reconnect",
-    "invalid", "note",         "mark",   "redo",     "interrupted", "timing",      "ticks lost",
-    "masking", "display lost", "device", "operator", "provenance",  "participant", "planned again"};
+    "break",      "pause",       "go on",         "abort",        "gave up", "fault",
+    "reconnect",  "invalid",     "note",          "mark",         "redo",    "interrupted",
+    "timing",     "ticks lost",  "masking",       "display lost", "device",  "operator",
+    "provenance", "participant", "planned again", "stop"};
 
 }  // namespace
 

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <utility>
 
 namespace palpate::protocols {
 
-/// What the experimenter asked for with the keys of the desk while a session runs, until the session
-/// heeds it. Screen and session share it on one thread.
+/// What the experimenter asked for while a session runs, until the session does it. Screen and session share
+/// the desk on one thread; stop() and bar() are for any.
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
@@ -13,7 +14,21 @@ public:
     /// Wait before the next trial; asked for again: go on, or do not wait after all.
     void pause() noexcept { pause_ = !pause_; }
 
-    [[nodiscard]] bool wants() const noexcept { return mark_ || pause_; }
+    /// Somebody wants no force. The first way is kept until it is taken.
+    /// @param way  "Escape", "terminal", ...: a literal
+    void stop(const char* way) noexcept {
+        const char* none = nullptr;
+        stop_.compare_exchange_strong(none, way);
+    }
+    /// No trial begins while this stands. @param why  a sentence, a literal; none: nothing any more
+    void bar(const char* why) noexcept { barred_.store(why); }
+
+    [[nodiscard]] bool wants() const noexcept { return mark_ || pause_ || wants_stop(); }
+    [[nodiscard]] bool wants_stop() const noexcept {
+        return stop_.load() != nullptr || barred() != nullptr;
+    }
+    [[nodiscard]] const char* barred() const noexcept { return barred_.load(); }
+    [[nodiscard]] const char* take_stop() noexcept { return stop_.exchange(nullptr); }
     [[nodiscard]] bool wants_pause() const noexcept { return pause_; }
     [[nodiscard]] bool take_mark() noexcept { return std::exchange(mark_, false); }
     [[nodiscard]] bool take_pause() noexcept { return std::exchange(pause_, false); }
@@ -21,6 +36,8 @@ public:
 private:
     bool mark_ = false;
     bool pause_ = false;
+    std::atomic<const char*> stop_{nullptr};
+    std::atomic<const char*> barred_{nullptr};
 };
 
 /// The reason that a mark at the desk leaves with a trial.

@@ -138,8 +138,9 @@ enum class EventKind : std::uint8_t {
     provenance,    ///< the session goes on with `value` of `key`
     participant,   ///< `value` was noted of the participant's `key`
     planned_again,  ///< before its first trial the session became another one
+    stop,           ///< somebody wanted no force, in `trial` or between trials; `value`: by what
 };
-inline constexpr std::size_t kEventKinds = 21;
+inline constexpr std::size_t kEventKinds = 22;
 
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 /// @throws std::invalid_argument for other words

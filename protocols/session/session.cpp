@@ -44,7 +44,7 @@ public:
         }
         for (bool fresh = true; heed_mark(), !pending().empty();) {
             const TrialView next = view_of_next();
-            if (heed_pause(next) == Signal::abort ||
+            if (heed_stop() == Signal::abort || heed_pause(next) == Signal::abort ||
                 ((!fresh || !trusted()) && between(next) == Signal::abort)) {
                 return stopped();
             }
@@ -81,7 +81,7 @@ public:
                     fmt::format("{}: {}", to_string(result.fault->cause), result.fault->text),
                     to_string(result.fault->cause));
                 note_timing();
-                const Mended mended = mend(ports_, *result.fault, faults_, rig());
+                const Mended mended = mend(ports_, *result.fault, faults_, rig(), last_);
                 if (mended.signal == Signal::give_up) {
                     return gave_up(*result.fault, mended.tries);
                 }
@@ -91,6 +91,7 @@ public:
             }
         }
         note_timing();
+        note_stop(ports_);  // nothing is felt any more
         ports_.recorder.finish_session();
         ports_.observer.finish(view);
         return {.why = SessionEnd::Why::finished,
@@ -134,6 +135,21 @@ private:
         }
         happened({.kind = EventKind::mark, .text = kMarkedAtDesk, .trial = last_});
         last_.reset();
+    }
+
+    /// A stop while nothing is felt, and what stands against every trial, hold the session until the experimenter
+    /// goes on.
+    Signal heed_stop() {
+        if (ports_.desk == nullptr || !ports_.desk->wants_stop()) {
+            return Signal::go_on;
+        }
+        const char* barred = ports_.desk->barred();
+        const engine::Trip cause = engine::Trip::stopped;
+        const Fault fault{.cause = cause,
+                          .text = std::string(barred != nullptr ? barred : explanation(cause)),
+                          .last = {}};
+        return mend(ports_, fault, 1, rig()).signal == Signal::go_on ? Signal::go_on
+                                                                     : Signal::abort;
     }
 
     Signal heed_pause(const TrialView& next) {
@@ -216,6 +232,7 @@ private:
 
     SessionEnd stopped() {
         heed_mark();
+        note_stop(ports_);
         note_timing();
         note_before_next(EventKind::abort);
         return {.why = SessionEnd::Why::aborted,

@@ -15,7 +15,7 @@ public:
         const bool another = ports.apparatus.has_proof() && rig.trust.state == Trust::unknown;
         view.sentence = fault.text;
         view.in_a_row = in_a_row;
-        view.by_hand = fault.cause == engine::Trip::stopped || another;
+        view.by_hand = waits_for_experimenter(fault.cause) || another;
     }
 
     /// One step: the device has to come back whatever is trusted, then what is not proved is.
@@ -59,11 +59,27 @@ private:
 
 }  // namespace
 
-Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row, const Trusting& rig) {
+bool note_stop(Ports& ports, std::optional<TrialId> trial) {
+    const char* way = ports.desk == nullptr ? nullptr : ports.desk->take_stop();
+    if (way != nullptr) {
+        ports.recorder.event({.kind = EventKind::stop,
+                              .text = fmt::format("no force is wanted: {}", way),
+                              .trial = trial,
+                              .value = way});
+    }
+    return way != nullptr;
+}
+
+Mended mend(Ports& ports,
+            const Fault& fault,
+            std::size_t in_a_row,
+            const Trusting& rig,
+            std::optional<TrialId> trial) {
     Mending mending(ports, fault, in_a_row, rig);
     TroubleView& view = mending.view;
     TroubleView said_last;
     for (std::size_t slice = 0;; ++slice) {
+        view.by_hand |= note_stop(ports, trial);
         if (!view.solved && slice % kSlicesPerTry == 0) {
             mending.try_on();
         }
@@ -79,6 +95,7 @@ Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row, const Trusti
         }
         if (said == Signal::go_on && view.solved) {
             mending.go_on();
+            ports.apparatus.allow();  // a stop after that is the next trial's, and holds it
             return {Signal::go_on, view.tries};
         }
         ports.pause(kTroubleSlice);

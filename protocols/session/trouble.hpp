@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "protocols/session/ports.hpp"
 #include "protocols/session/trust.hpp"
@@ -25,10 +26,16 @@ struct Trusting {
 /// After a faulted trial, or a proof that failed: asks the device to come back and proves what has to be proved, at
 /// once and then every half second, and the observer whether to go on, until one of both settles it. What comes of it
 /// is an event. A rig that may be another one asks for the experimenter: the participant cannot go on.
+/// Who stops it meanwhile is an event too, and the experimenter goes on then.
 /// @param in_a_row  faulted trials since the last good one, this one too
+/// @param trial     the attempt
 [[nodiscard]] Mended mend(Ports& ports,
                           const Fault& fault,
                           std::size_t in_a_row,
-                          const Trusting& rig);
+                          const Trusting& rig,
+                          std::optional<TrialId> trial = {});
+
+/// If somebody stopped the force, keeps by what. @return somebody did
+bool note_stop(Ports& ports, std::optional<TrialId> trial = {});
 
 }  // namespace palpate::protocols

@@ -11,8 +11,9 @@ namespace {
 using engine::Trip;
 
 /// Causes that lie with people, screen, machine or program.
-constexpr std::array kElsewhere{Trip::stopped, Trip::let_go,        Trip::time_limit, Trip::late,
-                                Trip::delayed, Trip::screen_silent, Trip::overheated, Trip::none};
+constexpr std::array kElsewhere{Trip::stopped,       Trip::focus_lost, Trip::let_go,
+                                Trip::time_limit,    Trip::late,       Trip::delayed,
+                                Trip::screen_silent, Trip::overheated, Trip::none};
 /// Causes after which the board may be another one, or begin anew.
 constexpr std::array kAway{Trip::device_lost, Trip::device_silent, Trip::device_stopped,
                            Trip::device_garbage};

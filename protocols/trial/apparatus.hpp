@@ -43,8 +43,11 @@ public:
     virtual void hold(bool held) { static_cast<void>(held); }
     /// Whoever could end the force is alive; said again and again while something is felt. Any thread.
     virtual void beat() {}
-    /// The experimenter's key: force off for the rest of the trial. Any thread.
-    virtual void stop() {}
+    /// By hand: force off now, and none until allow(). Any thread.
+    /// @param why  Trip::stopped or Trip::focus_lost
+    virtual void stop(engine::Trip why = engine::Trip::stopped) { static_cast<void>(why); }
+    /// Between trials: what stopped it is settled.
+    virtual void allow() {}
     /// After advance() said faulted: why, and the last ticks up to then.
     [[nodiscard]] virtual engine::Trip trip() const { return engine::Trip::none; }
     [[nodiscard]] virtual std::vector<engine::TickRecord> last_ticks() const { return {}; }

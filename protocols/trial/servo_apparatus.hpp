@@ -39,7 +39,8 @@ public:
     [[nodiscard]] std::int64_t dropped() const noexcept override { return servo().dropped(); }
     void hold(bool held) override { servo().hold(held); }
     void beat() override { servo().beat(); }
-    void stop() override { servo().stop(); }
+    void stop(engine::Trip why = engine::Trip::stopped) override { servo().stop(why); }
+    void allow() override { servo().allow(); }
     [[nodiscard]] engine::Trip trip() const override { return servo().trip(); }
     [[nodiscard]] std::vector<engine::TickRecord> last_ticks() const override {
         return servo().last_ticks();

@@ -157,7 +157,8 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
           std::to_string(run.spec.plan.trials.size()) + " \n");
     CHECK(run.lines(
               "SELECT event_kind, text FROM event WHERE event_kind <> 'start' ORDER BY rowid") ==
-          "fault position 0: stopped: the experimenter stopped the force: Ctrl+Shift+P goes on \n"
+          "fault position 0: stopped: somebody stopped the force: the experimenter's chord for "
+          "pauses goes on \n"
           "reconnect the device works, after 0 tries in vain \n"
           "go on after stopped \n");
 }

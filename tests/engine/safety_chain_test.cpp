@@ -142,12 +142,12 @@ TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[
         const SafetyInput input{.force = random.point(1.0, 5.0),
                                 .found = random.below(150) == 0 ? Trip::device_lost : Trip::none,
                                 .held = random.below(150) != 0,
-                                .stop = random.below(150) == 0};
+                                .stop = random.below(150) == 0 ? Trip::stopped : Trip::none};
         const Command c = make_safe(state, limits, input);
         if (first == Trip::none) {
             first = input.found != Trip::none ? input.found
+                  : input.stop != Trip::none  ? input.stop
                   : !input.held               ? Trip::let_go
-                  : input.stop                ? Trip::stopped
                                               : Trip::none;
         }
         REQUIRE((c.trip == first));
@@ -169,12 +169,16 @@ TEST_CASE("letting go switches off, where a dead-man switch is asked for", "[saf
     CHECK(c.force.x == (asked ? 0.0 : 1.0));
 }
 
-TEST_CASE("the experimenter's key switches off at once", "[safety]") {
+TEST_CASE("a stop by hand and a window without the keyboard switch off at once, with their cause",
+          "[safety]") {
+    const Trip why = GENERATE(Trip::stopped, Trip::focus_lost);
+    const bool enable = GENERATE(true, false);  // also in the ramp out
     SafetyState state;
-    const SafetyLimits limits{.ramp_step = 1.0};
+    const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
     CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .stop = true});
-    CHECK((c.trip == Trip::stopped));
+    const Command c = make_safe(
+        state, limits, {.force = {1.0, 0.0}, .enable = enable, .held = false, .stop = why});
+    CHECK((c.trip == why));
     CHECK(c.force == Vec2{});
 }
 
@@ -292,7 +296,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
                                 .load = vector(1.0),
                                 .enable = random.below(20) != 0,
                                 .held = random.below(2000) != 0,
-                                .stop = random.below(2000) == 0};
+                                .stop = random.below(2000) == 0 ? Trip::stopped : Trip::none};
         const Command c = make_safe(state, limits, input);
         REQUIRE(std::isfinite(c.force.x));
         REQUIRE(std::isfinite(c.force.y));

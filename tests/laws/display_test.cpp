@@ -2,6 +2,8 @@
 #include <fstream>
 #include <thread>
 
+#include <sys/resource.h>
+
 #include "data/store/reader.hpp"
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/pointer_map.hpp"
@@ -86,8 +88,36 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
         without_display({"doctor", "--seconds", "0.05", "--db", folder.file("d.sqlite")});
     CHECK_THAT(doctor.out, ContainsSubstring("fail  display"));
     CHECK(doctor.code == 1);
+    sim.insert(sim.begin(), tests::palpate_program());  // an empty driver is none, and not any
+    const Finished unseen = tests::Process(sim, {"DISPLAY=:999", "WAYLAND_DISPLAY",
+                                                 "SDL_VIDEODRIVER=", "ASAN_OPTIONS=detect_leaks=0"})
+                                .wait();
+    CHECK(unseen.code == 2);
+    CHECK_THAT(unseen.error, ContainsSubstring("DISPLAY is :999, and no display can be opened"));
+    CHECK(folder.names().empty());
+    sim.erase(sim.begin());
     sim.emplace_back("--headless");
     CHECK(without_display(sim).code == 0);
+}
+
+TEST_CASE("a monitor that is not there is refused with those that are, before anything is made",
+          "[cli][window][law]") {
+    const TemporaryFolder folder;
+    tests::Xvfb screen(800, 600, true);
+    for (const auto& [number, why] :
+         {std::pair{"3", "there are 2 (1: "}, std::pair{"2", "monitor 1 is at the same place"}}) {
+        std::vector<std::string> run = words(folder);
+        run.insert(run.begin(), tests::palpate_program());
+        run.insert(run.end(), {"--monitor", number});
+        const Finished end =
+            tests::Process(run, {"DISPLAY=" + screen.display(), "WAYLAND_DISPLAY",
+                                 "SDL_VIDEODRIVER=x11", "ASAN_OPTIONS=detect_leaks=0"})
+                .wait();
+        CAPTURE(end.out, end.error);
+        CHECK(end.code == 2);
+        CHECK_THAT(end.error, ContainsSubstring(why) && ContainsSubstring("800 x 600 at (0, 0)"));
+    }
+    CHECK(folder.names().empty());
 }
 
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
@@ -103,6 +133,7 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
     };
     const Place place = GENERATE(Place{{800, 600}, false, {0, 0, 800, 600}},
                                  Place{{800, 600}, true, {0, 0, 800, 600}},
+                                 Place{{800, 600, true}, false, {0, 0, 1024, 768}},
                                  Place{{3840, 2160}, false, {0, 0, 3840, 2160}},
                                  Place{{3840, 2160}, true, {480, 270, 2880, 1620}});
     std::vector<std::string> run = words(folder, folder.file("p.toml"));
@@ -118,9 +149,14 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
     CHECK(std::vector<int>{window.x, window.y, window.width, window.height} == place.window);
     const ui::Card card = ui::lay_out_cards(2, size_of(window)).back();
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
-    move(session, window, card.corner + card.size - Vec2{3.0, 3.0});
-    session.hand().click();
-    session.wait_until("SELECT input || chosen_place FROM response", "mouse1");
+    if (place.screen.second) {  // a pointer that jumps from screen to screen is no hand's
+        session.press_at("question", "2");
+    } else {
+        move(session, window, card.corner + card.size - Vec2{3.0, 3.0});
+        session.hand().click();
+    }
+    session.wait_until("SELECT input || chosen_place FROM response",
+                       place.screen.second ? "key1" : "mouse1");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }
@@ -175,4 +211,33 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     again.wait_for_screen("ready");
     again.program().signal(SIGTERM);
     CHECK(again.finish().code == 3);
+}
+
+TEST_CASE(
+    "after a disk that fails the participant is asked for a moment, until the experimenter has "
+    "come",
+    "[window][fault][law]") {
+    const TemporaryFolder folder;
+    std::vector<std::string> run = words(folder);
+    run.insert(run.end(), {"--kind", "pilot"});
+    std::signal(SIGXFSZ, SIG_IGN);  // the program inherits it
+    WindowSession session(run, folder.file("d.sqlite"));
+    std::signal(SIGXFSZ, SIG_DFL);
+    session.press_at("welcome", "space");
+    session.wait_for_screen("ready");
+    constexpr rlim_t kFull = 4096;  // bytes of a file: less than the database and its log have
+    const rlimit full{.rlim_cur = kFull, .rlim_max = kFull};
+    REQUIRE(prlimit(session.program().id(), RLIMIT_FSIZE, &full, nullptr) == 0);
+    session.hand().key("space");
+    session.wait_for_screen("trouble");
+    session.wait_for_text("The participant's screen says \"one moment\"");
+    session.hand().key("space");
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    CHECK(session.screen_name() == "trouble");
+    session.hand().chord("q");
+    session.press_at("trouble", "y");
+    const Finished end = session.finish();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 1);
+    CHECK_THAT(end.error, ContainsSubstring("what was recorded is kept"));
 }

@@ -180,7 +180,7 @@ TickOrder order_at(const Fault& fault, int tick, double period) {
             order.held = fault.mild;
             break;
         case Kind::stop:
-            order.stop = !fault.mild;
+            order.stop = fault.mild ? Trip::none : Trip::stopped;
             break;
         default:
             break;

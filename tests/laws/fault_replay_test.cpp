@@ -108,6 +108,7 @@ TEST_CASE("whatever fails, every recorded force comes back to the bit from the r
         const int stop_at = random.below(4) == 0 ? random.below(100) : 1000;
         for (int trial = 0; trial < 2; ++trial) {
             device.begin({.start = Vec2{-0.02, 0.026}, .speed = random.in(0.05, 0.2)});
+            servo.allow();
             servo.begin(felt);
             for (int slice = 0; servo.advance() == ServoStatus::running && slice < 150; ++slice) {
                 if (slice == stop_at) {

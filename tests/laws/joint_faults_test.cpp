@@ -43,6 +43,7 @@ enum class Cause : std::uint8_t {
     let_go,
     stopped,
     encoders_die,  ///< all at once: their supply
+    focus_lost,
     count,
 };
 
@@ -251,8 +252,10 @@ private:
                 break;
             case Cause::let_go:
             case Cause::stopped:
+            case Cause::focus_lost:
                 held_ = held_ && event.cause != Cause::let_go;
-                stop_ = stop_ || event.cause == Cause::stopped;
+                stop_ = event.cause == Cause::let_go ? stop_ : Trip::stopped;
+                stop_ = event.cause == Cause::focus_lost ? Trip::focus_lost : stop_;
                 host_due(kSoon);
                 break;
             case Cause::encoders_die:
@@ -347,7 +350,7 @@ private:
     double pushed_since_ = kNever;  ///< with dead encoders
     bool encoders_dead_ = false;
     bool held_ = true;
-    bool stop_ = false;
+    Trip stop_ = Trip::none;
     int zeros_ = 0;
     int cuts_ = 0;    ///< packets cut on the way to a Haply board
     int astray_ = 0;  ///< ms with a torque when there should be none

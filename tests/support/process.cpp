@@ -82,6 +82,10 @@ Process::Process(const std::vector<std::string>& command,
                 setenv(change.substr(0, equals).c_str(), change.substr(equals + 1).c_str(), 1);
             }
         }
+        if (const char* terminal = std::getenv(kTerminal)) {
+            setsid();
+            dup2(open(terminal, O_RDWR), STDIN_FILENO);  // the first of a session is its own
+        }
         to_file(out, STDOUT_FILENO);
         to_file(error, STDERR_FILENO);
         execvp(words[0], words.data());

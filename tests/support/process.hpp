@@ -37,11 +37,14 @@ struct Finished {
     std::string error;  ///< standard error
 };
 
+/// Names the terminal at which a process reads, in a session of its own.
+inline constexpr const char* kTerminal = "PALPATE_TEST_TERMINAL";
+
 /// A child process with its output in files. Killed at the end of its life, and of the test's.
 class Process {
 public:
     /// @param command      program and arguments
-    /// @param environment  "NAME=value" changes; "NAME" alone removes
+    /// @param environment  "NAME=value" changes; "NAME" alone removes; kTerminal + "=/dev/pts/N" is its terminal
     explicit Process(const std::vector<std::string>& command,
                      const std::vector<std::string>& environment = {});
     Process(const Process&) = delete;

@@ -40,10 +40,11 @@ WindowSession::WindowSession(const std::vector<std::string>& arguments,
                              std::string database,
                              const std::vector<std::string>& environment,
                              const Screen& screen)
-    : screen_(screen.width, screen.height),
-      hand_(screen_.display()),
+    : screen_(screen.width, screen.height, screen.second),
+      display_(screen_.display() + (screen.second ? ".1" : "")),
+      hand_(display_),
       database_(std::move(database)),
-      program_(command_of(arguments), with_display(environment, screen_.display())) {}
+      program_(command_of(arguments), with_display(environment, display_)) {}
 
 template <class Seen>
 void WindowSession::wait(const std::string& what, const Seen& seen) {

@@ -20,6 +20,7 @@ public:
     struct Screen {
         int width = 1280;
         int height = 800;
+        bool second = false;  ///< a second screen, of 1024 x 768, and the program is on that
     };
 
     /// Starts `palpate ARGUMENTS...`, e.g. run; its database is database(), to be named by the arguments.
@@ -66,6 +67,7 @@ private:
     void wait(const std::string& what, const Seen& seen);
 
     Xvfb screen_;
+    std::string display_;
     XHand hand_;
     std::string database_;
     Process program_;

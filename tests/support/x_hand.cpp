@@ -126,8 +126,39 @@ void XHand::focus(const Window& window) {
     }
 }
 
+void XHand::take_keyboard_away() {
+    const ::Window other =
+        XCreateSimpleWindow(x_->display, DefaultRootWindow(x_->display), 0, 0, 80, 40, 0, 0, 0);
+    XMapWindow(x_->display, other);
+    XSync(x_->display, False);
+    XSetInputFocus(x_->display, other, RevertToParent, CurrentTime);
+    static_cast<void>(x_->all_well());
+}
+
+void XHand::ask_to_close(const Window& window) {
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.window = window.id;
+    event.xclient.message_type = XInternAtom(x_->display, "WM_PROTOCOLS", False);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] =
+        static_cast<long>(XInternAtom(x_->display, "WM_DELETE_WINDOW", False));
+    XSendEvent(x_->display, window.id, False, NoEventMask, &event);
+    static_cast<void>(x_->all_well());
+}
+
+void XHand::hide(const Window& window) {
+    XUnmapWindow(x_->display, window.id);
+    static_cast<void>(x_->all_well());
+}
+
+void XHand::show(const Window& window) {
+    XMapWindow(x_->display, window.id);
+    static_cast<void>(x_->all_well());
+}
+
 void XHand::move(int x, int y) {
-    XTestFakeMotionEvent(x_->display, -1, x, y, CurrentTime);
+    XTestFakeMotionEvent(x_->display, DefaultScreen(x_->display), x, y, CurrentTime);
     XFlush(x_->display);
 }
 

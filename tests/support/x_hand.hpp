@@ -45,6 +45,13 @@ public:
     void chord(const std::string& name);
     void press(const std::string& name);  ///< and holds it
     void release(const std::string& name);
+    /// Another program's window takes the keyboard, as a dialog does; for as long as this lives.
+    void take_keyboard_away();
+    /// Asks a window to close, as its frame's button and Alt+F4 do.
+    void ask_to_close(const Window& window);
+    /// Takes it off the screen, as a window manager does that makes it small; and back.
+    void hide(const Window& window);
+    void show(const Window& window);
     /// Checksum of the window's pixels as the screen shows them; 0: it is gone.
     [[nodiscard]] std::uint64_t pixels(const Window& window);
 

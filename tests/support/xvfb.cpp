@@ -22,7 +22,7 @@ pid_t holder_of(int number) {
 
 }  // namespace
 
-Xvfb::Xvfb(int width, int height) {
+Xvfb::Xvfb(int width, int height, bool second) {
     // Displays are taken from the process id, so that tests side by side seldom meet; -displayfd would
     // choose one by itself, but only tells it over a pipe that the child would have to inherit. Where two do
     // meet, the lock file says whose the display is.
@@ -32,9 +32,13 @@ Xvfb::Xvfb(int width, int height) {
             continue;
         }
         display_ = fmt::format(":{}", number);
-        server_ = std::make_unique<Process>(std::vector<std::string>{
-            "Xvfb", display_, "-screen", "0", fmt::format("{}x{}x24", width, height), "-nolisten",
-            "tcp", "-noreset"});
+        std::vector<std::string> words{
+            "Xvfb",      display_, "-screen", "0", fmt::format("{}x{}x24", width, height),
+            "-nolisten", "tcp",    "-noreset"};
+        if (second) {
+            words.insert(words.end(), {"-screen", "1", "1024x768x24"});
+        }
+        server_ = std::make_unique<Process>(words);
         for (int wait = 0; wait < 6000 && server_->running(); ++wait) {
             if (holder_of(number) == server_->id() &&
                 std::filesystem::exists(fmt::format("/tmp/.X11-unix/X{}", number))) {

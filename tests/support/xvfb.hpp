@@ -10,8 +10,9 @@ namespace palpate::tests {
 /// A private X server on a free display number, ended with this object.
 class Xvfb {
 public:
+    /// @param second  of 1024 x 768, as ":N.1"
     /// @throws std::runtime_error if Xvfb is not installed or does not come up in 60 s
-    Xvfb(int width, int height);
+    Xvfb(int width, int height, bool second = false);
     Xvfb(const Xvfb&) = delete;
     Xvfb& operator=(const Xvfb&) = delete;
     ~Xvfb();

@@ -31,6 +31,12 @@ inline void let_go(SDL_Keycode key) {
     SDL_PushEvent(&event);
 }
 
+inline void close_window() {
+    SDL_Event event{};
+    event.type = SDL_QUIT;
+    SDL_PushEvent(&event);
+}
+
 inline void click(const engine::Vec2& at) {
     SDL_Event event{};
     event.type = SDL_MOUSEBUTTONDOWN;

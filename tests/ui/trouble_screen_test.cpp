@@ -22,8 +22,9 @@ struct Rig {
         all.on_hold = [this](bool held) {
             holds.push_back(held);
         };
-        all.on_stop = [this] {
+        all.on_stop = [this](engine::Trip why, const char* /*way*/) {
             ++stops;
+            cause = why;
         };
         return all;
     }
@@ -38,13 +39,14 @@ struct Rig {
 
     std::vector<bool> holds;
     int stops = 0;
+    engine::Trip cause = engine::Trip::none;
     SubjectScreen screen;
 };
 
-void lose_the_keyboard() {
+void happens_to_window(SDL_WindowEventID what) {
     SDL_Event event{};
     event.type = SDL_WINDOWEVENT;
-    event.window.event = SDL_WINDOWEVENT_FOCUS_LOST;
+    event.window.event = static_cast<Uint8>(what);
     SDL_PushEvent(&event);
 }
 
@@ -86,7 +88,7 @@ TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and h
     if (way == 1) {
         let_go(SDLK_SPACE);
     } else if (way == 2) {  // another window took the keyboard: nobody can tell any more
-        lose_the_keyboard();
+        happens_to_window(SDL_WINDOWEVENT_FOCUS_LOST);
     } else if (way == 3) {  // while the stop question is open
         press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
         let_go(SDLK_SPACE);
@@ -141,6 +143,29 @@ TEST_CASE("Escape switches the force off at once, and only while there is one",
     CHECK(rig.stops == 3);
 }
 
+TEST_CASE(
+    "a window that loses the keyboard, is hidden, minimised or to be closed has the force off",
+    "[screen][fault][law]") {
+    const int what = GENERATE(as<int>{}, SDL_WINDOWEVENT_FOCUS_LOST, SDL_WINDOWEVENT_HIDDEN,
+                              SDL_WINDOWEVENT_MINIMIZED, SDL_WINDOWEVENT_NONE);
+    CAPTURE(what);
+    Rig rig(false);
+    {
+        const Later subject([] { press(SDLK_SPACE); });
+        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
+    }
+    static_cast<void>(rig.screen.explore(kTrial, 0.0));
+    CHECK(rig.stops == 0);
+    if (what == SDL_WINDOWEVENT_NONE) {
+        close_window();
+    } else {
+        happens_to_window(static_cast<SDL_WindowEventID>(what));
+    }
+    CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
+    CHECK(rig.stops == 1);
+    CHECK((rig.cause == engine::Trip::focus_lost));
+}
+
 TEST_CASE("in trouble the screen waits, and goes on with a press after the device is back",
           "[screen][fault]") {
     Rig rig(false);
@@ -168,4 +193,9 @@ TEST_CASE("the console says what happened, what to do, and what follows", "[cons
           "fault: " + std::string(explanation(engine::Trip::over_speed)));
     CHECK_THAT(fault_text({.cause = engine::Trip::device_lost, .text = "It is gone.", .last = {}}),
                Catch::Matchers::EndsWith("fault: It is gone"));
+    for (const engine::Trip cause : {engine::Trip::stopped, engine::Trip::focus_lost}) {
+        CHECK(explanation(cause).find("Ctrl") == std::string_view::npos);  // the screen shows it
+    }
+    CHECK_THAT(trouble_text({.sentence = "", .solved = true, .by_hand = true}),
+               ContainsSubstring("Ctrl+Shift+P"));
 }

@@ -42,6 +42,7 @@ struct RunOptions {
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     bool handle_free = false;   ///< the operator's word for it, and for home
+    std::string stop_button;    ///< a device of evdev; empty: the rig has none
     double spin = 0.0;          ///< see engine::ServoSpec::spin_share
     ScreenOptions screen{};
 };
@@ -243,6 +244,9 @@ void declare(CommandWords& words, RunOptions& options) {
         "--handle-free", options.handle_free,
         "Says beforehand that nobody holds the handle and that it rests at home: a rig that was "
         "commissioned is then opened without a question, and without its second mark");
+    words.add("--stop-button", options.stop_button,
+              "A button that switches the force off, as a file of /dev/input/by-id; palpate alone "
+              "gets its presses, and without it there is no force");
     words.add("--no-sound", options.screen.no_sound,
               "No masking noise, whatever the protocol asks for; recorded with the session");
     add_screen_words(words, options.screen);
@@ -275,6 +279,9 @@ int run(const RunOptions& options) {
     heed_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
+    }
+    if (!options.stop_button.empty()) {
+        spec.stop_button = std::make_shared<StopButton>(options.stop_button);
     }
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made

@@ -12,7 +12,7 @@ namespace {
 /// A part of SDL, for as long as this lives.
 class Subsystem {
 public:
-    explicit Subsystem(Uint32 flag) : flag_(flag), works_(SDL_InitSubSystem(flag) == 0) {}
+    Subsystem(Uint32 flag, bool opened) : flag_(flag), works_(opened) {}
     Subsystem(const Subsystem&) = delete;
     Subsystem& operator=(const Subsystem&) = delete;
     ~Subsystem() {
@@ -48,19 +48,21 @@ Check check_display() {
         check.remedy = found.trouble;
         return check;
     }
-    const Subsystem video(SDL_INIT_VIDEO);
+    const Subsystem video(SDL_INIT_VIDEO, open_display());  // as a session does
     SDL_DisplayMode mode{};
     if (!video.works() || SDL_GetDesktopDisplayMode(0, &mode) != 0) {
         check.detail = fmt::format("cannot be opened: {}", SDL_GetError());
         return check;
     }
     const char* driver = SDL_GetCurrentVideoDriver();
-    const int displays = SDL_GetNumVideoDisplays();
+    std::string monitors;  // where there is a choice
+    for (std::size_t i = 0; i < found.monitors.size() && found.monitors.size() > 1; ++i) {
+        monitors += fmt::format("; --monitor {}: {}", i + 1, found.monitors[i]);
+    }
     check.detail = fmt::format(
         "{} x {} pixels, {}, driver {}{}", mode.w, mode.h,
         mode.refresh_rate > 0 ? fmt::format("{} Hz", mode.refresh_rate) : "refresh rate not known",
-        driver == nullptr ? "none" : driver,
-        displays > 1 ? fmt::format(", {} displays", displays) : "");
+        driver == nullptr ? "none" : driver, monitors);
     check.numbers = {{"width", mode.w}, {"height", mode.h}, {"refresh_hz", mode.refresh_rate}};
     if (is_real(driver)) {
         check.status = CheckStatus::ok;
@@ -79,7 +81,7 @@ Check check_audio() {
                 .numbers = {},
                 .picture = {}};
     const Hush hush;
-    const Subsystem audio(SDL_INIT_AUDIO);
+    const Subsystem audio(SDL_INIT_AUDIO, SDL_InitSubSystem(SDL_INIT_AUDIO) == 0);
     if (!audio.works()) {
         return check;
     }

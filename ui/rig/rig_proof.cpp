@@ -20,6 +20,7 @@
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/rig/stop_lines.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -42,6 +43,7 @@ std::string commission_words(const std::string& device,
 /// @return none: it ended, or the program is to stop
 std::optional<std::string> typed_line() {
     constexpr int kLookMs = 100;
+    const TypedAnswer answering;
     std::string line;
     while (!interrupted()) {
         pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};

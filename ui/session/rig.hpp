@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/session_store.hpp"
 #include "ui/rig/device_choice.hpp"
+#include "ui/rig/stop_button.hpp"
 #include "ui/session/load_study.hpp"
 
 namespace palpate::ui {
@@ -19,6 +21,7 @@ struct ScreenOptions {
     bool headless = false;    ///< no window: the simulated observer answers
     bool fullscreen = false;  ///< whatever the kind; real sessions are, unless windowed
     bool windowed = false;
+    int monitor = 0;        ///< 1 and up; 0: the first one
     std::string font;       ///< a TTF file; empty: DejaVu Sans of the system
     double speed = 0.0;     ///< multiple of real time of simulated and replayed hands, 0: default
     bool no_sound = false;  ///< no masking noise, whatever the protocol asks for
@@ -43,6 +46,7 @@ struct RigSpec {
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec
     std::string go_on;          ///< the command that resumes it; empty: nobody is told
+    std::shared_ptr<StopButton> stop_button{};  ///< of the rig; none: it has none
     bool watch_only =
         false;  ///< in a window the simulated observer answers, and people watch (demo)
 };

@@ -26,6 +26,7 @@
 #include "ui/session/open_masking.hpp"
 #include "ui/session/provenance.hpp"
 #include "ui/session/session_choice.hpp"
+#include "ui/session/stops.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/spectator_screen.hpp"
@@ -51,6 +52,7 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
     options.desk = &desk;
     options.window.fullscreen =
         spec.screen.fullscreen || (spec.kind == data::RunKind::real && !spec.screen.windowed);
+    options.window.monitor = spec.screen.monitor;
     options.window.font = spec.screen.font;
     options.window.language = spec.study.protocol.language;
     options.window.instructions =
@@ -69,8 +71,14 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
     options.on_hold = [&apparatus](bool held) {
         apparatus.hold(held);
     };
-    options.on_stop = [&apparatus] {
-        apparatus.stop();
+    options.on_stop = [&apparatus, &desk](engine::Trip cause, const char* way) {
+        desk.stop(way);
+        apparatus.stop(cause);
+    };
+    options.on_close = [] {
+        say("The participant's window was to be closed, and stays: Ctrl+Shift+Q there, then Y, "
+            "ends the "
+            "session.\n");
     };
     if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
         options.on_pointer = [pointer](const engine::Vec2& position) {
@@ -192,7 +200,8 @@ void print_help(const data::Database& database, const RigSpec& spec, bool screen
     if (screen) {
         say("At the participant's screen: Ctrl+Shift+Q then Y ends the session; Ctrl+Shift+M then "
             "Y: the trial does not count;\nCtrl+Shift+P pauses before the next trial, and goes on; "
-            "Escape switches the force off.\n");
+            "Escape switches the force off. So do Escape and Enter here, and palpate stop from any "
+            "shell.\n");
     }
     say("Data: {}\nIf it ends early, this goes on: {}\n",
         std::filesystem::absolute(database.file()).string(), spec.go_on);
@@ -271,33 +280,6 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
     return all;
 }
 
-void add_screen_words(CommandWords& words, ScreenOptions& screen) {
-    words.add("--headless", screen.headless,
-              "No window: the simulated observer answers (so does it without a display)");
-    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
-    words
-        .add("--windowed", screen.windowed,
-             "It does not; without either word it does in real sessions")
-        .excludes("--fullscreen");
-    words.add("--font", screen.font, "A TrueType font for the subject's screen");
-    words
-        .add(
-            "--speed", screen.speed,
-            "Simulated and replayed hands at this multiple of real time; 0: as fast as the machine")
-        .from_zero();
-}
-
-bool wants_window(const ScreenOptions& screen) {
-    if (screen.headless) {
-        return false;
-    }
-    const FoundDisplay found = find_display();
-    if (found.state == FoundDisplay::State::broken) {
-        throw std::invalid_argument(found.trouble);
-    }
-    return found.state == FoundDisplay::State::ready;
-}
-
 OpenedApparatus open_and_heed(const RigSpec& spec) {
     OpenedApparatus felt = open_apparatus(spec);
     heed(felt);
@@ -325,6 +307,9 @@ RigEnd run_rig(data::Database& database,
                               .provenance = provenance(protocol)};
     session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
                               felt.provenance.end());
+    if (spec.stop_button) {
+        session.provenance.emplace_back("stop button", spec.stop_button->file());
+    }
     const data::OpenedSession opened = data::plan_and_open_session(database, session);
     const protocols::Plan& plan = session.plan;
     add_simulated_observer(observers, spec, plan, *apparatus, desk);
@@ -346,31 +331,44 @@ RigEnd run_rig(data::Database& database,
                           ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
                                                              record, masking.required)
                           : nullptr;
-    protocols::SessionEnd end =
-        run_session(protocol, plan,
-                    {.title = protocol.title,
-                     .participant = spec.key.participant,
-                     .trials = plan.trials.size(),
-                     .next = opened.progress.pending().answered(),
-                     .practice = opened.progress.pending().left(true),
-                     .simulated = !held_by_a_person(spec.device.kind),
-                     .device = apparatus->device_name()},
-                    opened.progress,
-                    {.apparatus = *apparatus,
-                     .observer = masked ? *masked : observers.port(),
-                     .recorder = record,
-                     .opening = opening_events(felt.opening),
-                     .interrupted = [] { return interrupted(); },
-                     .progress =
-                         [&](const protocols::Progress& progress) {
-                             say("{}", log.line(progress, answer_line(spec, progress), now_s()));
-                         },
-                     .alarm =
-                         [](const protocols::TroubleView& view) {
-                             say("{}", trouble_text(view));
-                             ring();  // they may look elsewhere
-                         },
-                     .desk = &desk});
+    const auto lines = observers.screen || spec.stop_button
+                         ? stop_lines(database, spec, *apparatus, desk)
+                         : nullptr;
+    protocols::SessionEnd end;
+    try {
+        end = run_session(protocol, plan,
+                          {.title = protocol.title,
+                           .participant = spec.key.participant,
+                           .trials = plan.trials.size(),
+                           .next = opened.progress.pending().answered(),
+                           .practice = opened.progress.pending().left(true),
+                           .simulated = !held_by_a_person(spec.device.kind),
+                           .device = apparatus->device_name()},
+                          opened.progress,
+                          {.apparatus = *apparatus,
+                           .observer = masked ? *masked : observers.port(),
+                           .recorder = record,
+                           .opening = opening_events(felt.opening),
+                           .interrupted = [] { return interrupted(); },
+                           .progress =
+                               [&](const protocols::Progress& progress) {
+                                   say("{}",
+                                       log.line(progress, answer_line(spec, progress), now_s()));
+                               },
+                           .alarm =
+                               [](const protocols::TroubleView& view) {
+                                   say("{}", trouble_text(view));
+                                   ring();  // they may look elsewhere
+                               },
+                           .desk = &desk});
+    } catch (const std::exception& e) {
+        if (!observers.screen || observers.simulated) {
+            throw;
+        }
+        keep_screen(*observers.screen, desk, e.what());
+        throw std::runtime_error(
+            "the session ended there; what was recorded is kept, the same command goes on");
+    }
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});

@@ -6,9 +6,9 @@
 
 #include "protocols/session/session.hpp"
 #include "data/store/database.hpp"
-#include "ui/command/command.hpp"
 #include "ui/session/open_apparatus.hpp"
 #include "ui/session/rig.hpp"
+#include "ui/session/screen_words.hpp"
 
 namespace palpate::ui {
 
@@ -25,13 +25,6 @@ struct RigEnd {
 /// @throws std::invalid_argument if there is no such trial
 [[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
     const DeviceChoice& device);
-
-/// The words of every command that shows a session.
-void add_screen_words(CommandWords& words, ScreenOptions& screen);
-
-/// A window can be opened here and was not declined.
-/// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the session
-[[nodiscard]] bool wants_window(const ScreenOptions& screen);
 
 /// Opens what the session is felt on, and says what should be known of it. Before windows, as open_apparatus().
 /// @throws as that; std::invalid_argument for what nobody should hold

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include <SDL.h>
 #include <SDL_syswm.h>
@@ -16,6 +17,7 @@ namespace {
 
 std::atomic<bool> lost{false};
 std::atomic<bool> owes{false};  ///< a sign of life
+bool lost_keyboard = false;
 
 /// The variable's value; empty if it is not set.
 std::string named_by(const char* variable) {
@@ -30,6 +32,24 @@ FoundDisplay broken(const std::string& names) {
                         names, SDL_GetError())};
 }
 
+/// ":0.1": a screen of its own, and not the first one.
+bool names_screen(const std::string& display) {
+    const std::size_t point = display.find('.', display.rfind(':') + 1);
+    return point != std::string::npos && display.substr(point) != ".0";
+}
+
+std::vector<std::string> list_monitors() {
+    std::vector<std::string> all;
+    for (int i = 0; i < SDL_GetNumVideoDisplays(); ++i) {
+        const char* name = SDL_GetDisplayName(i);
+        SDL_Rect place{};
+        SDL_GetDisplayBounds(i, &place);
+        all.push_back(fmt::format("{}, {} x {} at ({}, {})", name == nullptr ? "no name" : name,
+                                  place.w, place.h, place.x, place.y));
+    }
+    return all;
+}
+
 #if defined(SDL_VIDEO_DRIVER_X11)
 constexpr std::int64_t kAskEveryNs = 20'000'000;
 
@@ -38,6 +58,17 @@ constexpr std::int64_t kAskEveryNs = 20'000'000;
 Atom sign = None;  ///< the property of the window that is written to hear of it
 std::int64_t asked_ns = 0;
 decltype(&XChangeProperty) change_property = nullptr;
+decltype(&XGetInputFocus) input_focus = nullptr;
+bool grabbed = false;  ///< another program holds the keyboard, whoever has the focus
+
+/// SDL tells nothing of grabs (a locked screen, menus, keys of the window manager): no key comes from them either.
+void on_focus(const XFocusChangeEvent& told) {
+    if (told.detail == NotifyInferior || told.detail == NotifyPointer) {
+        return;
+    }
+    grabbed = told.type == FocusOut ? told.mode == NotifyGrab : told.mode == NotifyWhileGrabbed;
+    lost_keyboard = lost_keyboard || told.type == FocusOut;
+}
 
 int on_broken_connection(::Display* /*display*/) {
     lost = true;
@@ -52,6 +83,9 @@ int on_event(void* /*nothing*/, SDL_Event* event) {
     const XEvent& told = event->syswm.msg->msg.x11.event;
     if (told.type == DestroyNotify && told.xdestroywindow.window == watched) {
         lost = true;
+    }
+    if ((told.type == FocusIn || told.type == FocusOut) && told.xfocus.window == watched) {
+        on_focus(told.xfocus);
     }
     if (told.type == PropertyNotify && told.xproperty.window == watched &&
         told.xproperty.atom == sign) {
@@ -92,6 +126,7 @@ void watch_x11(::Display* display) {
         on_error(on_protocol_error);
         SDL_SetEventFilter(on_event, nullptr);
         SDL_EventState(SDL_SYSWMEVENT, SDL_ENABLE);
+        input_focus = find<decltype(&XGetInputFocus)>(xlib, "XGetInputFocus");
         const auto atom = find<decltype(&XInternAtom)>(xlib, "XInternAtom");
         change_property = find<decltype(&XChangeProperty)>(xlib, "XChangeProperty");
         asked = atom != nullptr && change_property != nullptr ? display : nullptr;
@@ -127,7 +162,8 @@ FoundDisplay find_display() {
         return {};
     }
     const bool opened = open_display();
-    const FoundDisplay found = opened ? FoundDisplay{FoundDisplay::State::ready} : broken(names);
+    const FoundDisplay found =
+        opened ? FoundDisplay{FoundDisplay::State::ready, {}, list_monitors()} : broken(names);
     SDL_Quit();
     return found;
 }
@@ -136,6 +172,12 @@ bool open_display() {
     std::string drivers = named_by("DISPLAY").empty() ? "" : "x11";
     if (!named_by("WAYLAND_DISPLAY").empty()) {
         drivers += drivers.empty() ? "wayland" : ",wayland";
+    }
+    if (named_by("SDL_VIDEODRIVER").empty()) {
+        unsetenv("SDL_VIDEODRIVER");  // set and empty, it would have SDL try every driver
+    }
+    if (names_screen(named_by("DISPLAY"))) {
+        SDL_SetHint(SDL_HINT_VIDEO_X11_XRANDR, "0");  // with it SDL takes the first screen of all
     }
     SDL_SetHint(SDL_HINT_VIDEODRIVER, drivers.c_str());  // SDL_VIDEODRIVER goes before it
     // An X server that begins anew when its last client has left, as find_display() may have been, takes
@@ -175,6 +217,21 @@ void ask_display() noexcept {
 
 bool display_owes_answer() noexcept {
     return owes;
+}
+
+bool keyboard_is_elsewhere() noexcept {
+#if defined(SDL_VIDEO_DRIVER_X11)
+    if (asked != nullptr && input_focus != nullptr) {
+        ::Window focus = None;
+        int revert = 0;
+        return lost || input_focus(asked, &focus, &revert) == 0 || focus != watched || grabbed;
+    }
+#endif
+    return is_real(SDL_GetCurrentVideoDriver()) && SDL_GetKeyboardFocus() == nullptr;
+}
+
+bool keyboard_was_lost() noexcept {
+    return std::exchange(lost_keyboard, false);
 }
 
 bool display_lost() noexcept {

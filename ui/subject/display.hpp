@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 struct SDL_Window;
 
@@ -14,7 +15,8 @@ struct FoundDisplay {
         ready,   ///< a window can be opened there
         broken,  ///< one is named, and cannot be opened
     } state = State::none;
-    std::string trouble{};  ///< of broken: what was named and what to do, a sentence
+    std::string trouble{};                ///< of broken: what was named and what to do, a sentence
+    std::vector<std::string> monitors{};  ///< of ready: "DP-1, 1920 x 1080 at (0, 0)"
 };
 
 /// Looks at DISPLAY, WAYLAND_DISPLAY and SDL_VIDEODRIVER, and tries what they name.
@@ -39,6 +41,12 @@ void watch_display(SDL_Window* window);
 void ask_display() noexcept;
 /// It was asked and has not answered: it stands still, or is busy, and so are keys on their way to us.
 [[nodiscard]] bool display_owes_answer() noexcept;
+
+/// What is typed does not come to the watched window now: another one has the keyboard, or another program holds
+/// it. Asks the display, and waits for its answer. Where nobody sees what is drawn, nobody types elsewhere.
+[[nodiscard]] bool keyboard_is_elsewhere() noexcept;
+/// The watched window lost the keyboard since this was asked last, for however short a time.
+[[nodiscard]] bool keyboard_was_lost() noexcept;
 
 /// The watched display is gone for good.
 [[nodiscard]] bool display_lost() noexcept;

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "engine/base/files.hpp"
+#include "engine/safety/trip.hpp"
 #include "ui/subject/stage.hpp"
 
 namespace palpate::ui {
@@ -63,7 +64,7 @@ std::vector<std::string> write_screenshots(const std::string& directory,
          TroubleFace{.sentence = "the handle was faster than the limit: move more slowly",
                      .solved = true,
                      .by_chord = false});
-    take("stopped", TroubleFace{.sentence = "the experimenter switched the force off",
+    take("stopped", TroubleFace{.sentence = std::string(explanation(engine::Trip::stopped)),
                                 .solved = true,
                                 .by_chord = true});
     take("end", EndFace{});

@@ -64,7 +64,7 @@ Exploring SpectatorScreen::explore(const protocols::TrialView& trial, double ela
         return {.signal = Signal::abort};
     }
     if (input.kind == Input::Kind::stop && on_stop_) {
-        on_stop_();
+        on_stop_(engine::Trip::stopped, "Escape");
     }
     return observer_.explore(trial, elapsed_s);
 }

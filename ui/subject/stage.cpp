@@ -14,11 +14,7 @@ namespace {
 
 constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
 
-/// Nobody holds Space any more, or nobody can tell: keys go to another window now.
-bool is_release(const SDL_Event& event) {
-    return (event.type == SDL_KEYUP && event.key.keysym.sym == SDLK_SPACE) ||
-           (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_FOCUS_LOST);
-}
+constexpr const char* kKeyboardElsewhere = "keyboard elsewhere";
 
 /// The key that whoever pressed it means, on any keyboard layout: a letter by its place where the layout has
 /// no Latin ones. (Digits that need Shift, as on French layouts, SDL takes by their place itself.)
@@ -35,12 +31,18 @@ SDL_Keycode meant_by(const SDL_Keysym& key) {
 Stage::Stage(const WindowOptions& window,
              std::string watermark,
              std::function<bool()> interrupted,
-             protocols::OperatorDesk* desk)
+             protocols::OperatorDesk* desk,
+             std::function<void()> on_close)
     : window_(window),
       watermark_(std::move(watermark)),
       interrupted_(std::move(interrupted)),
       looked_ns_(monotonic_ns()),
-      desk_(desk) {}
+      desk_(desk),
+      on_close_(std::move(on_close)) {
+    SDL_PumpEvents();
+    SDL_FlushEvent(
+        SDL_WINDOWEVENT);  // of the window that SDL made first, and hid, for its renderer
+}
 
 std::int64_t Stage::show(std::string_view name, std::function<void(Window&)> drawing) {
     face_ = std::move(drawing);
@@ -67,6 +69,8 @@ std::string_view Stage::sentence_of(Bar bar) const {
             return words.no_pause;
         case Bar::over:
             return words.session_over;
+        case Bar::elsewhere:
+            return words.keyboard_elsewhere;
     }
     return {};
 }
@@ -124,6 +128,29 @@ void Stage::show_bar(Bar bar) {
     bar_ = bar;
     bar_until_ns_ = monotonic_ns() + kStopQuestionNs;
     redraw();
+}
+
+void Stage::need_keyboard(bool needed) {
+    needs_keyboard_ = needed;
+    if (!needed) {
+        static_cast<void>(keyboard_was_lost());  // of screens before
+        if (bar_ == Bar::elsewhere) {
+            drop_bar();
+        }
+    }
+}
+
+void Stage::mind_keyboard() {
+    const bool elsewhere = needs_keyboard_ && keyboard_is_elsewhere();
+    if (elsewhere && (bar_ == Bar::none || bar_ == Bar::elsewhere)) {
+        const bool shown = bar_ == Bar::elsewhere;
+        bar_ = Bar::elsewhere;
+        bar_until_ns_ = monotonic_ns() + kStopQuestionNs;
+        shown ? static_cast<void>(0) : redraw();
+    } else if (!elsewhere && bar_ == Bar::elsewhere) {
+        drop_bar();
+        redraw();
+    }
 }
 
 void Stage::close_desk() {
@@ -206,21 +233,40 @@ Input Stage::read(const SDL_Event& event) {
     if (event.type == SDL_KEYDOWN) {
         return key(meant_by(event.key.keysym), event.key.keysym.mod, event.key.repeat != 0);
     }
-    if (is_release(event)) {
+    if (event.type == SDL_KEYUP && event.key.keysym.sym == SDLK_SPACE) {
         return {.kind = Input::Kind::release};
     }
     if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {
+        if (needs_keyboard_ && keyboard_is_elsewhere()) {
+            window_.take_keyboard();
+        }
         return {.kind = Input::Kind::click, .pixel = pixel(event.button.x, event.button.y)};
     }
     if (event.type == SDL_MOUSEMOTION) {
         return {.kind = Input::Kind::motion, .pixel = pixel(event.motion.x, event.motion.y)};
     }
     if (event.type == SDL_QUIT) {
-        show_bar(Bar::stop);
-    } else if (event.type == SDL_WINDOWEVENT &&
-               (event.window.event == SDL_WINDOWEVENT_EXPOSED ||
-                event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)) {
-        redraw();
+        if (on_close_) {
+            on_close_();
+        }
+        return {.kind = Input::Kind::lost, .way = "window to be closed"};
+    }
+    return event.type == SDL_WINDOWEVENT ? read_window(event) : Input{};
+}
+
+Input Stage::read_window(const SDL_Event& event) {
+    switch (event.window.event) {
+        case SDL_WINDOWEVENT_FOCUS_LOST:
+            return {.kind = Input::Kind::lost, .way = kKeyboardElsewhere};
+        case SDL_WINDOWEVENT_HIDDEN:
+        case SDL_WINDOWEVENT_MINIMIZED:
+            return {.kind = Input::Kind::lost, .way = "window hidden"};
+        case SDL_WINDOWEVENT_EXPOSED:
+        case SDL_WINDOWEVENT_SIZE_CHANGED:
+            redraw();
+            break;
+        default:
+            break;
     }
     return {};
 }
@@ -231,9 +277,15 @@ Input Stage::next(int wait_ms) {
         if (display_lost() || (interrupted_ && interrupted_())) {
             return {.kind = Input::Kind::abort};
         }
+        if (needs_keyboard_) {
+            mind_keyboard();
+        }
         if (bar_ != Bar::none && monotonic_ns() > bar_until_ns_) {
             bar_ = Bar::none;
             redraw();
+        }
+        if (!needs_keyboard_ && keyboard_was_lost()) {
+            return {.kind = Input::Kind::lost, .way = kKeyboardElsewhere};
         }
         SDL_Event event;
         // Rounded up: with 0 for the last part of a millisecond this would spin through it.
@@ -246,7 +298,14 @@ Input Stage::next(int wait_ms) {
             }
             continue;
         }
-        Input input = read(event);
+        // What SDL makes of it, as the key that it lets go then, comes after the cause.
+        const bool lost = !needs_keyboard_ && keyboard_was_lost();
+        Input input =
+            lost ? Input{.kind = Input::Kind::lost, .way = kKeyboardElsewhere} : read(event);
+        const bool begins = input.kind == Input::Kind::go || input.kind == Input::Kind::enter;
+        if (begins && needs_keyboard_ && keyboard_is_elsewhere()) {
+            continue;
+        }
         if (input.kind != Input::Kind::none) {
             input.seen_ns = monotonic_ns();
             input.uncertainty_s =

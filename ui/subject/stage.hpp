@@ -25,12 +25,14 @@ struct Input {
         right,
         click,
         motion,
-        release,  ///< Space was let go, or the window lost the keyboard
+        release,  ///< Space was let go
         stop,     ///< Escape: the force off, now
+        lost,     ///< the window lost the keyboard, was hidden or was to be closed: the same
         abort,    ///< the experimenter's second step, the operating system's signal, no display
     } kind = Kind::none;
-    int digit = 0;         ///< 1 to 9
-    engine::Vec2 pixel{};  ///< of click and motion
+    int digit = 0;              ///< 1 to 9
+    const char* way = nullptr;  ///< of lost: which
+    engine::Vec2 pixel{};       ///< of click and motion
     std::int64_t seen_ns = 0;
     double uncertainty_s =
         0.0;  ///< time since the queue was last looked at: how late it may be seen
@@ -42,18 +44,20 @@ struct Forgotten {
     bool stop = false;      ///< Escape was pressed
 };
 
-/// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q or closing the
-/// window asks, Y within 3 s stops; nothing else can end a session. Escape is one step, and ends no more
+/// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q asks, Y within 3 s
+/// stops; nothing else can end a session, closing the window neither. Escape is one step, and ends no more
 /// than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s marks the trial, and
 /// Ctrl+Shift+P asks for a pause; both say so at the lower edge.
 class Stage {
 public:
     /// @param interrupted  a signal asks the session to end
     /// @param desk         outlives this; none: its keys do nothing
+    /// @param on_close     somebody wants to close the window, which stays
     Stage(const WindowOptions& window,
           std::string watermark,
           std::function<bool()> interrupted,
-          protocols::OperatorDesk* desk = nullptr);
+          protocols::OperatorDesk* desk = nullptr,
+          std::function<void()> on_close = {});
 
     /// Shows `face` from now on, redrawn whenever the window needs it, and then names it in the window's
     /// title. Returns the time of presentation.
@@ -73,6 +77,9 @@ public:
     /// next() keeps back what might answer (keys and clicks, not Escape, a release or the chords) and may have
     /// come before this time. A key that is held on is no press afterwards either.
     void guard_until(std::int64_t ns);
+    /// From now on next() keeps back Space and Enter while the keyboard is with another window, and the lower edge
+    /// says so. A click takes it back where no window manager does.
+    void need_keyboard(bool needed);
     /// How much it kept back since guard_until().
     [[nodiscard]] std::size_t early_presses() const noexcept { return early_; }
     /// Waits, still showing the face. True if the session is to end.
@@ -86,6 +93,8 @@ public:
 
 private:
     void redraw();
+    void mind_keyboard();
+    [[nodiscard]] Input read_window(const SDL_Event& event);
     /// Of the canvas, from where the display says that the pointer is.
     [[nodiscard]] engine::Vec2 pixel(int x, int y) const;
     [[nodiscard]] Input read(const SDL_Event& event);
@@ -93,7 +102,7 @@ private:
     Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
     Input answer_question(std::int32_t symbol);
     /// What the bar at the lower edge says: questions to be answered by Y, and a notice.
-    enum class Bar : std::uint8_t { none, stop, mark, pause_comes, no_pause, over };
+    enum class Bar : std::uint8_t { none, stop, mark, pause_comes, no_pause, over, elsewhere };
     void show_bar(Bar bar);
     [[nodiscard]] std::string_view sentence_of(Bar bar) const;
     bool chord(std::int32_t symbol, std::uint16_t modifiers);
@@ -106,7 +115,9 @@ private:
     std::int64_t guarded_ns_ = 0;  ///< until then nothing answers
     std::size_t early_ = 0;
     protocols::OperatorDesk* desk_;
+    std::function<void()> on_close_;
     bool desk_closed_ = false;
+    bool needs_keyboard_ = false;
     Bar bar_ = Bar::none;
     std::int64_t bar_until_ns_ = 0;
 };

@@ -20,12 +20,17 @@ using protocols::Signal;
 /// explore() looks for presses this long, ms: often enough for 1 ms times, and the force goes on by itself.
 constexpr int kExploreWaitMs = 1;
 constexpr int kIdleWaitMs = 50;
+constexpr const char* kEscape = "Escape";
 
 }  // namespace
 
 SubjectScreen::SubjectScreen(SubjectScreenOptions options)
     : options_(std::move(options)),
-      stage_(options_.window, options_.watermark, options_.interrupted, options_.desk) {}
+      stage_(options_.window,
+             options_.watermark,
+             options_.interrupted,
+             options_.desk,
+             options_.on_close) {}
 
 /// @param heeds_desk  returns as well when the experimenter wants something
 Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
@@ -55,9 +60,9 @@ void SubjectScreen::hold(bool held) {
     }
 }
 
-void SubjectScreen::stop() {
+void SubjectScreen::stop(engine::Trip cause, const char* way) {
     if (options_.on_stop) {
-        options_.on_stop();
+        options_.on_stop(cause, way);
     }
 }
 
@@ -81,7 +86,9 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
                           .interval = trial.interval,
                           .intervals = trial.intervals});
     const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
+    stage_.need_keyboard(true);
     const Signal signal = wait_for_go(options_.dead_man, first);
+    stage_.need_keyboard(false);
     hold(signal == Signal::go_on);
     return signal;
 }
@@ -98,7 +105,10 @@ void SubjectScreen::begin_exploring() {
         hold(false);
     }
     if (forgotten.stop) {
-        stop();
+        stop(engine::Trip::stopped, kEscape);
+    }
+    if (keyboard_is_elsewhere()) {
+        stop(engine::Trip::focus_lost, "keyboard elsewhere");
     }
     if (options_.on_pointer) {
         stage_.warp_pointer(pointer_map().to_pixel(options_.start));
@@ -113,7 +123,10 @@ void SubjectScreen::pass_on(const Input& input) {
     } else if (input.kind == Input::Kind::release) {
         hold(false);
     } else if (input.kind == Input::Kind::stop) {
-        stop();
+        stop(engine::Trip::stopped, kEscape);
+    } else if (input.kind == Input::Kind::lost) {
+        stop(engine::Trip::focus_lost, input.way);
+        hold(false);  // nobody can tell any more
     }
 }
 

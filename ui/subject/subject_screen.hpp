@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/safety/trip.hpp"
 #include "protocols/trial/observer.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/picture_row.hpp"
@@ -28,8 +29,10 @@ struct SubjectScreenOptions {
     /// with the first explore() after the key was let go.
     std::function<void(bool)> on_hold;
     protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
-    /// The experimenter's key, Escape, while an object is felt: the force off, now.
-    std::function<void()> on_stop;
+    /// While an object is felt: the force off, now, for this cause and in this way. Escape, and whatever takes the
+    /// window out of the participant's sight or reach.
+    std::function<void(engine::Trip, const char*)> on_stop;
+    std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
 };
 
 /// How long the screen says right or wrong, s.
@@ -75,7 +78,7 @@ private:
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);
-    void stop();
+    void stop(engine::Trip cause, const char* way);
 
     SubjectScreenOptions options_;
     Stage stage_;

@@ -46,24 +46,29 @@ T* checked(T* made, std::string_view what) {
 constexpr int kWidth = 1280;
 constexpr int kHeight = 800;
 
-/// What panels leave of the display.
-SDL_Rect usable_bounds() {
+/// SDL counts from 0.
+int index_of(const WindowOptions& options) {
+    return std::max(options.monitor - 1, 0);
+}
+
+/// What panels leave of the monitor.
+SDL_Rect usable_bounds(int monitor) {
     SDL_Rect usable{0, 0, kWidth, kHeight};
-    if (SDL_GetDisplayUsableBounds(0, &usable) != 0) {
-        SDL_GetDisplayBounds(0, &usable);
+    if (SDL_GetDisplayUsableBounds(monitor, &usable) != 0) {
+        SDL_GetDisplayBounds(monitor, &usable);
     }
     return usable;
 }
 
-/// Where the window stands, units of the display: all of it, or three quarters in its middle, but not
+/// Where the window stands, units of the display: all of its monitor, or three quarters in its middle, but not
 /// less than the faces want, and not more than there is.
 SDL_Rect place_of(const WindowOptions& options) {
     SDL_Rect whole{0, 0, kWidth, kHeight};
     if (options.fullscreen) {
-        SDL_GetDisplayBounds(0, &whole);
+        SDL_GetDisplayBounds(index_of(options), &whole);
         return whole;
     }
-    const SDL_Rect usable = usable_bounds();
+    const SDL_Rect usable = usable_bounds(index_of(options));
     const int width =
         options.width > 0 ? options.width : std::min(usable.w, std::max(kWidth, 3 * usable.w / 4));
     const int height = options.height > 0 ? options.height
@@ -73,8 +78,8 @@ SDL_Rect place_of(const WindowOptions& options) {
 }
 
 /// Title bar and frame need their place too, which nobody knows before the window is there.
-void keep_inside(SDL_Window* window) {
-    SDL_Rect inside = usable_bounds();
+void keep_inside(SDL_Window* window, int monitor) {
+    SDL_Rect inside = usable_bounds(monitor);
     int top = 0;
     int left = 0;
     int bottom = 0;
@@ -169,7 +174,7 @@ Window::Window(const WindowOptions& options)
                                                      SDL_WINDOW_ALLOW_HIGHDPI | whole)),
                 "opening the window"));
     if (!options.fullscreen && options.width == 0) {
-        keep_inside(parts_->window.get());
+        keep_inside(parts_->window.get(), index_of(options));
     }
     SDL_Renderer* renderer = SDL_CreateRenderer(parts_->window.get(), -1, 0);
     if (renderer == nullptr) {
@@ -301,6 +306,11 @@ void Window::present() {
 
 void Window::name_screen(std::string_view name) {
     SDL_SetWindowTitle(parts_->window.get(), fmt::format("palpate: {}", name).c_str());
+}
+
+void Window::take_keyboard() {
+    SDL_RaiseWindow(parts_->window.get());
+    SDL_SetWindowInputFocus(parts_->window.get());
 }
 
 void Window::show_pointer(bool shown) {

@@ -40,6 +40,7 @@ struct Written {
 
 struct WindowOptions {
     bool fullscreen = false;
+    int monitor = 0;   ///< 1 and up, as FoundDisplay::monitors has them; 0: the first one
     int width = 0;     ///< of a window that is not full screen; 0: what suits the display, within
     int height = 0;    ///< what panels and title bars leave of it
     std::string font;  ///< TrueType file; empty: DejaVu Sans where Debian keeps it
@@ -62,6 +63,8 @@ public:
     /// Pixels of the canvas for one of the display's units, in which pointers are told: > 1 where the
     /// desktop scales small pixels up.
     [[nodiscard]] double scale() const;
+    /// Asks the desktop for the keyboard.
+    void take_keyboard();
     [[nodiscard]] const Words& words() const noexcept { return *words_; }
     [[nodiscard]] protocols::Language language() const noexcept { return language_; }
     /// What the protocol says in place of some of the words.

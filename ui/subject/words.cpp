@@ -75,9 +75,10 @@ constexpr Words kEnglish{
     .pause_comes = "Experimenter: the pause comes before the next trial",
     .no_pause = "Experimenter: no pause after all",
     .session_over = "Experimenter: the session is over; palpate mark marks its trials",
+    .keyboard_elsewhere = "Experimenter: keys go to another window; click into this one",
     .pause = "Pause",
     .please_wait = "Please wait for the experimenter.",
-    .end_of_pause = "Experimenter: Ctrl+Shift+P goes on",
+    .end_of_pause = "Experimenter: the terminal says how to go on",
 };
 
 constexpr Words kTurkish{
@@ -154,9 +155,11 @@ constexpr Words kTurkish{
     .pause_comes = "Deneyi yürüten: sıradaki denemeden önce ara verilecek",
     .no_pause = "Deneyi yürüten: ara verilmeyecek",
     .session_over = "Deneyi yürüten: oturum bitti; denemeleri palpate mark işaretler",
+    .keyboard_elsewhere =
+        "Deneyi yürüten: tuşlar başka bir pencereye gidiyor; bu pencereye tıklayın",
     .pause = "Ara",
     .please_wait = "Lütfen deneyi yürüteni bekleyin.",
-    .end_of_pause = "Deneyi yürüten: Ctrl+Shift+P ile sürer",
+    .end_of_pause = "Deneyi yürüten: nasıl sürdürüleceği terminalde yazıyor",
 };
 
 /// Of each trip, in their order; none is no trip.
@@ -189,7 +192,9 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(engine::Trip::st
         "kuvvet explore_timeout_s süresinden uzun sürdü: öteki programları kapatın ve bunu "
         "veritabanıyla birlikte bildirin",
         "katılımcı bıraktı: bitene dek tutamağı ve boşluk tuşunu bırakmayın",
-        "deneyi yürüten kuvveti kesti: Ctrl+Shift+P ile sürer"};
+        "katılımcının penceresi klavyeyi yitirdi, gizlendi ya da kapatılmak istendi: önündekini "
+        "kaldırın, ara tuşlarıyla sürdürün",
+        "kuvvet elle kesildi: deneyi yürütenin ara tuşlarıyla sürer"};
 
 }  // namespace
 

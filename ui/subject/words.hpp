@@ -32,6 +32,7 @@ struct Words {
     std::string_view moment, can_go_on, help_comes, thank_you_for_waiting, for_experimenter;
     std::string_view end, tell_experimenter;
     std::string_view stop_question, mark_question, pause_comes, no_pause, session_over;
+    std::string_view keyboard_elsewhere;
     std::string_view pause, please_wait, end_of_pause;
 };
 

@@ -1,0 +1,222 @@
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+
+#include <fcntl.h>
+#include <linux/input.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/pressed_desk.hpp"
+
+// Ways to stop a force that need no window's focus, and windows out of reach, tried on the program itself: a real
+// window, a board on a pseudo-terminal with a hand that presses, the experimenter's terminal, another shell and a
+// pipe in place of a button. Nothing is asserted about time.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::eventually;
+using tests::PressedDesk;
+using tests::PressingHand;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// The experimenter's terminal: a pseudo-terminal whose other end types.
+class Terminal {
+public:
+    Terminal() : typist_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+        grantpt(typist_);
+        unlockpt(typist_);
+        name_ = ptsname(typist_);
+        kept_ = open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+        before_ = mode();
+    }
+    Terminal(const Terminal&) = delete;
+    Terminal& operator=(const Terminal&) = delete;
+    ~Terminal() {
+        close(kept_);
+        close(typist_);
+    }
+    void type(const char* keys) const { REQUIRE(write(typist_, keys, std::strlen(keys)) > 0); }
+    [[nodiscard]] bool as_before() const {
+        const termios now = mode();
+        return std::memcmp(now.c_cc, before_.c_cc, sizeof now.c_cc) == 0 &&
+               now.c_lflag == before_.c_lflag;
+    }
+    [[nodiscard]] const std::string& name() const { return name_; }
+
+private:
+    [[nodiscard]] termios mode() const {
+        termios now{};
+        tcgetattr(kept_, &now);
+        return now;
+    }
+    int typist_;
+    int kept_ = -1;
+    std::string name_;
+    termios before_{};
+};
+
+/// A pipe in place of a button. A process of its own keeps it open: a child of the test would go on doing so.
+class Button {
+public:
+    explicit Button(std::string file) : file_(std::move(file)) {
+        mkfifo(file_.c_str(), 0600);
+        plug_in();
+    }
+    void plug_in() {
+        holder_ = std::make_unique<tests::Process>(
+            std::vector<std::string>{"sh", "-c", "exec sleep 1000 <> " + file_});
+        REQUIRE(eventually([&] {
+            const int end = open_end();
+            close(end);
+            return end >= 0;
+        }));
+    }
+    void unplug() { holder_.reset(); }
+    void send(int value) const {
+        input_event event{};
+        event.type = EV_KEY;
+        event.code = BTN_0;
+        event.value = value;
+        const int end = open_end();
+        CHECK(write(end, &event, sizeof event) == sizeof event);
+        close(end);
+    }
+
+private:
+    [[nodiscard]] int open_end() const {
+        return open(file_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    }
+    std::string file_;
+    std::unique_ptr<tests::Process> holder_;
+};
+
+/// A force that one way after the other ends, and the experimenter's chord after each.
+class StoppedDesk {
+public:
+    StoppedDesk(const Terminal& terminal, const std::string& button)
+        : desk_(PressingHand::Does::presses,
+                {std::string(tests::kTerminal) + "=" + terminal.name()},
+                false,
+                {"--stop-button", button}) {}
+
+    /// Feels an object, does what ends it, and looks at what came of it.
+    void ends(const std::string& way, const std::string& cause, const std::function<void()>& act) {
+        CAPTURE(way);
+        REQUIRE(desk_.feel());
+        const std::string before = stops(way);
+        act();
+        CHECK(desk_.force_ends());
+        CHECK(desk_.stays_off());
+        desk_.session->wait_for_screen("trouble");
+        desk_.session->hand().release("space");
+        CHECK(stops(way) != before);
+        CHECK(desk_.session->ask("SELECT trial.fault_cause FROM event JOIN trial USING (trial_id) "
+                                 "WHERE event_kind = 'stop' ORDER BY event_id DESC LIMIT 1") ==
+              cause);
+    }
+    /// Space does not go on, the chord does.
+    void goes_on() {
+        session().wait_for_screen("trouble");
+        tests::pause(0.3);
+        session().hand().focus(session().hand().find_window("palpate: "));
+        session().hand().key("space");
+        tests::pause(0.3);
+        CHECK(session().screen_name() == "trouble");
+        for (int tries = 0; tries < 20 && session().screen_name() == "trouble"; ++tries) {
+            session().hand().chord("p");
+            tests::pause(0.5);
+        }
+        session().wait_for_screen("ready");
+    }
+    [[nodiscard]] std::string stops(const std::string& way) const {
+        return desk_.session->ask(
+            "SELECT count(*) FROM event WHERE event_kind = 'stop' AND value = '" + way + "'");
+    }
+    [[nodiscard]] tests::WindowSession& session() { return *desk_.session; }
+    [[nodiscard]] tests::XHand::Window window() {
+        return session().hand().find_window("palpate: ");
+    }
+    [[nodiscard]] PressedDesk& desk() { return desk_; }
+
+private:
+    PressedDesk desk_;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "whoever takes the window away, types at the terminal, calls from a shell or presses the "
+    "button ends the "
+    "force, and the experimenter's chord alone goes on",
+    "[window][haply][safety][law]") {
+    const TemporaryFolder folder;
+    const Terminal terminal;
+    Button button(folder.file("button"));
+    StoppedDesk stopped(terminal, folder.file("button"));
+    PressedDesk& desk = stopped.desk();
+    tests::XHand& hand = stopped.session().hand();
+
+    stopped.ends("keyboard elsewhere", "focus_lost", [&] { hand.take_keyboard_away(); });
+    stopped.goes_on();
+    stopped.ends("terminal", "stopped", [&] { terminal.type("\x1b"); });
+    stopped.goes_on();
+    stopped.ends("terminal", "stopped", [&] { terminal.type("\n"); });
+    stopped.goes_on();
+    stopped.ends("palpate stop", "stopped", [&] {
+        const tests::Finished told = tests::palpate_command({"stop", desk.file});
+        CAPTURE(told.out, told.error);
+        CHECK(told.code == 0);
+        CHECK_THAT(told.out, ContainsSubstring("No force any more in 1 session") &&
+                                 ContainsSubstring("participant P1"));
+    });
+    stopped.goes_on();
+    stopped.ends("stop button", "stopped", [&] { button.send(1); });
+    tests::pause(0.3);  // and is still held
+    hand.chord("p");
+    tests::pause(1.0);
+    CHECK(stopped.session().screen_name() == "trouble");
+    button.send(0);
+    stopped.goes_on();
+    stopped.ends("window to be closed", "focus_lost", [&] { hand.ask_to_close(stopped.window()); });
+    CHECK_THAT(stopped.session().program().out(), ContainsSubstring("was to be closed, and stays"));
+    stopped.goes_on();
+
+    // Between trials: no force until the chord, and no trial has begun.
+    const std::string begun = stopped.session().ask("SELECT count(*) FROM trial");
+    CHECK(tests::palpate_command({"stop", desk.file}).code == 0);
+    stopped.goes_on();
+    hand.ask_to_close(stopped.window());  // nothing comes of it
+    tests::pause(0.3);
+    CHECK(stopped.session().screen_name() == "ready");
+    const std::uint64_t before = hand.pixels(stopped.window());
+    hand.take_keyboard_away();
+    CHECK(eventually([&] { return hand.pixels(stopped.window()) != before; }));  // it says so
+    hand.focus(stopped.window());
+    CHECK(eventually([&] { return hand.pixels(stopped.window()) == before; }));
+    CHECK(stopped.session().ask("SELECT count(*) FROM trial") == begun);
+
+    // A button that is gone: no force, whatever anybody presses, until it is there again.
+    stopped.ends("stop button gone", "stopped", [&] { button.unplug(); });
+    hand.chord("p");
+    tests::pause(1.0);
+    CHECK(stopped.session().screen_name() == "trouble");
+    button.plug_in();
+    stopped.session().wait_for_text("The stop button is there again");
+    stopped.goes_on();
+
+    REQUIRE(desk.feel());
+    hand.hide(stopped.window());
+    CHECK(desk.force_ends());
+    CHECK(desk.stays_off());
+    stopped.session().program().signal(SIGTERM);
+    CHECK(stopped.session().finish().code == 3);
+    CHECK(terminal.as_before());
+    CHECK(tests::palpate_command({"stop", desk.file}).code == 1);
+    CHECK(tests::palpate_command({"verify", desk.file}).code == 0);
+}

@@ -1,0 +1,56 @@
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/rig/stop_call.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct StopOptions {
+    std::optional<std::string> database;
+};
+
+void declare(CommandWords& words, StopOptions& options) {
+    words.add("FILE", options.database,
+              "The database of the session; without it every session of this user");
+}
+
+int run(const StopOptions& options) {
+    if (std::error_code unknown;
+        options.database && !std::filesystem::exists(*options.database, unknown)) {
+        throw std::invalid_argument(fmt::format("{}: there is no such file", *options.database));
+    }
+    const Stopped stopped = stop_sessions(options.database);
+    if (stopped.sessions > 0) {
+        say("No force any more in {}:\n{}Ctrl+Shift+P at the participant's screen goes on.\n",
+            counted(stopped.sessions, "session"), stopped.labels);
+        return 0;
+    }
+    if (options.database && stopped.refused > 0) {
+        throw std::runtime_error(
+            fmt::format("{}: a session runs on it, and only who may write to it, or runs it, can "
+                        "stop it: nothing was stopped",
+                        *options.database));
+    }
+    throw std::runtime_error(
+        options.database
+            ? fmt::format("{}: no session runs on it in a window: nothing was "
+                          "stopped; palpate stop without a file stops all of yours",
+                          *options.database)
+            : std::string("no session of yours runs in a window: nothing was stopped"));
+}
+
+}  // namespace
+
+Command stop_command() {
+    return make_command<StopOptions>("stop", "Switch the force of a running session off", declare,
+                                     run);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,209 @@
+#include "ui/rig/stop_call.hpp"
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::string_view kPrefix = "palpate-stop/";
+constexpr int kSessions = 8;     ///< of one file
+constexpr int kCallerMs = 20;    ///< a caller's time to show its right
+constexpr int kAnswerMs = 2000;  ///< a session's time to answer
+
+class Descriptor {
+public:
+    explicit Descriptor(int number) : number_(number) {}
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor() {
+        if (number_ >= 0) {
+            close(number_);
+        }
+    }
+    [[nodiscard]] int get() const { return number_; }
+
+private:
+    int number_;
+};
+
+std::string name_of(const struct stat& file, int k) {
+    return fmt::format("{}{:x}-{:x}-{}", kPrefix, file.st_dev, file.st_ino, k);
+}
+
+/// An abstract name: the first byte is 0.
+std::pair<sockaddr_un, socklen_t> address_of(std::string_view name) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size())};
+}
+
+bool readable(int descriptor, int wait_ms) {
+    pollfd one{.fd = descriptor, .events = POLLIN, .revents = 0};
+    return poll(&one, 1, wait_ms) > 0;
+}
+
+/// One byte, and with it an open file (< 0: none).
+void send_right(int to, int file) {
+    char byte = 's';
+    iovec part{.iov_base = &byte, .iov_len = 1};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    if (file >= 0) {
+        message.msg_control = room.data();
+        message.msg_controllen = room.size();
+        cmsghdr* head = CMSG_FIRSTHDR(&message);
+        head->cmsg_level = SOL_SOCKET;
+        head->cmsg_type = SCM_RIGHTS;
+        head->cmsg_len = CMSG_LEN(sizeof file);
+        std::memcpy(CMSG_DATA(head), &file, sizeof file);
+    }
+    static_cast<void>(sendmsg(to, &message, MSG_NOSIGNAL));
+}
+
+/// The open file that comes with a call; -1: none.
+int received_right(int from) {
+    char byte = 0;
+    iovec part{.iov_base = &byte, .iov_len = 1};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = room.data();
+    message.msg_controllen = room.size();
+    if (recvmsg(from, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) < 0) {
+        return -1;
+    }
+    const cmsghdr* head = CMSG_FIRSTHDR(&message);
+    if (head == nullptr || head->cmsg_type != SCM_RIGHTS) {
+        return -1;
+    }
+    int file = -1;
+    std::memcpy(&file, CMSG_DATA(head), sizeof file);
+    return file;
+}
+
+/// Of every session on this machine.
+std::vector<std::string> all_names() {
+    std::vector<std::string> names;
+    std::ifstream table("/proc/net/unix");
+    for (std::string line; std::getline(table, line);) {
+        const std::size_t at = line.find("@" + std::string(kPrefix));
+        const bool listens = line.find(" 00010000 ") != std::string::npos;
+        if (at != std::string::npos && listens) {
+            names.push_back(line.substr(at + 1));
+        }
+    }
+    return names;
+}
+
+/// @return whether somebody listens there
+bool call(const std::string& name, int file, Stopped& stopped) {
+    const Descriptor line(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const auto [address, length] = address_of(name);
+    if (connect(line.get(), reinterpret_cast<const sockaddr*>(&address), length) != 0) {  // NOLINT
+        return false;
+    }
+    send_right(line.get(), file);
+    std::string label;
+    std::array<char, 512> piece{};
+    while (readable(line.get(), kAnswerMs)) {
+        const ssize_t got = read(line.get(), piece.data(), piece.size());
+        if (got <= 0) {
+            break;
+        }
+        label.append(piece.data(), static_cast<std::size_t>(got));
+    }
+    (label.empty() ? stopped.refused : stopped.sessions) += 1;
+    stopped.labels += label;
+    return true;
+}
+
+}  // namespace
+
+StopCall::StopCall(const std::string& database, std::string label) : label_(std::move(label)) {
+    struct stat file {};
+    if (stat(database.c_str(), &file) != 0) {
+        return;
+    }
+    device_ = file.st_dev;
+    inode_ = file.st_ino;
+    for (int k = 0; k < kSessions && descriptor_ < 0; ++k) {
+        descriptor_ = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+        const auto [address, length] = address_of(name_of(file, k));
+        if (descriptor_ >= 0 && (bind(descriptor_, reinterpret_cast<const sockaddr*>(&address),
+                                      length) != 0 ||  // NOLINT
+                                 listen(descriptor_, 16) != 0)) {
+            close(descriptor_);
+            descriptor_ = -1;
+        }
+    }
+}
+
+StopCall::~StopCall() {
+    if (descriptor_ >= 0) {
+        close(descriptor_);
+    }
+}
+
+int StopCall::allowed_caller() const noexcept {
+    const int caller = accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (caller < 0) {
+        return -1;
+    }
+    ucred who{};
+    socklen_t size = sizeof who;
+    const bool known = getsockopt(caller, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0;
+    if (known && (who.uid == geteuid() || who.uid == 0)) {
+        return caller;
+    }
+    const Descriptor right(readable(caller, kCallerMs) ? received_right(caller) : -1);
+    struct stat file {};
+    const bool same = right.get() >= 0 && fstat(right.get(), &file) == 0 &&
+                      file.st_dev == device_ && file.st_ino == inode_;
+    if (same && (fcntl(right.get(), F_GETFL) & O_ACCMODE) != O_RDONLY) {
+        return caller;
+    }
+    close(caller);
+    return -1;
+}
+
+void StopCall::answer(int caller) const noexcept {
+    static_cast<void>(send(caller, label_.data(), label_.size(), MSG_NOSIGNAL | MSG_DONTWAIT));
+    close(caller);
+}
+
+Stopped stop_sessions(const std::optional<std::string>& database) {
+    Stopped stopped;
+    if (!database) {
+        for (const std::string& name : all_names()) {
+            call(name, -1, stopped);
+        }
+        return stopped;
+    }
+    const Descriptor file(open(database->c_str(), O_RDWR | O_CLOEXEC));
+    struct stat there {};
+    if (stat(database->c_str(), &there) == 0) {
+        for (int k = 0; k < kSessions; ++k) {
+            call(name_of(there, k), file.get(), stopped);
+        }
+    }
+    return stopped;
+}
+
+}  // namespace palpate::ui

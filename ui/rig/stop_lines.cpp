@@ -1,0 +1,168 @@
+#include "ui/rig/stop_lines.hpp"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <exception>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr int kWaitMs =
+    50;  ///< until the thread looks whether it is to end, and for a button that is gone
+constexpr cc_t kEscape = 27;
+
+std::atomic<int> answers{0};
+
+/// A shell's background job may neither read the terminal nor set it.
+bool in_foreground() {
+    return tcgetpgrp(STDIN_FILENO) == getpgrp();
+}
+
+/// What was typed before nobody meant. A pipe that never ends is given up.
+void forget_typed() {
+    std::array<char, 4096> bytes{};
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    for (int i = 0; i < 16 && poll(&input, 1, 0) > 0 && (input.revents & POLLIN) != 0; ++i) {
+        if (read(STDIN_FILENO, bytes.data(), bytes.size()) <= 0) {
+            return;
+        }
+    }
+}
+
+/// Signals are for the threads that were there before.
+class AllSignalsBlocked {
+public:
+    AllSignalsBlocked() {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    AllSignalsBlocked(const AllSignalsBlocked&) = delete;
+    AllSignalsBlocked& operator=(const AllSignalsBlocked&) = delete;
+    ~AllSignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+private:
+    sigset_t before_{};
+};
+
+}  // namespace
+
+TypedAnswer::TypedAnswer() {
+    ++answers;
+}
+
+TypedAnswer::~TypedAnswer() {
+    --answers;
+}
+
+StopLines::StopLines(const std::string& database,
+                     std::string label,
+                     std::shared_ptr<StopButton> button,
+                     Acts acts)
+    : call_(database, std::move(label)), button_(std::move(button)), acts_(std::move(acts)) {
+    struct stat input {};
+    const bool there = fstat(STDIN_FILENO, &input) == 0;
+    terminal_ = there && isatty(STDIN_FILENO) != 0 && in_foreground() &&
+                tcgetattr(STDIN_FILENO, &before_) == 0;
+    listens_ = terminal_ || (there && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode)));
+    if (listens_) {
+        forget_typed();
+    }
+    if (terminal_) {
+        termios with_escape = before_;
+        with_escape.c_cc[VEOL] = kEscape;
+        tcsetattr(STDIN_FILENO, TCSANOW, &with_escape);
+    }
+    const AllSignalsBlocked blocked;
+    thread_ = std::thread([this] { live(); });
+}
+
+StopLines::~StopLines() {
+    end_ = true;
+    thread_.join();
+    if (terminal_) {
+        const AllSignalsBlocked blocked;  // SIGTTOU would stop a job that went into the background
+        tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+    }
+}
+
+void StopLines::live() noexcept {
+    while (!end_) {
+        try {
+            const bool types = listens_ && answers == 0 && (!terminal_ || in_foreground());
+            const auto reads = [](int descriptor) {
+                return pollfd{.fd = descriptor, .events = POLLIN, .revents = 0};
+            };
+            std::array lines{reads(types ? STDIN_FILENO : -1), reads(call_.descriptor()),
+                             reads(button_ ? button_->descriptor() : -1)};
+            static_cast<void>(poll(lines.data(), lines.size(), kWaitMs));
+            if (lines[2].revents != 0) {
+                look_at_button();
+            }
+            if (lines[1].revents != 0) {
+                call_.take([&] { acts_.stop("palpate stop"); });
+            }
+            if (lines[0].revents != 0 && answers == 0) {
+                look_at_terminal();
+            }
+            if (button_ && button_->descriptor() < 0) {
+                await_button();
+            }
+        } catch (const std::exception&) {  // no memory for a sentence: the force went off before it
+        }
+    }
+}
+
+/// A piece of a line stops nothing in a pipe, and in a terminal no piece comes.
+void StopLines::look_at_terminal() {
+    std::array<char, 4096> bytes{};
+    const ssize_t got = read(STDIN_FILENO, bytes.data(), bytes.size());
+    if (got > 0) {
+        for (ssize_t i = 0; i < got; ++i) {
+            const char byte = bytes[static_cast<std::size_t>(i)];
+            if (byte == '\n' || (terminal_ && byte == static_cast<char>(kEscape))) {
+                acts_.stop(terminal_ ? "terminal" : "standard input");
+                return;
+            }
+        }
+    } else if ((got == 0 && !terminal_) || (got < 0 && errno != EINTR && errno != EAGAIN)) {
+        listens_ = false;
+    } else if (got == 0) {
+        poll(nullptr, 0,
+             kWaitMs);  // the end of a terminal's input is no end: Ctrl+D, or it hangs up
+    }
+}
+
+void StopLines::look_at_button() {
+    switch (button_->look()) {
+        case StopButton::Seen::nothing:
+            break;
+        case StopButton::Seen::pressed:
+            acts_.stop("stop button");
+            break;
+        case StopButton::Seen::gone:
+            acts_.bar("the stop button is gone: plug it in again");
+            acts_.stop("stop button gone");
+            return;
+    }
+    acts_.bar(button_->down() ? "the stop button is pressed: release it" : nullptr);
+}
+
+void StopLines::await_button() {
+    if (button_->reopen()) {
+        acts_.bar(nullptr);
+        say("The stop button is there again.\n");
+    }
+}
+
+}  // namespace palpate::ui

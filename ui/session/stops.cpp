@@ -1,0 +1,45 @@
+#include "ui/session/stops.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "protocols/session/trouble.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/subject/display.hpp"
+
+namespace palpate::ui {
+
+std::unique_ptr<StopLines> stop_lines(const data::Database& database,
+                                      const RigSpec& spec,
+                                      protocols::Apparatus& apparatus,
+                                      protocols::OperatorDesk& desk) {
+    const auto stop = [&apparatus, &desk](const char* way) {
+        desk.stop(way);
+        apparatus.stop(engine::Trip::stopped);
+        say("Stopped ({}): no force until Ctrl+Shift+P at the participant's screen.\n", way);
+    };
+    const auto bar = [&desk](const char* why) {
+        desk.bar(why);
+    };
+    return std::make_unique<StopLines>(
+        database.file(),
+        fmt::format("{}, participant {}, {}\n", spec.study.protocol.id, spec.key.participant,
+                    std::filesystem::absolute(database.file()).string()),
+        spec.stop_button, StopLines::Acts{.stop = stop, .bar = bar});
+}
+
+void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why) {
+    warn(
+        "{}\nThe participant's screen says \"one moment\". Enter here, or Ctrl+Shift+Q then Y "
+        "there, closes it.",
+        why);
+    static_cast<void>(desk.take_stop());
+    while (!display_lost() && !interrupted() && desk.take_stop() == nullptr &&
+           screen.trouble({.sentence = why}) != protocols::Signal::abort) {
+        protocols::sleep_for(protocols::kTroubleSlice);
+    }
+}
+
+}  // namespace palpate::ui
