@@ -89,7 +89,7 @@ PulseRunner::PulseRunner(Device& device, const Machine& machine, double period, 
 }
 
 PulseRunner::~PulseRunner() {
-    device_->press(Vec3{});
+    device_->prove_zero();
 }
 
 PulseRunner::Tick PulseRunner::tick(const Vec3& force) {
@@ -185,7 +185,11 @@ Pulse PulseRunner::give_once(const Vec3& direction, const PulsePlan& plan) {
         }
         force = pulse.turn == 0 ? pulse.force : k + 1 < 2 * pulse.turn ? -pulse.force : Vec3{};
     }
-    device_->press(Vec3{});
+    if (pulse.trip == Trip::none) {
+        device_->press(Vec3{});
+    } else {
+        device_->prove_zero();
+    }
     return pulse;
 }
 

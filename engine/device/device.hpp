@@ -93,6 +93,16 @@ public:
         static_cast<void>(hip);
         return std::nullopt;
     }
+    /// Force off, proved: after a trip, whoever caused it, and before nobody reads it any more. Takes what
+    /// it takes, at most a second; a device that answers has proved it within 50 ms.
+    /// @return false: nothing says that the motors are off; read() has a fault from then on
+    virtual bool prove_zero() noexcept {
+        write(Vec2{});
+        return true;
+    }
+    /// Every millisecond from prove_zero() on, while nobody reads: what was proved stays true. Others may
+    /// speak to a port as well.
+    virtual void keep_off() noexcept {}
     /// Between trials, never while a servo ticks: makes a device that failed work again. Returns at
     /// once or after little more than a second. @return false while it is still away
     [[nodiscard]] virtual bool reconnect() { return true; }

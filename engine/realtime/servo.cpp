@@ -118,6 +118,9 @@ ServoStatus VirtualServo::advance() {
     for (std::int64_t i = 0; i < slice && !faulted(); ++i) {
         const std::int64_t time = ticks_++ * period_ns_;
         run_tick(time, time, 0, true);
+        if (faulted()) {
+            loop_.prove_zero();
+        }
     }
     wait_for_wall_clock();
     return faulted() ? ServoStatus::faulted : ServoStatus::running;

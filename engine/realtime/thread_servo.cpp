@@ -18,6 +18,7 @@ namespace {
 /// How often a parked thread looks for an order: a trial may begin that much later, which nobody feels, and the
 /// processor rests while people read.
 constexpr std::int64_t kParkedNs = 4'000'000;
+constexpr std::int64_t kLeftNs = 1'000'000;  ///< the same where it keeps the force off meanwhile
 /// How often who gave an order looks whether it was carried out.
 constexpr auto kPatience = std::chrono::microseconds(500);
 
@@ -120,6 +121,7 @@ void ThreadServo::live() noexcept {
     for (;;) {
         const std::uint64_t word = order_.load(std::memory_order_acquire);
         if (word != done_.load(std::memory_order_relaxed)) {
+            left_ = false;
             const auto order = static_cast<Order>(word % 8);  // finish: a fault was quicker
             if (order == Order::run || order == Order::rest) {
                 work();
@@ -131,7 +133,10 @@ void ThreadServo::live() noexcept {
                 return;
             }
         }
-        sleep_until(monotonic_ns() + kParkedNs);
+        if (left_) {
+            loop_.keep_off();
+        }
+        sleep_until(monotonic_ns() + (left_ ? kLeftNs : kParkedNs));
     }
 }
 
@@ -179,6 +184,7 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     taken_ = word;
     switch (static_cast<Order>(word % 8)) {
         case Order::run:
+            idle_fault_ = DeviceFault::none;
             loop_.begin(scene_, rest_s(deadline_ns));
             start_ns_.store(deadline_ns, std::memory_order_relaxed);
             stand(State::running);
@@ -189,16 +195,17 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
             stand(State::ramping);
             break;
         case Order::rest:
+            idle_fault_ = DeviceFault::none;
             stand(State::resting);
             done();
             break;
         case Order::park:
-            loop_.silence();
+            loop_.prove_zero();
             stand(State::parked);
             done();
             return false;
         case Order::quit:
-            loop_.silence();
+            loop_.prove_zero();
             stand(State::parked);
             return false;
         case Order::none:
@@ -208,22 +215,42 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     return true;
 }
 
+/// Nobody reads the device any more: zero is proved, then the state is told.
+void ThreadServo::leave(State state) noexcept {
+    loop_.prove_zero();
+    left_ = true;
+    stand(state);
+}
+
+/// @return false: a fault that more reading will not heal
+bool ThreadServo::one_rest(const Wake& wake) noexcept {
+    const DeviceFault before = idle_fault_;
+    run_idle(wake.now_ns);
+    if (is_gone(idle_fault_)) {
+        leave(State::parked);
+        return false;
+    }
+    const bool failed =
+        idle_fault_ != DeviceFault::none && idle_fault_ != DeviceFault::unreachable;
+    if (failed && idle_fault_ != before) {
+        loop_.prove_zero();
+    } else if (failed) {
+        loop_.keep_off();
+    }
+    return true;
+}
+
 /// @return false: a fault, zero was written
 bool ThreadServo::one_tick(const Wake& wake) noexcept {
     if (state() == State::resting) {
-        run_idle(wake.now_ns);
-        if (is_gone(idle_fault_)) {
-            stand(State::parked);
-        }
-        return !is_gone(idle_fault_);
+        return one_rest(wake);
     }
     const bool enable = state() == State::running;
     const std::int64_t start = start_ns_.load(std::memory_order_relaxed);
     run_tick(wake.now_ns - start, wake.now_ns, wake.lateness_ns, enable);
     last_tick_ns_ = wake.now_ns;
     if (faulted()) {
-        loop_.silence();
-        stand(State::faulted);
+        leave(State::faulted);
         return false;
     }
     if (!enable && --ramp_left_ <= 0) {

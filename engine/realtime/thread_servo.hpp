@@ -16,7 +16,7 @@ namespace palpate::engine {
 /// the device makes. begin(), end(), park() and unpark() hand it one order at a time, in one atomic
 /// word that it looks at once a tick; they return when it has carried the order out.
 ///
-///     parked   the device is not touched. At the start, after park(), and after a fault
+///     parked   the device is not touched. At the start and after park(); after a fault it is kept off
 ///     resting  read every tick, zero force: latest() moves with the hand
 ///     running  a trial
 ///
@@ -60,6 +60,8 @@ private:
     [[nodiscard]] bool obey(std::int64_t deadline_ns) noexcept;
     [[nodiscard]] double rest_s(std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool one_tick(const Wake& wake) noexcept;
+    [[nodiscard]] bool one_rest(const Wake& wake) noexcept;
+    void leave(State state) noexcept;
     void stand(State state) noexcept { state_.store(state, std::memory_order_release); }
     void done() noexcept { done_.store(taken_, std::memory_order_release); }
     [[nodiscard]] State state() const noexcept { return state_.load(std::memory_order_acquire); }
@@ -74,6 +76,7 @@ private:
 
     // The thread's own.
     std::uint64_t taken_ = 0;  ///< the last order that it looked at
+    bool left_ = false;        ///< parked by a fault: it keeps the force off until the next order
     std::int64_t ramp_left_ = 0;
     std::int64_t last_tick_ns_ = 0;  ///< of any trial; 0: none yet
     AdaptiveSpin spin_;

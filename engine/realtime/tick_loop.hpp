@@ -71,6 +71,9 @@ public:
 
     /// Zero force now, whatever the ramp says.
     void silence() noexcept;
+    /// The same, proved. See Device.
+    void prove_zero() noexcept { device_->prove_zero(); }
+    void keep_off() noexcept { device_->keep_off(); }
 
     /// Why the force is off; none while it is not.
     [[nodiscard]] Trip trip() const noexcept { return safety_.trip; }

@@ -1,6 +1,7 @@
 #include <csignal>
 #include <fstream>
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -261,4 +262,24 @@ TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then
     waitpid(careless, nullptr, 0);
     CHECK(off(board));
     CHECK(stays_off(board));
+}
+
+TEST_CASE("a guard that is to repeat zeros does so while its driver sleeps, whoever else speaks",
+          "[guard][law]") {
+    EmulatedBoard board(haply_machine(), guided_hand());
+    const auto device = open_haply(board.path(), haply_machine());  // nobody ticks yet
+    REQUIRE(board.motors().off());
+    const int stranger = open(board.path().c_str(), O_WRONLY | O_NOCTTY);
+    if (stranger < 0) {
+        WARN("TIOCEXCL bars everybody but root: nobody else can speak");
+        return;
+    }
+    const HaplyPacket foreign = *torque_packet(5, {0.1, 0.1});
+    const auto sent = [&] {
+        static_cast<void>(write(stranger, foreign.bytes.data(), foreign.size) < 0);
+        return !board.motors().off();
+    };
+    CHECK(eventually(sent));
+    CHECK(off(board));
+    close(stranger);
 }

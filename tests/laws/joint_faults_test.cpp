@@ -44,13 +44,16 @@ enum class Cause : std::uint8_t {
     stopped,
     encoders_die,  ///< all at once: their supply
     focus_lost,
+    misread,       ///< a packet is read as a reset
+    stranger,      ///< another program's torques, one each ms
     count,
 };
 
 struct Event {
     Cause cause = Cause::count;
-    int at = 0;    ///< ms since the trial began
-    int size = 0;  ///< ms of a stall; bytes that are left of a packet, but for whole tens
+    int at = 0;  ///< ms since the trial began
+    int size =
+        0;  ///< ms of a stall or of a stranger; bytes that are left of a packet, but for whole tens
 };
 
 constexpr double kMs = 1e-3;
@@ -63,6 +66,9 @@ constexpr double kGuardPatience = 0.028;
 constexpr double kScreen = 0.254;
 constexpr double kStill = kStillTrip + 0.004;
 constexpr double kSoon = 0.006;
+/// s until zero is proved on a board that answers; on one that does not, or that more befalls, set up anew.
+constexpr double kProof = 0.050;
+constexpr double kAnew = 0.7;
 
 /// ms that half a packet may stay the last word: the guard's zeros to a host that hangs are so far apart.
 constexpr int kAstray = 6;
@@ -79,6 +85,8 @@ public:
     }
     [[nodiscard]] std::string name() const override { return device_->name(); }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return device_->traits(); }
+    bool prove_zero() noexcept override { return device_->prove_zero(); }
+    void keep_off() noexcept override { device_->keep_off(); }
 
     double strongest = 0.0;
     Vec2 last{};
@@ -144,6 +152,7 @@ public:
             return event.cause == Cause::encoders_die;
         });
         const int end = dead ? 640 : screen ? 420 : 200;
+        alone_ = events.size() == 1;
         bool pressed = false;
         for (int ms = 0; ms < end; ++ms) {
             for (const Event& event : events) {
@@ -154,6 +163,7 @@ public:
             if (!encoders_dead_) {
                 plant_->lead(way(ms));
             }
+            meddle();
             if (host_alive_ && now() >= stalled_until_) {
                 tick(loop, device, events.empty(), tally);
             }
@@ -231,6 +241,8 @@ private:
                 break;
             case Cause::host_dies:
                 if (host_alive_) {
+                    excused_ = excused_ > now() ? kNever : excused_;
+                    foreign_ = 0;
                     died_ = now();
                     host_alive_ = false;
                     host_deadline_ = kNever;
@@ -239,6 +251,7 @@ private:
                 break;
             case Cause::guard_dies:
                 guard_.alive = false;
+                foreign_ = open_ ? foreign_ : 0;
                 host_due(kSoon);
                 if (!host_alive_ && zeros_ == 0) {  // both at once: the board alone is left
                     deadline_ = open_ ? std::max(deadline_, died_ + kWatchdog) : kNever;
@@ -261,6 +274,15 @@ private:
             case Cause::encoders_die:
                 encoders_dead_ = true;
                 break;
+            case Cause::misread:
+                cable_->spoil_next(2);
+                if (!open_) {
+                    excuse(alone_ ? kProof : kAnew);
+                }
+                break;
+            case Cause::stranger:
+                foreign_ = event.size;
+                break;
             case Cause::count:
                 break;
         }
@@ -274,11 +296,35 @@ private:
         }
     }
 
+    /// Nobody is left to end a torque that came from elsewhere, or it takes a while.
+    void excuse(double within) {
+        const bool nobody = !host_alive_ || !guard_.alive;
+        excused_ = std::max(excused_,
+                            nobody && !open_ ? kNever : std::max(now(), stalled_until_) + within);
+    }
+
+    void meddle() {
+        if (foreign_ > 0 && cable_->plugged()) {
+            --foreign_;
+            const auto seq = static_cast<std::uint16_t>(random_->below(65536));
+            if (open_) {
+                board_->receive(open_frame(open_torque(seq, {100'000, 100'000})).view());
+            } else {
+                board_->receive(torque_packet(machine_.haply->id, {0.1, 0.1})->view());
+            }
+            excuse(alone_ ? kProof : kAnew);
+        }
+    }
+
     void tick(TickLoop& loop, const Watched& device, bool sound, JointTally& tally) {
         const std::int64_t stalled =
             last_tick_ns_ == 0 ? 0 : cable_->now_ns() - last_tick_ns_ - 1'000'000;
         last_tick_ns_ = cable_->now_ns();
         const Trip before = loop.trip();
+        if (before != Trip::none) {
+            loop.keep_off();
+            return;
+        }
         const TickRecord record =
             loop.tick({.time_ns = cable_->now_ns() - began_,
                        .lateness_ns = stalled > 500'000 ? stalled : 0,
@@ -292,6 +338,7 @@ private:
                               ticks.back().command == Vec2{};
             tally.not_recorded += kept ? 0 : 1;
             tally.false_trips += sound ? 1 : 0;
+            loop.prove_zero();
         }
         if (loop.trip() != Trip::none) {
             const bool latched = device.last == Vec2{} && record.command == Vec2{} &&
@@ -316,6 +363,8 @@ private:
             if (zeros_ <= 5 || (hung && zeros_ % 5 == 0)) {
                 static_cast<void>(cable_->plugged() && cable_->send(guard_.zero));
             }
+        } else if (guard_.repeats && ++looks_ % 20 == 0) {
+            static_cast<void>(cable_->plugged() && cable_->send(guard_.zero));
         }
     }
 
@@ -323,7 +372,7 @@ private:
         const Vec2 torque = board_->torque();
         const double most = machine_.pantograph.axes[0].torque_limit * (1.0 + 1e-3);
         tally.over_limit += std::fabs(torque.x) <= most && std::fabs(torque.y) <= most ? 0 : 1;
-        const bool due = now() > std::min(deadline_, host_deadline_);
+        const bool due = now() > std::max(std::min(deadline_, host_deadline_), excused_);
         // Half a packet makes a Haply board give any torque until the next one, also after a trip.
         astray_ += due && torque != Vec2{} ? 1 : 0;
         tally.not_zero_in_time += astray_ > kAstray * cuts_ ? 1 : 0;
@@ -351,6 +400,10 @@ private:
     bool encoders_dead_ = false;
     bool held_ = true;
     Trip stop_ = Trip::none;
+    bool alone_ = true;         ///< one event befalls it
+    double excused_ = -kNever;  ///< until then a torque may be on that palpate did not give
+    int foreign_ = 0;           ///< packets that a stranger still sends
+    int looks_ = 0;
     int zeros_ = 0;
     int cuts_ = 0;    ///< packets cut on the way to a Haply board
     int astray_ = 0;  ///< ms with a torque when there should be none

@@ -1,6 +1,7 @@
 #include "tests/support/board_link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace palpate::tests {
 namespace {
@@ -30,7 +31,12 @@ bool BoardCable::send(std::span<const std::uint8_t> packet) {
     const std::size_t size = std::min(cut_.value_or(packet.size()), packet.size());
     cut_.reset();
     sent_.emplace_back(packet.begin(), packet.end());
-    board_->receive(packet.first(size));
+    std::vector<std::uint8_t> arrives(packet.begin(),
+                                      packet.begin() + static_cast<std::ptrdiff_t>(size));
+    if (!arrives.empty()) {
+        arrives.front() ^= std::exchange(spoilt_, std::uint8_t{0});
+    }
+    board_->receive(arrives);
     return size == packet.size();
 }
 

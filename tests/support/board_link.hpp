@@ -22,6 +22,9 @@ public:
     /// Of the next packet only so many bytes go out.
     void cut_next(std::size_t bytes) { cut_ = bytes; }
 
+    /// Of the next packet's first byte these bits are wrong.
+    void spoil_next(std::uint8_t bits) { spoilt_ = bits; }
+
     [[nodiscard]] bool plugged() const noexcept { return plugged_; }
     /// How often the plug was pulled: a link opened before is dead.
     [[nodiscard]] int pulls() const noexcept { return pulls_; }
@@ -42,6 +45,7 @@ private:
     bool plugged_ = true;
     int pulls_ = 0;
     std::optional<std::size_t> cut_{};
+    std::uint8_t spoilt_ = 0;
     std::vector<Packet> sent_;
 };
 

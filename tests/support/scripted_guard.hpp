@@ -14,7 +14,8 @@ public:
         bool there = true;  ///< watch() works
         bool alive = true;
         bool tripped = false;
-        bool force = false;  ///< what the driver said last
+        bool force = false;    ///< what the driver said last
+        bool repeats = false;  ///< zeros
         int watches = 0;
         int releases = 0;
         std::vector<std::uint8_t> zero{};  ///< the packet that switches the motors off
@@ -32,6 +33,7 @@ public:
     void release() noexcept override { ++script_->releases; }
     void force_on() noexcept override { script_->force = true; }
     void force_off() noexcept override { script_->force = false; }
+    void repeat_zeros(bool on) noexcept override { script_->repeats = on; }
     [[nodiscard]] bool alive() const noexcept override { return script_->alive; }
     [[nodiscard]] bool tripped() const noexcept override { return script_->tripped; }
 

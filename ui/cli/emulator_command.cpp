@@ -65,7 +65,8 @@ void declare(CommandWords& words, EmulatorOptions& options) {
     words.add("--open", options.open,
               "An open board's firmware instead of a Haply board, for --device board:LINK. A line "
               "motors on standard input prints what the motors give, unplug N pulls the cable of "
-              "encoder N, plug N puts it in again");
+              "encoder N, plug N puts it in again; on a Haply board misread makes it take the next "
+              "packet for a reset, and with stranger N another program sends it N torques");
     words
         .add("--udp", options.udp,
              "The open board behind this UDP port of this machine, 0 for any that is free; what "
@@ -186,6 +187,23 @@ void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double
     }
 }
 
+/// Lines about what befalls a Haply board's wire. @return false: it is another line
+bool heed_wire(engine::HaplyBoard& board, const std::string& line) {
+    if (line == "motors") {
+        const engine::Vec2 torque = board.torque();
+        say("The motors give {:g}, {:g} mN m\n", 1e3 * torque.x, 1e3 * torque.y);
+    } else if (line == "misread") {
+        board.misread_next();
+        say("The next packet arrives as a reset\n");
+    } else if (const auto packets = number_after(line, "stranger ", 1.0, 1e6)) {
+        board.meddle(static_cast<int>(*packets));
+        say("Another program sends {:g} packets of 0.1 N m\n", *packets);
+    } else {
+        return false;
+    }
+    return true;
+}
+
 /// Lines about motors and encoders. @return false: it is another line
 bool heed_cables(engine::OpenBoard& board, const std::string& line, std::size_t axes) {
     const auto most = static_cast<double>(axes);
@@ -216,7 +234,8 @@ void live(const EmulatorOptions& options,
         board.set_faults({.delay = delay});
         engine::PtyBoard terminal(board, options.link);
         return serve(
-            terminal, [&](double s) { board.set_faults({.delay = s}); }, heed, delay);
+            terminal, [&](double s) { board.set_faults({.delay = s}); },
+            [&](const std::string& line) { return heed_wire(board, line) || heed(line); }, delay);
     }
     engine::OpenBoard board(plant, machine, *machine.board);
     board.delay_answers(delay);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::int64_t kFirstWait = 10 * kMillisecond;
 constexpr int kLastZeros = 5;
+constexpr std::int64_t kGuardsLast = 2 * kMillisecond;  ///< until its last zero is on its way
 constexpr std::size_t kTimed = 31;      ///< answers whose middle time is that of them all
 constexpr std::size_t kDeepest = 32;    ///< questions on their way
 constexpr double kLongestTrip = 0.010;  ///< s: the force would follow a place of long ago
@@ -38,10 +39,12 @@ BoardDevice::BoardDevice(const Calibration& calibration,
         throw std::runtime_error(trouble_);
     }
     bias_ = machine_.home();
+    leave();
 }
 
 BoardDevice::~BoardDevice() {
     if (line_->is_set_up()) {
+        take_over();
         line_->part();
     }
     guard_->release();
@@ -134,6 +137,7 @@ Reading BoardDevice::take(const BoardReply& reply) noexcept {
 /// What came before a rest is old, so it is asked for once more.
 BoardLine::Answer BoardDevice::prime() noexcept {
     applied_ = {};
+    take_over();
     const auto awake = line_->wake(kFirstWait);
     ask_anew_ = awake == BoardLine::Answer::pending;
     if (awake == BoardLine::Answer::complete) {
@@ -224,18 +228,49 @@ bool BoardDevice::send_zero() noexcept {
 void BoardDevice::fail(DeviceFault fault) noexcept {
     fault_ = fault;
     zeros_left_ = kLastZeros;
-    if (fault !=
-        DeviceFault::lost) {  // behind half a packet a zero torque would be misread: a tick later
-        static_cast<void>(hold_off({}));
-    }
+    // Behind half a packet a zero torque would be misread: a little later.
+    zeros_from_ns_ = fault == DeviceFault::lost ? link_->now_ns() + kMillisecond / 2 : 0;
+    static_cast<void>(hold_off({}));
 }
 
 /// A fault is latched: nothing but zero torque, until so many went out whole. Half of one might be any torque.
 Applied BoardDevice::hold_off(const Vec3& force) noexcept {
-    if (zeros_left_ > 0 && send_zero()) {
+    if (zeros_left_ > 0 && link_->now_ns() >= zeros_from_ns_ && send_zero()) {
         --zeros_left_;
     }
     return {.saturated = force != Vec3{}};
+}
+
+/// Others no longer speak to the board, and their answers have come.
+void BoardDevice::take_over() noexcept {
+    if (left_) {
+        left_ = false;
+        guard_->repeat_zeros(false);
+        link_->pause(kGuardsLast + nanoseconds(round_trip_));
+    }
+}
+
+/// Nobody ticks from now on.
+void BoardDevice::leave() noexcept {
+    left_ = true;
+    guard_->repeat_zeros(true);
+    ask_anew_ = true;
+}
+
+bool BoardDevice::prove_zero() noexcept {
+    applied_ = {};
+    take_over();
+    const BoardLine::Off off = line_->part();
+    if (off != BoardLine::Off::unproved) {
+        guard_->force_off();
+        zeros_left_ = 0;
+    }
+    if (off != BoardLine::Off::proved && fault_ == DeviceFault::none) {
+        fault_ = off == BoardLine::Off::anew ? DeviceFault::garbage : DeviceFault::silent;
+    }
+    homeless_ = homeless_ || off == BoardLine::Off::anew;
+    leave();
+    return off != BoardLine::Off::unproved;
 }
 
 Applied BoardDevice::press(const Vec3& force) noexcept {
@@ -313,9 +348,16 @@ bool BoardDevice::rests() {
 }
 
 bool BoardDevice::reconnect() {
-    if (fault_ == DeviceFault::none) {
-        return !was_late_ || answers_in_time();
+    if (fault_ == DeviceFault::none && !left_) {
+        static_cast<void>(prove_zero());
     }
+    take_over();
+    const bool back = fault_ == DeviceFault::none ? !was_late_ || answers_in_time() : mend();
+    leave();
+    return back;
+}
+
+bool BoardDevice::mend() {
     trouble_ = explained(fault_);
     const bool quiet =
         !homeless_ && line_->silence();  // a link that is gone may still let it through

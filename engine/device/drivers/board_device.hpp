@@ -58,6 +58,14 @@ public:
         return machine_.reading_error(hip);
     }
 
+    /// Zero torque needs a whole answer; without one the board is set up anew and gets zeros again, which
+    /// loses the position as reconnect() says.
+    bool prove_zero() noexcept override;
+    void keep_off() noexcept override {
+        if (left_) {
+            line_->keep_off();
+        }
+    }
     /// Motors off first. If the board acknowledges it, its counts are still good and that is all.
     /// Otherwise the port is opened anew and the board set up again, which loses the position: then
     /// trouble() asks for the handle at home, and a later call takes the pose of a handle that
@@ -73,6 +81,9 @@ public:
     void expect_move() noexcept { ask_anew_ = true; }
 
 private:
+    [[nodiscard]] bool mend();
+    void take_over() noexcept;
+    void leave() noexcept;
     [[nodiscard]] bool open_board();
     [[nodiscard]] bool measure_answers();
     [[nodiscard]] bool answers_in_time();
@@ -97,6 +108,8 @@ private:
 
     DeviceFault fault_ = DeviceFault::none;  ///< latched
     int zeros_left_ = 0;                     ///< zero packets still to be sent after a fault
+    std::int64_t zeros_from_ns_ = 0;         ///< not before
+    bool left_ = false;                      ///< nobody ticks: the guard repeats zeros
     bool homeless_ = false;                  ///< set up, but where the handle was is not known
     std::size_t homings_ = 0;                ///< poses taken for home since it was opened
     double round_trip_ = 0.0;                ///< s, of the first set-up

@@ -38,6 +38,8 @@ public:
 
     /// An answer that is older is from before a rest, ns.
     static constexpr std::int64_t kStale = 100 * kMillisecond;
+    /// How often keep_off() says that the motors are to be off, ns.
+    static constexpr std::int64_t kAgain = 20 * kMillisecond;
 
     /// @param link  outlives the line
     explicit BoardLine(ByteLink& link) : link_(&link) {}
@@ -54,8 +56,17 @@ public:
     [[nodiscard]] virtual std::string complaint() const { return {}; }
     /// Switches the motors off, and listens. @return true if the board acknowledged
     [[nodiscard]] virtual bool silence() noexcept = 0;
-    /// The last words to a board: silence, by all means that there are.
-    virtual void part() noexcept { static_cast<void>(silence()); }
+    /// How surely the motors are off.
+    enum class Off : std::uint8_t {
+        unproved,  ///< no whole answer came to zero torque
+        proved,    ///< the board acknowledged it
+        anew,      ///< the same, after a new set-up: where it counted from is lost
+    };
+    /// Silence by all means that there are: the last words to a board, and after a trip.
+    virtual Off part() noexcept { return silence() ? Off::proved : Off::unproved; }
+    /// Every millisecond while the motors have to stay off and nobody asks: says so again every 20 ms,
+    /// and at once when something answers that was not asked.
+    virtual void keep_off() noexcept = 0;
     /// Takes back what made the board stop. @return false while that lasts
     [[nodiscard]] virtual bool forgive() noexcept { return true; }
 

@@ -150,6 +150,7 @@ bool GuardProcess::watch(int port, const GuardPackets& packets) {
     }
     message.answer_size = packets.answer_size;
     force_off();
+    repeat_zeros(false);
     for (int attempt = 0; attempt < 2; ++attempt) {
         shared_->tripped.store(false);
         if (listens() && send_message(socket_, message, port) && acknowledged()) {

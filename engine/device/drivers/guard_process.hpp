@@ -36,6 +36,7 @@ public:
     void release() noexcept override;
     void force_on() noexcept override;
     void force_off() noexcept override;
+    void repeat_zeros(bool on) noexcept override { shared_->repeat.store(on); }
     [[nodiscard]] bool alive() const noexcept override;
     [[nodiscard]] bool tripped() const noexcept override;
 

@@ -25,6 +25,7 @@ constexpr int kZeros = 5;
 constexpr int kPriority =
     90;  ///< above the servo: a servo that spins must not keep its guard waiting
 constexpr int kAnswerMs = 20;
+constexpr int kRepeatMs = 20;
 
 /// State of the one guard in this process.
 struct Guarded {
@@ -51,6 +52,9 @@ void stay_out_of_the_way(int keep) noexcept {
     }
     prctl(PR_SET_NAME, "palpate-guard");
     prctl(PR_SET_TIMERSLACK, 1000UL);
+    cpu_set_t every;  // a core that a real-time program keeps must not be the only one
+    std::memset(&every, 0xFF, sizeof every);
+    sched_setaffinity(0, sizeof every, &every);
     const sched_param urgent{.sched_priority = kPriority};
     sched_setscheduler(0, SCHED_FIFO, &urgent);  // where it is permitted
 
@@ -209,6 +213,7 @@ void guard_motors(int socket,
     const int life = static_cast<int>(syscall(SYS_pidfd_open, owner, 0));  // -1: an old kernel
     Guarded guarded;
     Patience patience;
+    int looks = 0;  ///< since the last zero of those that are repeated
     while (true) {
         std::array<pollfd, 2> ends{pollfd{.fd = socket, .events = POLLIN, .revents = 0},
                                    pollfd{.fd = life, .events = POLLIN, .revents = 0}};
@@ -234,12 +239,14 @@ void guard_motors(int socket,
         if (guarded.port < 0 || woken != 0) {
             continue;
         }
-        if (!shared.tripped.load()) {
-            if (patience.lost(beat, timing.patience)) {
-                shared.tripped.store(true);  // first: the driver must see it before its next packet
-                zero(guarded);
-            }
-        } else if (beat % 2 == 1) {  // a packet may have slipped through before the driver saw it
+        if (!shared.tripped.load() && patience.lost(beat, timing.patience)) {
+            shared.tripped.store(true);  // first: the driver must see it before its next packet
+            zero(guarded);
+        }
+        const bool again = shared.repeat.load() && ++looks * timing.wait_ms >= kRepeatMs;
+        looks = again ? 0 : looks;
+        // Tripped: a packet may have slipped through before the driver saw it.
+        if (again || (shared.tripped.load() && beat % 2 == 1)) {
             write_packet(guarded.port, guarded.packets.zero);
         }
     }

@@ -11,9 +11,14 @@ namespace {
 /// has finished whatever it was at, and the next byte begins a command.
 constexpr std::int64_t kSettle = 5 * kMillisecond;
 constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
+constexpr std::int64_t kUnderWay = 12 * kMillisecond;
+/// So long an id may wait for the rest of its answer, which the firmware writes in one piece.
+constexpr std::int64_t kAlone = 3 * kMillisecond;
+/// Of the makers' examples, and of motors that were not set up.
+constexpr std::array<std::uint8_t, 3> kOtherIds{3, 5, 0};
 constexpr int kSilences = 5;
-/// Together half a second: on a busy machine the first answers may come late, and nothing is felt yet.
-constexpr int kIntroductions = 5;
+/// Together more than half a second: on a busy machine the first answers may come late, and nothing is felt yet.
+constexpr int kIntroductions = 3;
 constexpr int kProofs = 3;
 
 }  // namespace
@@ -104,9 +109,15 @@ HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns, std::size_t leave) noexc
             return Answer::lost;
         }
         if (got == 0) {
+            if (id_alone(0)) {
+                return Answer::garbage;
+            }
             break;
         }
         kept_size_ += static_cast<std::size_t>(got);
+        if (id_alone(static_cast<std::size_t>(got))) {
+            return Answer::garbage;
+        }
     }
     if (owed_ == 0 && kept_size_ > 0) {
         return Answer::garbage;
@@ -114,11 +125,31 @@ HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns, std::size_t leave) noexc
     return heard ? Answer::complete : Answer::pending;
 }
 
+/// A board without addresses answers its id and no more, each time: never part of the next answer.
+/// @param came  bytes that came last
+bool HaplyLine::id_alone(std::size_t came) noexcept {
+    const bool alone = kept_size_ - came == 1;
+    if (came == 0) {
+        return alone && link_->now_ns() - alone_since_ns_ > kAlone;
+    }
+    alone_since_ns_ = link_->now_ns();
+    return alone && kept_size_ < reply_size_;
+}
+
+/// The board reckons 360 * count / resolution with floats: anything else was spoilt on its way.
+bool HaplyLine::is_whole(double angle_deg, std::size_t port) const noexcept {
+    constexpr double kRounding =
+        4.0 / (1 << 24);  // of the resolution, the product and the quotient
+    const auto resolution = static_cast<double>(static_cast<float>(setup_.counts_per_turn[port]));
+    const double count = std::floor(angle_deg / 360.0 * resolution + 0.5);
+    return std::fabs(angle_deg - 360.0 * count / resolution) <= kRounding * std::fabs(angle_deg);
+}
+
 /// The first answer of those kept.
 bool HaplyLine::take_reply() noexcept {
     const auto reply =
         read_reply({kept_.data(), reply_size_}, setup_.id, setup_.sensor_pin.has_value());
-    if (!reply) {
+    if (!reply || !is_whole(reply->angle_deg[0], 0) || !is_whole(reply->angle_deg[1], 1)) {
         return false;
     }
     for (std::size_t pivot = 0; pivot < 2; ++pivot) {
@@ -154,10 +185,28 @@ HaplyLine::Answer HaplyLine::probe(std::int64_t wait_ns) noexcept {
     return ask({0.0, 0.0}) ? hear(wait_ns, 0) : Answer::lost;
 }
 
-void HaplyLine::part() noexcept {
-    if (!silence()) {
-        static_cast<void>(set_up());
-        static_cast<void>(silence());
+HaplyLine::Off HaplyLine::part() noexcept {
+    if (silence()) {
+        return Off::proved;
+    }
+    const bool up = set_up() == Answer::complete;
+    return silence() && up ? Off::anew : Off::unproved;
+}
+
+/// The guard's zeros are answered as well: each brings one of ours, whose answer is counted.
+void HaplyLine::keep_off() noexcept {
+    std::size_t came = 0;
+    for (std::ptrdiff_t got = 1; got > 0 && came < 8 * kept_.size();) {
+        got = link_->receive(kept_, 0);
+        came += got > 0 ? static_cast<std::size_t>(got) : 0;
+    }
+    kept_size_ = 0;
+    const bool unasked = came > owed_ * reply_size_;
+    owed_ -= std::min(owed_, came / reply_size_);
+    const bool due = link_->now_ns() - asked_ns_ >= kAgain;
+    owed_ = due ? 0 : owed_;
+    if (unasked || due) {
+        static_cast<void>(ask({}));
     }
 }
 
@@ -165,18 +214,28 @@ bool HaplyLine::silence() noexcept {
     if (!set_up_) {
         return false;
     }
-    link_->pause(kSettle);  // half a packet, if there is one, is taken and done with
+    // Half a packet, if there is one, is taken and done with, and answers on their way have come.
+    link_->pause(owed_ > 1 ? kUnderWay : kSettle);
     forget();
     bool sent = false;
+    bool garbage = false;
     for (int i = 0; i < kSilences; ++i) {
         sent = ask({0.0, 0.0});
         link_->pause(kMillisecond);
+        garbage = garbage || hear(0, 0) == Answer::garbage;
     }
-    return sent && hear(kPatience, 0) == Answer::complete && !awaiting();
+    return sent && !garbage && hear(kPatience, 0) == Answer::complete && !awaiting();
 }
 
 bool HaplyLine::introduce() noexcept {
-    if (!link_->send(reset_packet_.view())) {
+    link_->pause(kSettle);
+    bool sent = link_->send(quiet_packet(setup_.id).view());
+    for (const std::uint8_t id : kOtherIds) {
+        sent = sent && (id == setup_.id || link_->send(quiet_packet(id).view()));
+    }
+    link_->pause(kSettle);
+    // Whatever id another program gave its motors, they have none now.
+    if (!sent || !link_->send(reset_packet_.view()) || !link_->send(quiet_packet(0).view())) {
         return false;
     }
     link_->pause(kSettle);
@@ -184,6 +243,9 @@ bool HaplyLine::introduce() noexcept {
         return false;
     }
     link_->pause(kSettle);
+    // Zeros to whoever is there were answered by whoever is there.
+    for (std::int64_t wait = kPatience; link_->receive(kept_, wait) > 0; wait = 2 * kSettle) {
+    }
     return true;
 }
 

@@ -15,15 +15,16 @@ public:
     /// @param link  outlives the line
     HaplyLine(ByteLink& link, const HaplyWiring& wiring, const PantographSpec& pantograph);
 
-    /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. A
-    /// reset takes the motors' addresses and leaves their torque, so silence() comes before. Takes
-    /// up to half a second.
+    /// Zero torque to each address that a board may have, reset, set-up, and three zero exchanges that must
+    /// be answered: a set-up itself never is. A reset takes the motors' addresses and leaves their torque.
+    /// Takes up to half a second.
     [[nodiscard]] Answer set_up() noexcept override;
     [[nodiscard]] std::string refusal() const override;
     /// Zero torque five times, 1 ms apart, then listens.
     [[nodiscard]] bool silence() noexcept override;
     /// A board that does not answer zero torque is set up anew, and gets it again.
-    void part() noexcept override;
+    Off part() noexcept override;
+    void keep_off() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
     [[nodiscard]] bool ask(const std::array<double, kMostAxes>& torque) noexcept override;
     [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave) noexcept override;
@@ -40,6 +41,8 @@ public:
 private:
     [[nodiscard]] bool introduce() noexcept;
     [[nodiscard]] bool take_reply() noexcept;
+    [[nodiscard]] bool is_whole(double angle_deg, std::size_t port) const noexcept;
+    [[nodiscard]] bool id_alone(std::size_t came) noexcept;
     void forget() noexcept;
 
     HaplyWiring wiring_;
@@ -51,6 +54,7 @@ private:
     Answer last_set_up_ = Answer::complete;
     std::array<std::uint8_t, 256> kept_{};  ///< bytes of answers not yet complete
     std::size_t kept_size_ = 0;
+    std::int64_t alone_since_ns_ = 0;  ///< that an id without the rest of its answer is kept
 };
 
 /// @throws std::invalid_argument if the calibration has no [haply], or one that cannot be

@@ -130,6 +130,16 @@ HaplyPacket reset_packet(std::uint8_t id) {
     return packet;
 }
 
+HaplyPacket quiet_packet(std::uint8_t id) noexcept {
+    HaplyPacket packet;
+    add(packet, kExchange);
+    add(packet, id);
+    for (int i = 0; i < (id == 0 ? 16 : 8); ++i) {
+        add(packet, kHaplyNoCommand);
+    }
+    return packet;
+}
+
 std::optional<HaplyPacket> torque_packet(std::uint8_t id,
                                          const std::array<double, 2>& torque) noexcept {
     if (id == 0) {

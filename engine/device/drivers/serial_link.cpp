@@ -10,6 +10,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "engine/device/drivers/port_holder.hpp"
+
 namespace palpate::engine {
 
 std::string port_trouble(const std::string& path, int error) {
@@ -30,6 +32,10 @@ std::string port_trouble(const std::string& path, int error) {
                    "in again";
         case EBUSY:
         case EWOULDBLOCK:
+            if (const std::string holder = port_holder(path); !holder.empty()) {
+                return path + " is in use by another program, " + holder +
+                       ", which could give force as well: end it and try again";
+            }
             return path + " is in use by another program: end that one (`fuser -v " + path +
                    "` names it) and try again";
         case ENOTTY:
@@ -71,7 +77,11 @@ int SerialLink::configure() const noexcept {
 bool SerialLink::reopen() {
     close();
     port_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    const int error = port_ < 0 ? errno : configure();
+    int error = port_ < 0 ? errno : configure();
+    if (error == 0 && !port_holder(path_).empty()) {  // who had it open before the locks
+        error = EBUSY;
+        ioctl(port_, TIOCNXCL);
+    }
     if (error == 0) {
         trouble_.clear();
         drain();

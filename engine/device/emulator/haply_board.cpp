@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/math/elementary.hpp"
@@ -42,6 +43,16 @@ float HaplyBoard::take_float() noexcept {
 void HaplyBoard::pass() {
     ++polls_;
     plant_->advance(kPollPeriod);
+    hear_stranger();
+}
+
+void HaplyBoard::hear_stranger() {
+    constexpr std::int64_t kEvery = 20;  // polls
+    const auto packet = torque_packet(motors_[0].address, {0.1, 0.1});
+    if (meddling_ > 0 && polls_ % kEvery == 0 && packet && in_.empty()) {
+        --meddling_;
+        receive(packet->view());
+    }
 }
 
 void HaplyBoard::poll() {
@@ -49,7 +60,13 @@ void HaplyBoard::poll() {
     if (in_.empty()) {
         return;
     }
-    switch (take()) {
+    std::uint8_t command = take();
+    if (command == 2 && std::exchange(misread_, false)) {
+        command = 0;
+    }
+    switch (command) {
+        case kHaplyNoCommand:
+            break;
         case 0:
             take();  // the id; every address goes
             reset();
@@ -122,14 +139,18 @@ void HaplyBoard::exchange() {
         take();
     }
     bool found = false;
+    bool force = false;
     for (std::size_t port = 0; port < kPorts; ++port) {
         if (motors_[port].address == id) {
             found = true;
-            drive(port, take_float());
+            const float torque = take_float();
+            force = force || !(std::fabs(torque) < 1e-30F);
+            drive(port, torque);
         }
     }
-    log_.desyncs += found ? 0 : 1;
-    log_.id_0 += found && id == 0 ? 1 : 0;
+    const bool harmless = !in_.empty() && in_.front() == kHaplyNoCommand;
+    log_.desyncs += found || harmless ? 0 : 1;
+    log_.id_0 += force && id == 0 ? 1 : 0;
     answer(id);
 }
 
@@ -159,7 +180,9 @@ void HaplyBoard::drive(std::size_t port, float torque) noexcept {
     const bool wired = wired_.motor_clockwise[static_cast<std::size_t>(pivot)];
     const double torque_given =
         sign * duty / kFullDuty * kHaplyTorque * (motors_[port].clockwise == wired ? 1.0 : -1.0);
+    const bool was_on = torque_ != Vec2{};
     (pivot == 0 ? torque_.x : torque_.y) = torque_given;
+    zero_since_ = was_on && torque_ == Vec2{} ? time() : zero_since_;
     plant_->set_torque(torque_);
 }
 
@@ -231,7 +254,7 @@ bool HaplyBoard::command_is_cut() const noexcept {
     if (size == 0) {
         return false;
     }
-    if (in_[0] == 0) {
+    if (in_[0] == 0 || (misread_ && in_[0] == 2)) {
         return size < 2;
     }
     if (in_[0] == 2 && size >= 2) {

@@ -30,10 +30,10 @@ struct BoardLog {
     int hot_resets = 0;  ///< resets with a torque on, which nobody can zero then
     int exchanges = 0;   ///< of which `desyncs` moved no motor
     int desyncs = 0;     ///< exchanges whose id owns no motor: their torques are read as commands
-    int unknown = 0;     ///< bytes that are no command
+    int unknown = 0;     ///< bytes that are no command, but for kHaplyNoCommand
     int missing = 0;     ///< bytes that were not there yet and read as 0xFF
     int undefined_duty = 0;  ///< torques that were not a number
-    int id_0 = 0;            ///< exchanges that reached ports which were not set up
+    int id_0 = 0;            ///< exchanges with a torque that reached ports which were not set up
 };
 
 /// The firmware of a Haply board. Written from the protocol's table; it does all that the firmware does wrong:
@@ -63,6 +63,8 @@ public:
     [[nodiscard]] bool command_is_cut() const noexcept override;
     [[nodiscard]] bool has_input() const noexcept override { return !in_.empty(); }
     [[nodiscard]] Vec2 torque() const noexcept override { return torque_; }
+    /// s since it began, when the motors last got no torque any more.
+    [[nodiscard]] double zero_since() const noexcept { return zero_since_; }
     [[nodiscard]] const BoardLog& journal() const noexcept { return log_; }
     [[nodiscard]] double time() const noexcept override {
         return static_cast<double>(polls_) * kPollPeriod;
@@ -70,6 +72,10 @@ public:
 
     void hush(bool silent) override { faults_ = {.silent = silent}; }
     void set_faults(const BoardFaults& faults) { faults_ = faults; }
+    /// The first byte of the next exchange arrives as that of a reset: one bit is wrong.
+    void misread_next() noexcept { misread_ = true; }
+    /// Another program that has the port open says so many times, one each ms, what torque it wants.
+    void meddle(int packets) noexcept { meddling_ = packets; }
     void set_sensor(double adc) noexcept { sensor_ = adc; }
     void power_cycle() override;
 
@@ -99,12 +105,16 @@ private:
     [[nodiscard]] int pivot_at(std::size_t port) const noexcept;
     [[nodiscard]] std::int64_t true_count(std::size_t port) const noexcept;
     void answer(std::uint8_t id);
+    void hear_stranger();
 
     BoardPlant* plant_;
     PantographSpec machine_;
     HaplyWiring wired_;
     BoardFaults faults_{};
     BoardLog log_{};
+    bool misread_ = false;
+    int meddling_ = 0;
+    double zero_since_ = 0.0;
     double sensor_ = 0.0;
     std::array<Motor, kPorts> motors_{};
     std::array<Encoder, kPorts> encoders_{};
