@@ -53,6 +53,7 @@ static int64_t now_us(void)
     struct timespec now;
     return clock_gettime(CLOCK_MONOTONIC, &now), now.tv_sec * INT64_C(1000000) + now.tv_nsec / 1000;
 }
+uint64_t platform_nonce(void) { uint64_t nonce; return getentropy(&nonce, sizeof nonce) != 0 ? abort(), 0 : nonce; }
 uint8_t platform_lock(void) { return 0; } /* what board.c asks; there are no interrupts */
 void platform_unlock(uint8_t was) { (void)was; }
 void platform_motors_off(struct board *board) { (void)board, on = false, duty[0] = duty[1] = 0; }
@@ -75,10 +76,10 @@ void platform_forget(struct board *board, bool to_zero)
 int main(int argc, char **argv)
 {
     static const struct board_facts facts = {1, {COUNTS, COUNTS}, {FULL_UN_M, FULL_UN_M}, 2, 1, 1};
-    struct sockaddr_in host = {0}, from, here = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
+    struct sockaddr_in from, here = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
                                                  .sin_port = htons((uint16_t)(argc == 2 ? atoi(argv[1]) : 0))};
     struct pollfd in[2] = {{socket(AF_INET, SOCK_DGRAM, 0), POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
-    struct board board; uint8_t body[64], answer[BOARD_BODY];
+    struct board board; uint8_t datagram[64], answer[BOARD_DATAGRAM];
     if (argc != 2 || bind(in[0].fd, (struct sockaddr *)&here, sizeof here) != 0)
         return fprintf(stderr, "usage: udp_device PORT, one that is free\n"), 2;
     sched_setscheduler(0, SCHED_FIFO, &(struct sched_param){.sched_priority = 40}); /* where it is permitted */
@@ -91,10 +92,9 @@ int main(int argc, char **argv)
         if (in[1].revents != 0 && read(STDIN_FILENO, line, sizeof line - 1) <= 0) in[1].fd = -1;
         if (sscanf(line, "%lf,%lf", &x, &y) == 2) place[0] = 1e-3 * x, place[1] = 1e-3 * y, speed[0] = speed[1] = 0.0;
         socklen_t length = sizeof from;
-        const ssize_t got = recvfrom(in[0].fd, body, sizeof body, MSG_DONTWAIT, (struct sockaddr *)&from, &length);
-        if (got > 0 && body[0] == 0x01 && board.state != BOARD_ARMED) host = from; /* HELLO */
-        const bool known = got > 0 && memcmp(&from, &host, sizeof host) == 0; /* nobody else is heard */
-        const uint8_t size = known ? board_datagram(&board, body, (uint8_t)got, answer) : 0;
-        if (size > 0) sendto(in[0].fd, answer, size, 0, (struct sockaddr *)&host, sizeof host);
+        const ssize_t got = recvfrom(in[0].fd, datagram, sizeof datagram, MSG_DONTWAIT, (struct sockaddr *)&from, &length);
+        const uint64_t who = (uint64_t)from.sin_addr.s_addr << 16 | from.sin_port; /* board.c knows who is heard */
+        const uint8_t size = got > 0 ? board_datagram(&board, who, datagram, (uint16_t)got, answer) : 0;
+        if (size > 0) sendto(in[0].fd, answer, size, 0, (struct sockaddr *)&from, sizeof from);
     }
 }

@@ -55,17 +55,12 @@ public:
         now_ += ns;
         for (; polled_ + kStep <= now_; polled_ += kStep) {
             while (const auto one = due(to_board_)) {
-                OpenBytes body;
-                std::copy(one->begin(), one->end(), body.bytes.begin());
-                body.size = one->size();
-                board_->receive(open_frame(body).view());
+                board_->post(kHost, *one);
             }
             board_->poll();
-            std::array<std::uint8_t, 256> bytes{};
-            const std::size_t size = board_->transmit(bytes);
-            for (std::size_t i = 0; i < size; ++i) {
-                if (const auto body = reader_.take(bytes[i]); !body.empty()) {
-                    post(to_host_, body);
+            while (const auto letter = board_->letter()) {
+                if (letter->to == kHost) {
+                    post(to_host_, letter->datagram.view());
                 }
             }
         }
@@ -79,6 +74,7 @@ public:
 
 private:
     static constexpr std::int64_t kStep = 50'000;
+    static constexpr std::uint64_t kHost = 77;
     struct Datagram {
         std::int64_t due = 0;
         std::vector<std::uint8_t> body;
@@ -108,7 +104,6 @@ private:
 
     OpenBoard* board_;
     Random* random_;
-    OpenReader reader_;
     std::int64_t now_ = 0;
     std::int64_t polled_ = 0;
     std::deque<Datagram> to_board_;
@@ -154,7 +149,7 @@ constexpr Vec2 kPress{0.3, -0.4};
 TEST_CASE("bodies go without frames over a link of datagrams, and its guard knows their answers",
           "[open]") {
     Wired wired(1);
-    const std::vector<std::uint8_t> disarm{0x04, 0x00, 0x00, 0xAD, 0xA5};
+    const std::vector<std::uint8_t> disarm{0, 0, 0, 0, 0, 0, 0, 0, 0x04, 0x00, 0x00, 0xAD, 0xA5};
     class Listening : public Net {
     public:
         using Net::Net;
@@ -173,7 +168,7 @@ TEST_CASE("bodies go without frames over a link of datagrams, and its guard know
           std::vector<std::uint8_t>{0x90, 0x00, 0x00});
     CHECK(line->probe(1) == BoardLine::Answer::pending);
     CHECK(link.sent.size() == 1);
-    CHECK(link.sent.front().size() == 5);
+    CHECK(link.sent.front().size() == 13);
 }
 
 TEST_CASE(
@@ -245,9 +240,10 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
     OpenBoard owner = OnHost::make(plant, machine);  // whose pins a bare board moves
     board bare{};
     board_begin(&bare, &facts, &owner);
+    OpenNonce nonce{};
     const OpenConfig config{.token = 7, .limit = {100'000, 100'000}};
     for (std::uint16_t seq = 1; seq < 2000; ++seq) {
-        const int kind = random.below(8);
+        const int kind = seq == 1 ? 0 : random.below(8);
         OpenBytes body = kind == 0 ? open_hello(seq)
                        : kind == 1 ? open_config(seq, config)
                        : kind == 2 ? open_token(OpenType::arm, seq, 7)
@@ -255,7 +251,7 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
                        : kind == 4 ? open_bare(OpenType::disarm, seq)
                        : kind == 5 ? open_bare(OpenType::peek, seq)
                                    : open_torque(seq, {random.below(200'000), -5});
-        if (random.below(5) == 0) {
+        if (seq > 1 && random.below(5) == 0) {
             body.bytes[static_cast<std::size_t>(random.below(static_cast<int>(body.size)))] ^= 4U;
         }
         const auto was = by_frame.state();
@@ -269,14 +265,19 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
                 framed.assign(one.begin(), one.end());
             }
         }
-        std::array<std::uint8_t, BOARD_BODY> answer{};
-        const std::uint8_t size = board_datagram(
-            &bare, body.bytes.data(), static_cast<std::uint8_t>(body.size), answer.data());
+        const OpenBytes datagram = open_datagram(nonce, body);
+        std::array<std::uint8_t, BOARD_DATAGRAM> answer{};
+        std::size_t size = board_datagram(&bare, 9, datagram.bytes.data(),
+                                          static_cast<std::uint16_t>(datagram.size), answer.data());
+        if (size > 0) {
+            std::copy_n(answer.begin(), kOpenNonce, nonce.begin());
+            size -= kOpenNonce;
+        }
         CAPTURE(seq, kind, was);
         CHECK(size == framed.size());
         CHECK(by_frame.state() == bare.state);
         const auto one = read_open(framed);
-        const auto other = read_open({answer.data(), size});
+        const auto other = read_open({answer.data() + kOpenNonce, size});
         REQUIRE(one.has_value() == other.has_value());
         if (one) {
             CHECK(one->type == other->type);
@@ -284,5 +285,110 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
             CHECK(one->report.flags == other->report.flags);
             CHECK(one->why == other->why);
         }
+    }
+}
+
+namespace {
+
+/// What somebody at an address of his own says to a board, and hears.
+class Speaker {
+public:
+    Speaker(OpenBoard& board, std::uint64_t address) : board_(&board), address_(address) {}
+
+    std::optional<OpenAnswer> say(const OpenBytes& body) {
+        return post(open_datagram(nonce, body));
+    }
+    std::optional<OpenAnswer> post(const OpenBytes& datagram) {
+        board_->post(address_, datagram.view());
+        const auto letter = board_->letter();
+        if (!letter) {
+            return std::nullopt;
+        }
+        CHECK(letter->to == address_);
+        const auto answer = read_open(letter->datagram.view().subspan(kOpenNonce));
+        if (answer && answer->type == OpenType::ident) {
+            std::copy_n(letter->datagram.bytes.begin(), kOpenNonce, nonce.begin());
+        }
+        return answer;
+    }
+    void arm() {
+        REQUIRE(say(open_hello(1))->type == OpenType::ident);
+        REQUIRE(say(open_config(2, config))->type == OpenType::configured);
+        REQUIRE(say(open_token(OpenType::arm, 3, config.token))->report.state ==
+                OpenState::armed);
+        static_cast<void>(say(open_torque(4, {50'000, 0})));
+    }
+
+    OpenNonce nonce{};
+    OpenConfig config{.token = 7, .watchdog_ms = 50, .limit = {100'000, 100'000}};
+
+private:
+    OpenBoard* board_;
+    std::uint64_t address_;
+};
+
+}  // namespace
+
+TEST_CASE("a stranger's datagrams never become those of the host, nor give a torque",
+          "[open][law]") {
+    const Calibration machine = open_machine();
+    GuidedHand plant(machine);
+    OpenBoard board = OnHost::make(plant, machine);
+    Speaker host(board, 1);
+    Speaker stranger(board, 2);
+    const auto pass = [&](int ms) {
+        for (int i = 0; i < 20 * ms; ++i) {
+            board.pass();
+        }
+    };
+
+    OpenBytes broken = open_datagram({}, open_hello(1));
+    broken.bytes[broken.size - 1] ^= 1U;  // begins as a HELLO, and its CRC is wrong
+    CHECK_FALSE(stranger.post(broken));
+    host.arm();
+    REQUIRE(board.torque() != Vec2{});
+
+    SECTION("from another address while the motors are on, or the host is there") {
+        for (int i = 0; i < 40; ++i) {
+            pass(30);
+            const auto said = stranger.say(open_hello(9));
+            REQUIRE(said);
+            CHECK(said->type == OpenType::nak);
+            CHECK(said->why == kOpenOtherHost);
+            CHECK(stranger.say(open_torque(static_cast<std::uint16_t>(i), {-90'000, 0}))->why ==
+                  kOpenOtherHost);
+            CHECK(stranger.say(open_bare(OpenType::disarm, kGuardSeq))->why == kOpenOtherHost);
+            CHECK(board.torque() != Vec2{});
+            static_cast<void>(
+                host.say(open_torque(static_cast<std::uint16_t>(5 + i), {50'000, 0})));
+        }
+        host.say(open_bare(OpenType::disarm, kGuardSeq));
+        for (int i = 0; i < 10; ++i) {
+            pass(500);
+            CHECK(stranger.say(open_hello(9))->why == kOpenOtherHost);
+            host.say(open_bare(OpenType::disarm, kGuardSeq));  // as a guard says it again and again
+        }
+    }
+    SECTION("from the host's own address, spoofed: the nonce is not known") {
+        Speaker spoofed(board, 1);
+        Random random(3);
+        for (int i = 0; i < 2000; ++i) {
+            for (std::uint8_t& byte : spoofed.nonce) {
+                byte = static_cast<std::uint8_t>(random.below(256));
+            }
+            spoofed.say(open_torque(static_cast<std::uint16_t>(5 + i % 250), {-90'000, 0}));
+            CHECK(board.torque().x > 0.0);
+        }
+        CHECK(host.say(open_torque(5, {0, 0}))->type == OpenType::state);
+        CHECK(board.torque() == Vec2{});
+    }
+    SECTION("once the host has been silent for a second another one may begin, with a new nonce") {
+        pass(990);
+        CHECK(stranger.say(open_hello(9))->why == kOpenOtherHost);
+        pass(20);
+        CHECK(stranger.say(open_hello(10))->type == OpenType::ident);
+        CHECK(stranger.nonce != host.nonce);
+        CHECK(host.say(open_torque(9, {50'000, 0}))->why == kOpenOtherHost);
+        CHECK(board.torque() == Vec2{});
     }
 }

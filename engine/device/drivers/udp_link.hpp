@@ -24,7 +24,7 @@ inline constexpr std::string_view kUdp = "udp:";
 /// datagram that the system had no room for counts as sent. The link is lost when the system says that nobody
 /// listens there, or that there is no way.
 ///
-/// Only what comes from that address is heard. Nothing is secret and nobody is proved: a wire of its own.
+/// Only what comes from that address is heard. Who can read the wire can write to it: a wire of its own.
 class UdpLink : public DescriptorLink {
 public:
     /// Does not open it yet: reopen() does.

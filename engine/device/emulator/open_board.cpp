@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <sys/random.h>
+
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
@@ -64,6 +66,7 @@ void OpenBoard::power_cycle() {
     facts_.reset_cause = 1;
     in_.clear();
     out_.clear();
+    letters_.clear();
     board_begin(&board_, &facts_, this);
     Platform::motors_off(&board_);
     zero_ = true_counts();
@@ -132,6 +135,26 @@ void OpenBoard::poll() {
     }
 }
 
+void OpenBoard::post(std::uint64_t from, std::span<const std::uint8_t> datagram) {
+    static_assert(static_cast<std::size_t>(BOARD_DATAGRAM) == kOpenDatagram);
+    Letter letter{.due = polls_ + static_cast<std::int64_t>(delay_ / kPollPeriod), .to = from};
+    letter.datagram.size =
+        board_datagram(&board_, from, datagram.data(), static_cast<std::uint16_t>(datagram.size()),
+                       letter.datagram.bytes.data());
+    if (letter.datagram.size > 0 && !silent_) {
+        letters_.push_back(letter);
+    }
+}
+
+std::optional<OpenBoard::Letter> OpenBoard::letter() {
+    if (letters_.empty() || letters_.front().due > polls_) {
+        return std::nullopt;
+    }
+    const Letter first = letters_.front();
+    letters_.pop_front();
+    return first;
+}
+
 std::size_t OpenBoard::transmit(std::span<std::uint8_t> into) {
     std::size_t sent = 0;
     while (sent < into.size() && !out_.empty() && out_.front().poll <= polls_) {
@@ -144,6 +167,12 @@ std::size_t OpenBoard::transmit(std::span<std::uint8_t> into) {
 }  // namespace palpate::engine
 
 // What the firmware calls.
+std::uint64_t platform_nonce() {
+    std::uint64_t nonce = 0;
+    while (getrandom(&nonce, sizeof nonce, 0) != static_cast<ssize_t>(sizeof nonce)) {
+    }
+    return nonce;
+}
 std::uint8_t platform_lock() {
     return 0;
 }

@@ -6,6 +6,7 @@
 
 #include "engine/device/emulator/port_board.hpp"
 #include "engine/device/firmware/board.h"
+#include "engine/device/open/open_wire.hpp"
 
 namespace palpate::engine {
 
@@ -27,6 +28,16 @@ public:
         return static_cast<double>(polls_) * kPollPeriod;
     }
     void power_cycle() override;
+
+    /// A datagram of `from`, taken at once; its answer comes out of letter().
+    void post(std::uint64_t from, std::span<const std::uint8_t> datagram);
+    struct Letter {
+        std::int64_t due = 0;  ///< polls since it began
+        std::uint64_t to = 0;
+        OpenBytes datagram{};
+    };
+    /// An answer to a datagram that is due.
+    [[nodiscard]] std::optional<Letter> letter();
 
     void press_stop(bool pressed) noexcept override { stop_pressed_ = pressed; }
     /// s from a command to its answer.
@@ -70,6 +81,7 @@ private:
         std::uint8_t byte = 0;
     };
     std::deque<Due> out_{};
+    std::deque<Letter> letters_{};
     std::int64_t polls_ = 0;
 };
 

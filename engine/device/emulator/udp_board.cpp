@@ -44,39 +44,31 @@ std::string UdpBoard::path() const {
     return "udp:127.0.0.1:" + std::to_string(port_);
 }
 
-/// What has come, each as a frame of its own.
+/// What has come.
 void UdpBoard::take() {
     for (int i = 0; i < kMaxDatagrams; ++i) {
-        OpenBytes body;
+        std::array<std::uint8_t, 512> datagram{};
         sockaddr_in from{};
         socklen_t size = sizeof from;
-        const ssize_t got = recvfrom(socket_, body.bytes.data(), body.bytes.size(),
-                                     MSG_DONTWAIT | MSG_TRUNC, any(from), &size);
+        const ssize_t got =
+            recvfrom(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT, any(from), &size);
         if (got < 0) {
             return;
         }
-        const bool hello = got > 0 && body.bytes[0] == static_cast<std::uint8_t>(OpenType::hello);
-        if (hello && board_->state() != static_cast<int>(OpenState::armed)) {
-            host_ = from;
-        }
-        const bool known =
-            from.sin_port == host_.sin_port && from.sin_addr.s_addr == host_.sin_addr.s_addr;
-        if (known && static_cast<std::size_t>(got) <= kOpenBody) {
-            body.size = static_cast<std::size_t>(got);
-            board_->receive(open_frame(body).view());
-        }
+        board_->post(std::uint64_t{from.sin_addr.s_addr} << 16U | from.sin_port,
+                     {datagram.data(), static_cast<std::size_t>(got)});
     }
 }
 
 void UdpBoard::answer() {
-    std::array<std::uint8_t, 512> frames{};
-    const std::size_t size = board_->transmit(frames);
-    for (std::size_t i = 0; i < size; ++i) {
-        const auto body = reader_.take(frames[i]);
-        if (!body.empty()) {  // a host that does not listen loses the answer
-            static_cast<void>(sendto(socket_, body.data(), body.size(), MSG_NOSIGNAL, any(host_),
-                                     sizeof host_) < 0);
-        }
+    while (const auto letter = board_->letter()) {  // a host that does not listen loses the answer
+        sockaddr_in to{};
+        to.sin_family = AF_INET;
+        to.sin_addr.s_addr = static_cast<in_addr_t>(letter->to >> 16U);
+        to.sin_port = static_cast<in_port_t>(letter->to);
+        const auto& datagram = letter->datagram;
+        static_cast<void>(sendto(socket_, datagram.bytes.data(), datagram.size, MSG_NOSIGNAL,
+                                 any(to), sizeof to) < 0);
     }
 }
 
@@ -87,9 +79,6 @@ void UdpBoard::step(int wait_us) {
         take();
     }
     pace_.catch_up();
-    while (board_->has_input()) {
-        board_->poll();
-    }
     answer();
 }
 

@@ -11,8 +11,7 @@
 
 namespace palpate::engine {
 
-/// An open board behind a UDP port of this machine, in real time: a body a datagram. It answers whoever sent
-/// the last HELLO while it was not armed, and hears nobody else.
+/// An open board behind a UDP port of this machine, in real time: see board_datagram().
 class UdpBoard {
 public:
     /// @param board  outlives this
@@ -34,8 +33,6 @@ private:
 
     OpenBoard* board_;
     BoardPace pace_;
-    OpenReader reader_;
-    sockaddr_in host_{};  ///< who is answered; port 0: nobody yet
     std::uint16_t port_ = 0;
     int socket_ = -1;
 };

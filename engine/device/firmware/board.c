@@ -1,5 +1,7 @@
 #include "engine/device/firmware/board.h"
 
+#include <string.h>
+
 enum {
     HELLO = 0x01,
     CONFIG = 0x02,
@@ -14,7 +16,7 @@ enum {
     NAK = 0xFF
 };
 
-enum { WHY_VERSION = 1, WHY_STATE, WHY_VALUE, WHY_STOP_PRESSED, WHY_TOKEN, WHY_TYPE };
+enum { WHY_VERSION = 1, WHY_STATE, WHY_VALUE, WHY_STOP_PRESSED, WHY_TOKEN, WHY_TYPE, WHY_OTHER_HOST, WHY_NONCE };
 
 enum { HEAD = 3, CRC = 2, MAX_STEP = 255, MAX_AHEAD = 32767 };
 
@@ -178,6 +180,11 @@ void board_begin(struct board *board, const struct board_facts *facts, void *own
 
 void board_tick(struct board *board)
 {
+#ifndef __AVR__
+    if (board->quiet < BOARD_QUIET_HOST) {
+        ++board->quiet;
+    }
+#endif
     if (platform_stop_pressed(board)) {
         board->latched |= BOARD_STOP_PRESSED;
         stop(board, BOARD_STOPPED);
@@ -447,16 +454,46 @@ uint8_t board_take(struct board *board, uint8_t byte, uint8_t answer[BOARD_FRAME
     return size;
 }
 
-uint8_t board_datagram(struct board *board, const uint8_t *body, uint8_t size, uint8_t answer[BOARD_BODY])
+#ifndef __AVR__
+/* Whether `from` may speak, and why not; 0: it may. The body is whole. */
+static uint8_t stranger(struct board *board, uint64_t from, const uint8_t *nonce)
+{
+    const bool hello = board->body[0] == HELLO && board->size == HEAD + 2 + CRC;
+    if (from != board->host) {
+        if (!hello || board->state == BOARD_ARMED ||
+            (board->host != 0 && board->quiet < BOARD_QUIET_HOST)) {
+            return WHY_OTHER_HOST;
+        }
+        board->host = from;
+        board->nonce = platform_nonce();
+    }
+    if (!hello && board->body[0] != DISARM && memcmp(nonce, &board->nonce, BOARD_NONCE) != 0) {
+        return WHY_NONCE;
+    }
+    board->quiet = 0;
+    return 0;
+}
+
+uint8_t board_datagram(struct board *board, uint64_t from, const uint8_t *datagram, uint16_t size,
+                       uint8_t answer[BOARD_DATAGRAM])
 {
     uint8_t frame[BOARD_FRAME];
-    uint8_t count = 0;
-    for (uint8_t i = 0; i < size; ++i) {
-        keep(board, body[i]);
+    uint8_t end = 0;
+    uint8_t count = BOARD_NONCE;
+    if (size < BOARD_NONCE + HEAD + CRC || size > BOARD_DATAGRAM ||
+        crc_of(datagram + BOARD_NONCE, (uint8_t)(size - BOARD_NONCE)) != kGood) {
+        ++board->bad_frames;
+        return 0;
     }
-    const uint8_t end = end_of_frame(board, frame);
+    board->size = (uint8_t)(size - BOARD_NONCE);
+    memcpy(board->body, datagram + BOARD_NONCE, board->size);
+    const uint8_t why = stranger(board, from, datagram);
+    end = why != 0 ? refused(board, why, frame) : obey(board, frame);
     board->size = 0;
-    board->spoilt = 0;
+    memset(answer, 0, BOARD_NONCE);
+    if (why == 0) {
+        memcpy(answer, &board->nonce, BOARD_NONCE);
+    }
     for (uint8_t at = 1; at + 1 < end;) { /* out of its frame again */
         const uint8_t next = (uint8_t)(at + frame[at]);
         while (++at < next) {
@@ -468,3 +505,4 @@ uint8_t board_datagram(struct board *board, const uint8_t *body, uint8_t size, u
     }
     return count;
 }
+#endif

@@ -30,6 +30,9 @@ enum {
     BOARD_FIRMWARE = 1,
     BOARD_BODY = 48,         /* bytes of a frame's body at most */
     BOARD_FRAME = 52,        /* of a whole frame: two zeros, two code bytes */
+    BOARD_NONCE = 8,         /* before the body of a datagram */
+    BOARD_DATAGRAM = 56,     /* bytes of a datagram at most */
+    BOARD_QUIET_HOST = 1000, /* ms without a word of its host, after which another one may say hello */
     BOARD_DUTY = 800,        /* steps of the motors' PWM: 20 kHz at 16 MHz */
     BOARD_WATCHDOG_MIN = 5,  /* ms */
     BOARD_WATCHDOG_MAX = 50
@@ -97,6 +100,12 @@ struct board {
     uint8_t left;    /* bytes until the next code byte */
     uint8_t begun;   /* bytes came since the last zero */
     uint8_t spoilt;  /* it cannot be a frame any more */
+
+#ifndef __AVR__      /* who speaks in datagrams: a serial line has one other end */
+    uint64_t host;   /* 0: nobody yet */
+    uint64_t nonce;  /* of this host */
+    uint16_t quiet;  /* ms since its last word */
+#endif
 };
 
 /* After a reset. The platform has switched the motors off. */
@@ -105,9 +114,16 @@ void board_begin(struct board *board, const struct board_facts *facts, void *own
 /* One byte from the host. Returns how many bytes of `answer` are to be sent, 0 for none. */
 uint8_t board_take(struct board *board, uint8_t byte, uint8_t answer[BOARD_FRAME]);
 
-/* One datagram, which is a body without a frame; so is the answer, of as many bytes as it returns. For a device that is
- * a program and not a chip. */
-uint8_t board_datagram(struct board *board, const uint8_t *body, uint8_t size, uint8_t answer[BOARD_BODY]);
+#ifndef __AVR__
+/* One datagram of `from`, which is any number but 0 for each address: 8 bytes, then a body without a frame. So is the
+ * answer to it, of as many bytes as this returns. The 8 bytes are a secret of the board and its host: HELLO and DISARM
+ * need none, every answer brings them, and nothing else is obeyed without. Another host is refused until the first has
+ * been silent for BOARD_QUIET_HOST, and while the motors are on. For a device that is a program and not a chip. */
+uint8_t board_datagram(struct board *board, uint64_t from, const uint8_t *datagram, uint16_t size,
+                       uint8_t answer[BOARD_DATAGRAM]);
+/* A number that nobody can guess. */
+uint64_t platform_nonce(void);
+#endif
 
 /* Every millisecond, from an interrupt. */
 void board_tick(struct board *board);

@@ -50,6 +50,12 @@
 #if AXES != 2 && AXES != 3
 #error "AXES is 2 or 3"
 #endif
+#if TORQUE_1_UN_M < 1 || TORQUE_2_UN_M < 1 || TORQUE_3_UN_M < 1
+#error "TORQUE_1_UN_M, TORQUE_2_UN_M and TORQUE_3_UN_M are the torque at full duty, 1 or more"
+#endif
+#if COUNTS_1 < 1 || COUNTS_2 < 1 || COUNTS_3 < 1
+#error "COUNTS_1, COUNTS_2 and COUNTS_3 are counts a turn, 1 or more"
+#endif
 
 #if defined(__AVR_ATmega328P__)
 #if AXES > 2

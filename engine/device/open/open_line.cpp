@@ -20,6 +20,7 @@ constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
 constexpr double kMicro = 1e6;
 constexpr double kJump = 0.3;   ///< rad: no joint turns so far between two answers
 constexpr double kLeap = 0.02;  ///< m: nor moves a straight axis
+constexpr int kMaxNews = 8;     ///< answers looked at in a millisecond
 constexpr int kDisarms = 3;
 constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
 constexpr std::size_t kStateBody = 13;  ///< bytes of a STATE's body, and 4 for each axis
@@ -70,7 +71,7 @@ std::uint16_t OpenLine::next_seq() noexcept {
 }
 
 OpenBytes OpenLine::packed(const OpenBytes& body) const noexcept {
-    return bare_ ? body : open_frame(body);
+    return bare_ ? open_datagram(nonce_, body) : open_frame(body);
 }
 
 bool OpenLine::send(const OpenBytes& body) noexcept {
@@ -112,14 +113,35 @@ std::optional<OpenAnswer> OpenLine::next_answer(std::int64_t wait_ns) noexcept {
             break;
         }
         if (bare_) {
-            const std::span<const std::uint8_t> body(came_.data(), came_size_);
+            const std::span<const std::uint8_t> datagram(came_.data(), came_size_);
             came_size_ = 0;
-            if (const auto answer = read_open(body)) {
+            if (const auto answer = opened(datagram)) {
                 return answer;
             }
         }
     }
     return std::nullopt;
+}
+
+/// The answer in a datagram. The nonce comes with IDENT; whoever does not know it is not heard, but for a board
+/// that says no, which it may do to somebody else as well.
+std::optional<OpenAnswer> OpenLine::opened(std::span<const std::uint8_t> datagram) noexcept {
+    if (datagram.size() <= kOpenNonce) {
+        return std::nullopt;
+    }
+    OpenNonce nonce{};
+    std::copy_n(datagram.begin(), kOpenNonce, nonce.begin());
+    const auto answer = read_open(datagram.subspan(kOpenNonce));
+    if (!answer) {
+        return std::nullopt;
+    }
+    if (answer->type == Type::ident && answer->seq == seq_) {
+        nonce_ = nonce;
+    }
+    if (answer->type == Type::nak && answer->why == kOpenOtherHost) {
+        problem_ = Problem::other_host;
+    }
+    return nonce == nonce_ || answer->type == Type::nak ? answer : std::nullopt;
 }
 
 /// A question and its answer; what answers older questions is dropped.
@@ -171,7 +193,9 @@ OpenLine::Answer OpenLine::take(const OpenReport& report) noexcept {
 OpenLine::Answer OpenLine::probe(std::int64_t wait_ns) noexcept {
     const auto answer = call(open_bare(Type::peek, next_seq()), wait_ns);
     if (!answer || answer->type != Type::state) {
-        return lost_ ? Answer::lost : Answer::pending;
+        return lost_                           ? Answer::lost
+             : problem_ == Problem::other_host ? Answer::garbage
+                                               : Answer::pending;
     }
     return take(answer->report);
 }
@@ -195,6 +219,19 @@ bool OpenLine::silence() noexcept {
         }
     }
     return false;
+}
+
+/// What a guard's DISARM brings is no news.
+void OpenLine::keep_off() noexcept {
+    bool unasked = false;
+    for (int i = 0; i < kMaxNews; ++i) {
+        const auto answer = next_answer(0);
+        unasked = unasked || (answer && answer->seq != kGuardSeq);
+    }
+    if (unasked || link_->now_ns() - asked_ns_ >= kAgain) {
+        asked_ns_ = link_->now_ns();
+        static_cast<void>(link_->send(disarm_.view()));
+    }
 }
 
 bool OpenLine::forgive() noexcept {
@@ -259,6 +296,9 @@ OpenLine::Answer OpenLine::hear(std::int64_t wait_ns, std::size_t leave) noexcep
         if (!answer) {
             break;
         }
+        if (problem_ == Problem::other_host) {
+            return Answer::garbage;
+        }
         const auto behind = static_cast<std::uint16_t>(seq_ - answer->seq);
         if (answer->type != Type::state || behind >= owed_) {
             continue;  // an old one: a cut frame may be completed by the zero of the next
@@ -301,8 +341,11 @@ bool OpenLine::greet() noexcept {
     reader_.start_over();
     lost_ = lost_ || (!bare_ && !link_->send(kZeros));
     for (int i = 0; i < kHellos && !lost_; ++i) {
+        problem_ = Problem::none;
         const auto answer = call(open_hello(next_seq()), kHelloEvery);
-        if (answer && (answer->type == Type::ident || answer->type == Type::nak)) {
+        if (problem_ == Problem::other_host) {  // in a second it may be gone
+            link_->pause(kHelloEvery);
+        } else if (answer && (answer->type == Type::ident || answer->type == Type::nak)) {
             ident_ = answer->ident;  // of a NAK: version 0, which is none
             return true;
         }
@@ -385,7 +428,10 @@ OpenLine::Problem OpenLine::look() noexcept {
 
 OpenLine::Answer OpenLine::set_up() noexcept {
     problem_ = Problem::none;
-    Problem found = greet() ? wrong_board() : noise_ ? Problem::other_device : Problem::silent;
+    Problem found = greet()                         ? wrong_board()
+                  : problem_ == Problem::other_host ? problem_
+                  : noise_                          ? Problem::other_device
+                                                    : Problem::silent;
     found = found == Problem::none ? agree() : found;
     found = found == Problem::none ? look() : found;
     set_up_ = found == Problem::none;

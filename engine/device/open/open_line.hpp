@@ -24,6 +24,7 @@ public:
     [[nodiscard]] std::string complaint() const override;
     /// Torque 0, three times DISARM, then listens.
     [[nodiscard]] bool silence() noexcept override;
+    void keep_off() noexcept override;
     [[nodiscard]] bool forgive() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
     [[nodiscard]] bool ask(const std::array<double, kMostAxes>& torque) noexcept override;
@@ -60,6 +61,7 @@ private:
         watchdog_fired,
         skipped_edge,
         jump,
+        other_host,
     };
 
     [[nodiscard]] bool send(const OpenBytes& body) noexcept;
@@ -68,6 +70,7 @@ private:
     [[nodiscard]] std::optional<OpenAnswer> call(const OpenBytes& body,
                                                  std::int64_t wait_ns) noexcept;
     [[nodiscard]] std::optional<OpenAnswer> next_answer(std::int64_t wait_ns) noexcept;
+    [[nodiscard]] std::optional<OpenAnswer> opened(std::span<const std::uint8_t> datagram) noexcept;
     void forget() noexcept;
     [[nodiscard]] bool greet() noexcept;
     [[nodiscard]] Problem wrong_board() const noexcept;
@@ -80,6 +83,7 @@ private:
     OpenWiring wiring_;
     std::size_t axes_;                      ///< of the machine
     bool bare_;                             ///< a body a datagram, without a frame
+    OpenNonce nonce_{};                     ///< that every datagram begins with
     OpenAxes counts_per_turn_{};            ///< by channel
     OpenAxes limit_{};                      ///< uN m, by channel
     std::array<double, kMostAxes> jump_{};  ///< counts between two answers that cannot be, by axis

@@ -1,5 +1,7 @@
 #include "engine/device/open/open_wire.hpp"
 
+#include <algorithm>
+
 namespace palpate::engine {
 namespace {
 
@@ -163,6 +165,14 @@ OpenBytes open_torque(std::uint16_t seq, const OpenAxes& torque, std::size_t axe
     Writer out(OpenType::torque, seq);
     out.i32(torque, axes);
     return out.done();
+}
+
+OpenBytes open_datagram(const OpenNonce& nonce, const OpenBytes& body) noexcept {
+    OpenBytes datagram;
+    datagram.size = kOpenNonce + body.size;
+    const auto rest = std::copy(nonce.begin(), nonce.end(), datagram.bytes.begin());
+    std::copy_n(body.bytes.begin(), body.size, rest);
+    return datagram;
 }
 
 /// Bodies are shorter than a block of COBS: no block is full.

@@ -9,13 +9,15 @@
 #include "engine/device/calibration.hpp"
 
 /// The wire of the open board, host's side. Little-endian; a body is type u8, seq u16, payload, crc u16;
-/// on a serial line a frame is 00, COBS(body), 00. A board has two or three axes, which the length of its
+/// on a serial line a frame is 00, COBS(body), 00; a datagram is nonce u64, body. A board has two or three axes, which the length of its
 /// IDENT tells, and of all that has a number for each. The board's own side is engine/device/firmware.
 namespace palpate::engine {
 
 inline constexpr std::uint8_t kOpenMajor = 1;
 inline constexpr std::size_t kOpenBody = 48;              ///< bytes at most
 inline constexpr std::size_t kOpenFrame = kOpenBody + 4;  ///< with code bytes and zeros
+inline constexpr std::size_t kOpenNonce = 8;              ///< before the body of a datagram
+inline constexpr std::size_t kOpenDatagram = kOpenBody + kOpenNonce;
 inline constexpr std::uint16_t kGuardSeq = 0;  ///< of a guard's DISARM, and of no other question
 
 enum class OpenType : std::uint8_t {
@@ -46,7 +48,7 @@ enum OpenFlag : std::uint16_t {
 
 /// Bytes of a packet.
 struct OpenBytes {
-    std::array<std::uint8_t, kOpenFrame> bytes{};
+    std::array<std::uint8_t, kOpenDatagram> bytes{};
     std::size_t size = 0;
 
     [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
@@ -102,7 +104,7 @@ struct OpenAnswer {
     OpenConfig config{};
     OpenReport report{};
     std::uint8_t why =
-        0;  ///< of a NAK: 1 version, 2 state, 3 value, 4 stop pressed, 5 token, 6 type
+        0;  ///< of a NAK: 1 version, 2 state, 3 value, 4 stop pressed, 5 token, 6 type, 7 another host, 8 nonce
 };
 
 /// CRC-16/X-25 of `bytes`: 0x906E of "123456789".
@@ -119,6 +121,15 @@ struct OpenAnswer {
 [[nodiscard]] OpenBytes open_torque(std::uint16_t seq,
                                     const OpenAxes& torque,
                                     std::size_t axes = 2) noexcept;
+
+/// Of a NAK in a datagram: the board listens to somebody else.
+inline constexpr std::uint8_t kOpenOtherHost = 7;
+
+/// What the board and its host alone know: a datagram begins with it.
+using OpenNonce = std::array<std::uint8_t, kOpenNonce>;
+
+/// A body as it goes in a datagram.
+[[nodiscard]] OpenBytes open_datagram(const OpenNonce& nonce, const OpenBytes& body) noexcept;
 
 /// A body as it goes over a serial line.
 [[nodiscard]] OpenBytes open_frame(const OpenBytes& body) noexcept;

@@ -86,6 +86,10 @@ std::string OpenLine::complaint() const {
             return "an encoder of " + board +
                    " skipped an edge, so that where the handle is is lost: check its cable, and "
                    "move more slowly";
+        case Problem::other_host:
+            return "another program speaks to " + board +
+                   ": end that one, which the board listens to until it has been silent for a "
+                   "second";
         case Problem::jump:
             return board + " sent what cannot be: check the encoders' cables";
         default:
