@@ -1,6 +1,9 @@
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+
+#include <unistd.h>
 
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/pantograph.hpp"
@@ -108,4 +111,53 @@ TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply
     const Finished link = palpate_command({"haply-emulator", "--link", "/proc/no/such/place"});
     CHECK(link.code == 1);
     CHECK_THAT(link.error, ContainsSubstring("name a file in a folder that you may write"));
+}
+
+TEST_CASE("who had the port open before is named, and no session or check begins beside it",
+          "[laws][haply][doctor]") {
+    const TemporaryFolder folder;
+    const std::string link = folder.file("board");
+    Process emulator({palpate_program(), "haply-emulator", "--link", link});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    Process stranger({"/bin/sh", "-c", "exec 3<>'" + link + "'; exec sleep 600"});
+    const auto said = [&] {
+        return palpate_command({"doctor", "--device", "haply:" + link, "--seconds", "0.05", "--db",
+                                folder.file("d.sqlite")})
+            .out;
+    };
+    CHECK(eventually([&] { return said().find(", sleep (process ") != std::string::npos; }));
+    stranger.signal(SIGKILL);
+    CHECK(stranger.wait().code != 0);
+    CHECK(said().find("in use by another program") == std::string::npos);
+    emulator.signal(SIGINT);
+    CHECK(emulator.wait().code == 0);
+}
+
+TEST_CASE("the guard goes into a control group of its own where systemd grants one, else stays",
+          "[laws][haply][guard][doctor]") {
+    const TemporaryFolder folder;
+    const std::string link = folder.file("board");
+    Process emulator({palpate_program(), "haply-emulator", "--link", link});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    // What systemd does with the process named last but one.
+    const std::string group = "/sys/fs/cgroup/freezer/palpate-" + std::to_string(getpid());
+    const auto said = [&](const std::string& does) {
+        std::ofstream(folder.file("busctl"))
+            << "#!/bin/sh\nwhile [ $# -gt 2 ]; do shift; done\n" + does + "\n";
+        std::filesystem::permissions(folder.file("busctl"), std::filesystem::perms::owner_all);
+        return Process({palpate_program(), "doctor", "--device", "haply:" + link, "--seconds",
+                        "0.05", "--db", folder.file("d.sqlite")},
+                       {"PATH=" + folder.path().string() + ":" + std::getenv("PATH")})
+            .wait()
+            .out;
+    };
+    CHECK_THAT(said("exit 1"), ContainsSubstring("its guard shares palpate's control group"));
+    std::error_code error;
+    if (std::filesystem::create_directory(group, error)) {
+        CHECK_THAT(said("echo $1 > " + group + "/cgroup.procs"),
+                   ContainsSubstring("its guard has a control group of its own"));
+        CHECK(eventually([&] { return std::filesystem::remove(group, error); }));
+    }
+    emulator.signal(SIGINT);
+    CHECK(emulator.wait().code == 0);
 }

@@ -11,8 +11,34 @@ using tests::eventually;
 using tests::TemporaryFolder;
 using tests::WindowSession;
 
-// A board whose answers become late while a session runs, done to the shipped program: an emulator that is typed
+// What befalls a board and its wire while a session runs, done to the shipped program: an emulator that is typed
 // to, a window, and the file.
+
+namespace {
+
+/// Whether the motors give nothing now, as the emulator says.
+bool off(tests::TypedTo& board) {
+    const std::size_t before = board.program().out().size();
+    board.type("motors");
+    std::string said;
+    CHECK(eventually([&] {
+        said = board.program().out().substr(before);
+        return said.find("mN m\n") != std::string::npos;
+    }));
+    return said.find("give 0, 0 mN") != std::string::npos;
+}
+
+bool stays_off(tests::TypedTo& board) {
+    for (int i = 0; i < 20; ++i) {
+        if (!off(board)) {
+            return false;
+        }
+        tests::wait_a_little();
+    }
+    return true;
+}
+
+}  // namespace
 
 TEST_CASE(
     "a session whose answers become late ends the force, and waits until they are quick again",
@@ -47,4 +73,36 @@ TEST_CASE(
     session.wait_for_screen("ready");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
+}
+
+TEST_CASE("a packet read as a reset, and another program's torques, end at zero in a session",
+          "[window][haply][law]") {
+    const TemporaryFolder folder;
+    tests::TypedTo board(folder, "keys", "haply-emulator --link '" + folder.file("board") + "'");
+    board.type("delay 0");
+    REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
+    std::string study = tests::pressed_study();
+    study.replace(study.find("dead_man = true"), 15, "dead_man = false");
+    std::ofstream(folder.file("p.toml")) << study;
+    WindowSession session(
+        {"run", folder.file("p.toml"), "--participant", "P1", "--db", folder.file("d.sqlite"),
+         "--device", "haply:" + folder.file("board"), "--kind", "pilot", "--windowed"},
+        folder.file("d.sqlite"));
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    REQUIRE(eventually([&] { return !off(board); }));
+    board.type("misread");  // the motors keep what they had, and no longer know their address
+    session.wait_for_screen("trouble");
+    session.wait_until(
+        "SELECT fault_cause LIKE 'device_%' FROM trial ORDER BY trial_id DESC LIMIT 1", "1");
+    CHECK(eventually([&] { return off(board); }));
+    CHECK(stays_off(board));
+    board.type("stranger 200");  // while the session waits
+    CHECK(eventually([&] { return off(board); }));
+    tests::pause(0.5);
+    CHECK(stays_off(board));
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+    CHECK(stays_off(board));
 }

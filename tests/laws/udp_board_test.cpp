@@ -1,6 +1,10 @@
+#include <atomic>
 #include <csignal>
 #include <filesystem>
+#include <thread>
 
+#include "engine/device/drivers/udp_link.hpp"
+#include "engine/device/open/open_wire.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/process.hpp"
@@ -64,6 +68,34 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
     CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
                ContainsSubstring("its own watchdog stops it after 20 ms"));
     CHECK(Process({PALPATE_UDP_DEVICE, port}).wait().code == 2);  // taken
+}
+
+TEST_CASE(
+    "a stranger at a UDP port is told from a cable, and a board that is in use from a silent one",
+    "[laws][open][doctor]") {
+    const TemporaryFolder folder;
+    const std::uint16_t number = free_udp_port();
+    const std::string port = std::to_string(number);
+    const Process example({PALPATE_UDP_DEVICE, port});
+    const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
+    std::atomic<bool> there{true};
+    std::thread stranger([&] {
+        engine::UdpLink link({.host = "127.0.0.1", .port = port});
+        while (there && !link.reopen()) {
+        }
+        for (std::uint16_t seq = 1; there; ++seq) {
+            static_cast<void>(link.send(engine::open_datagram({}, engine::open_hello(seq)).view()));
+            link.pause(50'000'000);
+        }
+    });
+    CHECK(eventually([&] {
+        return doctor(folder, "udp:127.0.0.1:" + port, calibration)
+                   .find("another program speaks to the board") != std::string::npos;
+    }));
+    there = false;
+    stranger.join();
+    CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
+               ContainsSubstring("its own watchdog stops it after 20 ms"));
 }
 
 TEST_CASE("words of a UDP port that cannot be are refused with a sentence, before a file is made",
