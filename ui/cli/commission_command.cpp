@@ -86,7 +86,7 @@ Rig emulated_rig(engine::Calibration& machine) {
             return std::make_unique<engine::HandOf<engine::PantographPlant>>(plant);
         },
         engine::BoardTiming{.period = kPeriod, .silence = 5.0},
-        engine::GuardTiming{.wait_ms = 5, .patience = 1000, .alive_ms = 5000});
+        engine::GuardTiming{.wait_ms = 5, .patience = 1000, .alive_ms = 5000, .apart = true});
     rig.device = &rig.emulated->device();
     rig.desk = {.bring =
                     [emulated = rig.emulated.get()](const Vec3& place) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/device/drivers/guard_process.hpp"
 #include "protocols/session/feasibility.hpp"
 #include "ui/doctor/checks.hpp"
 
@@ -56,6 +57,10 @@ void tell_answers(Check& check, const Readings& readings, const engine::DeviceTr
         std::isinf(traits.holds_force)
             ? "; no watchdog of its own"
             : fmt::format("; its own watchdog stops it after {:g} ms", 1e3 * traits.holds_force);
+    // With a watchdog of the board's own it matters less.
+    check.detail += engine::GuardProcess({.apart = true}).apart()
+                      ? "; its guard has a control group of its own"
+                      : "; its guard shares palpate's control group, and is frozen with it";
     check.numbers.emplace_back("answer_ms", 1e3 * traits.round_trip);
     check.numbers.emplace_back("delay_ticks", traits.delay_ticks);
     if (traits.delay_ticks > 1.0) {

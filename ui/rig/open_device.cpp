@@ -36,9 +36,11 @@ std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
         case Kind::mouse:
             return std::make_unique<engine::PointerDevice>();
         case Kind::haply:
-            return engine::open_haply(choice.file, calibration, {.period = period});
+            return engine::open_haply(choice.file, calibration, {.period = period},
+                                      {.apart = true});
         case Kind::board:
-            return engine::open_board(choice.file, calibration, {.period = period});
+            return engine::open_board(choice.file, calibration, {.period = period},
+                                      {.apart = true});
         case Kind::comedi:
             return engine::open_comedi(choice.file, calibration);
         case Kind::simulated:

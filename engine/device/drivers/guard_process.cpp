@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/device/drivers/guard_scope.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -90,7 +91,7 @@ GuardProcess::~GuardProcess() {
     }  // else a thread still holds it: a page is lost, and that thread ends well
 }
 
-bool GuardProcess::start() noexcept {
+bool GuardProcess::start() {
     std::array<int, 2> ends{};
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
         return false;
@@ -108,6 +109,7 @@ bool GuardProcess::start() noexcept {
     if (pid_ < 0) {
         end();
     }
+    apart_ = pid_ > 0 && timing_.apart && set_apart(pid_);
     return pid_ > 0;
 }
 

@@ -40,11 +40,14 @@ public:
     [[nodiscard]] bool alive() const noexcept override;
     [[nodiscard]] bool tripped() const noexcept override;
 
+    /// It has a control group of its own: what freezes palpate's leaves it alone.
+    [[nodiscard]] bool apart() const noexcept { return apart_; }
+
     /// Of the guard, -1 without one.
     [[nodiscard]] pid_t id() const noexcept { return pid_; }
 
 private:
-    [[nodiscard]] bool start() noexcept;
+    [[nodiscard]] bool start();
     void end() noexcept;
     [[nodiscard]] bool listens() const noexcept;
     [[nodiscard]] bool acknowledged() const noexcept;
@@ -59,6 +62,7 @@ private:
     std::uint64_t number_;  ///< of this guard among all of this process
     mutable std::int64_t asked_ns_ = 0;
     mutable bool gone_ = false;
+    bool apart_ = false;
 };
 
 }  // namespace palpate::engine

@@ -17,6 +17,7 @@ struct GuardTiming {
     int wait_ms = 5;     ///< between two looks at the driver
     int patience = 5;    ///< looks in a row at a driver that is silent with the force on
     int alive_ms = 100;  ///< a guard that has not looked for so long counts as hung
+    bool apart = false;  ///< in a control group of its own, if it may: see set_apart()
 };
 
 /// What palpate and its guard both see.
