@@ -230,8 +230,7 @@ bool ThreadServo::one_rest(const Wake& wake) noexcept {
         leave(State::parked);
         return false;
     }
-    const bool failed =
-        idle_fault_ != DeviceFault::none && idle_fault_ != DeviceFault::unreachable;
+    const bool failed = idle_fault_ != DeviceFault::none && idle_fault_ != DeviceFault::unreachable;
     if (failed && idle_fault_ != before) {
         loop_.prove_zero();
     } else if (failed) {

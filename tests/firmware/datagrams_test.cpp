@@ -314,8 +314,7 @@ public:
     void arm() {
         REQUIRE(say(open_hello(1))->type == OpenType::ident);
         REQUIRE(say(open_config(2, config))->type == OpenType::configured);
-        REQUIRE(say(open_token(OpenType::arm, 3, config.token))->report.state ==
-                OpenState::armed);
+        REQUIRE(say(open_token(OpenType::arm, 3, config.token))->report.state == OpenState::armed);
         static_cast<void>(say(open_torque(4, {50'000, 0})));
     }
 

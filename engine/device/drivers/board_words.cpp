@@ -1,0 +1,45 @@
+#include "engine/base/text.hpp"
+#include "engine/device/drivers/board_device.hpp"
+
+// What the driver of a board says of it to people.
+namespace palpate::engine {
+
+std::string BoardDevice::explained(DeviceFault fault) const {
+    const std::string board = "the board at " + link_->name();
+    if (std::string said = line_->complaint(); !said.empty() && fault != DeviceFault::unreachable) {
+        return said;
+    }
+    switch (fault) {
+        case DeviceFault::none:
+        case DeviceFault::ended:
+            return {};
+        case DeviceFault::lost:
+            return board + (link_->keeps_packets()
+                                ? " is gone: start its program again and check the cable"
+                                : " is gone: plug it in again and check its power");
+        case DeviceFault::silent:
+            return board + " stopped answering in time: check its power and cable";
+        case DeviceFault::garbage:
+            return board + " sent what cannot be: end other programs that use it, check the cable";
+        case DeviceFault::stopped:
+            return board + " has switched its motors off";
+        case DeviceFault::unguarded:
+            return "the guard process of the motors is gone: it is started again";
+        case DeviceFault::unreachable:
+            break;
+    }
+    std::string pose = "its home pose";
+    const Calibration& machine = machine_.calibration();
+    if (machine.gantry) {
+        const Vec3 home = 1e3 * machine.gantry->home();
+        pose += " (" + number_text(home.x) + ", " + number_text(home.y) + ", " +
+                number_text(home.z) + ") mm";
+    } else if (machine.home) {
+        pose += " (" + number_text(1e3 * machine.home->x) + ", " +
+                number_text(1e3 * machine.home->y) + ") mm";
+    }
+    return board + " is back, but where the handle was is lost: put the handle at " + pose +
+           " and let it rest there for " + number_text(timing_.still) + " s";
+}
+
+}  // namespace palpate::engine
