@@ -10,6 +10,7 @@
 #include "engine/base/text.hpp"
 #include "data/analysis/exclusion.hpp"
 #include "data/analysis/people_text.hpp"
+#include "data/store/trial_device.hpp"
 
 namespace palpate::data {
 namespace {
@@ -167,6 +168,26 @@ std::string declined_text(Database& database, const Group& group) {
                         counted(n, "participant is", "participants are"));
 }
 
+/// Sessions that were felt on more than one device; nothing as long as there are none.
+std::string devices_text(Database& database, const Group& group) {
+    Statement row = database.prepare(
+        "SELECT participant_code, session_number, device, coalesce(calibration_sha256, ''),"
+        " count(*), count(*) OVER (PARTITION BY session_id) FROM analysis_trial WHERE"
+        " study_name = ?1 AND session_kind = ?2 GROUP BY session_id, device, calibration_sha256"
+        " ORDER BY participant_code, session_number, min(trial_id)");
+    row.bind(1, group.study).bind(2, group.kind);
+    std::string text;
+    while (row.step()) {
+        if (row.integer(5) > 1) {
+            text += fmt::format("    {} session {}: {} on {}\n", row.text(0), row.integer(1),
+                                counted(row.integer(4), "attempt"),
+                                device_text({.name = row.text(2), .calibration = row.text(3)}));
+        }
+    }
+    return text.empty() ? text
+                        : "\n  CAUTION: felt on more than one device or calibration:\n" + text;
+}
+
 /// For a POSIX shell.
 std::string quoted(const std::string& word) {
     std::string text = "'";
@@ -185,7 +206,8 @@ std::string summary_text(Database& database) {
         text += title(group) + confusion_text(database, group) + answers_text(database, group) +
                 runs_text(database, group) + exclusions_text(database, group) +
                 no_correct_text(database, group) + faults_text(database, group) +
-                invalid_text(database, group) + declined_text(database, group) + '\n';
+                invalid_text(database, group) + declined_text(database, group) +
+                devices_text(database, group) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

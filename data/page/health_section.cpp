@@ -22,6 +22,15 @@ FROM fault JOIN person USING (participant_code)
 WHERE study_name = {study} AND session_kind = {kind}
 GROUP BY fault_cause, phase ORDER BY faults DESC, fault_cause, phase)";
 
+constexpr std::string_view kDevices =
+    R"(SELECT person, session_number, calibration_sha256, attempts
+FROM (SELECT person, session_number, device, calibration_sha256, count(*) AS attempts, min(trial_id) AS first,
+             count(*) OVER (PARTITION BY session_id) AS devices
+      FROM analysis_trial JOIN person USING (participant_code)
+      WHERE study_name = {study} AND session_kind = {kind}
+      GROUP BY session_id, device, calibration_sha256)
+WHERE devices > 1 ORDER BY first)";
+
 /// Means of a person and friction that the audit compares.
 std::string audit_sql() {
     std::string columns;
@@ -213,6 +222,14 @@ void add_health(PageWriter& page, const Study& study) {
         felt / 60.0, counted(static_cast<std::int64_t>(lost), "tick was", "ticks were"),
         counted(static_cast<std::int64_t>(faults), "trial"));
     page.figure(figure);
+    const Rows devices = study.ask(kDevices);
+    if (!devices.cells.empty()) {
+        page.table("devices", "CAUTION: sessions felt on more than one device or calibration",
+                   "One row a device of a session, in the order in which they came. A device "
+                   "without a calibration is a simulated one or a pointer. Their names are in the "
+                   "file, trial by trial: analysis_trial.device.",
+                   devices);
+    }
     const Rows causes = study.ask(kFaults);
     if (!causes.cells.empty()) {
         page.table("faults", "Why the force went off",

@@ -73,7 +73,7 @@ CREATE TABLE session (
                           CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
     plan_sha256       TEXT NOT NULL CHECK (length(plan_sha256) = 64),  -- [details] of the whole order
     shuffles          INTEGER NOT NULL CHECK (shuffles >= 1),  -- [details] orders proposed until one kept the limits
-    device            TEXT NOT NULL,                -- [details] as given to --device
+    device            TEXT NOT NULL,                -- [details] with which it began; each trial has its own
     rate_hz           REAL NOT NULL CHECK (rate_hz > 0),  -- servo ticks a second
     stiffness_n_per_m REAL NOT NULL CHECK (stiffness_n_per_m > 0),  -- of the contact
     started_utc       TEXT NOT NULL,                -- [details] begin, wall clock, ISO 8601
@@ -153,6 +153,8 @@ CREATE TABLE trial (
                             -- aborted = the experimenter ended it; interrupted = the program or machine stopped;
                             -- faulted = the force went off by itself; running = not ended}
     invalid_reason      TEXT CHECK (length(invalid_reason) > 0),  -- [details] why its answer does not count; NULL: it does
+    device              TEXT NOT NULL,              -- [details] on which it was felt, as the device calls itself
+    calibration_sha256  TEXT CHECK (length(calibration_sha256) = 64),  -- of the device's calibration; NULL: it has none
     fault_cause         TEXT CHECK (fault_cause IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
     first_contact_s     REAL,                       -- first tick -> first contact; NULL: none
     done_s              REAL,                       -- first tick -> done
@@ -170,11 +172,11 @@ CREATE TABLE trial (
     path_length_m       REAL,                       -- of HIP
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
-    mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact
-    max_normal_force_n  REAL,                       -- largest rendered normal force
-    energy_j            REAL,                       -- work done on the user
+    mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact; NULL: the device gives no force
+    max_normal_force_n  REAL,                       -- largest rendered normal force; NULL: as above
+    energy_j            REAL,                       -- work done on the user; NULL: as above
     contact_episodes    INTEGER,                    -- times that HIP came into contact
-    worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
+    worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive; NULL: no force
     started_ns          INTEGER,                    -- [details] begin, on the servo's clock (CLOCK_MONOTONIC of the rig)
     started_utc         TEXT NOT NULL,              -- [details] begin, wall clock, ISO 8601
     ended_utc           TEXT,                       -- [details] end, wall clock; NULL: it never ended
@@ -206,8 +208,8 @@ CREATE TABLE presentation (
     late_ticks          INTEGER,                    -- woke more than half a period late
     saturated_ticks     INTEGER,                    -- the device could not give the force
     path_length_m       REAL,                       -- of HIP
-    mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact
-    max_normal_force_n  REAL,                       -- largest rendered normal force
+    mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact; NULL: the device gives no force
+    max_normal_force_n  REAL,                       -- largest rendered normal force; NULL: as above
     start_x_m           REAL,                       -- HIP at the first tick, to the right
     start_y_m           REAL,                       -- HIP at the first tick, away from the person
     before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
@@ -221,9 +223,9 @@ CREATE TABLE presentation (
     speed_p10_m_per_s   REAL,                       -- of HIP in contact, over 20 ms: a tenth is no faster
     speed_p50_m_per_s   REAL,                       -- a half is no faster
     speed_p90_m_per_s   REAL,                       -- nine tenths are no faster
-    normal_force_p10_n  REAL,                       -- rendered, over contact ticks: a tenth is no stronger
-    normal_force_p50_n  REAL,                       -- a half is no stronger
-    normal_force_p90_n  REAL,                       -- nine tenths are no stronger
+    normal_force_p10_n  REAL,                       -- rendered, over contact ticks: a tenth is no stronger; NULL: no force
+    normal_force_p50_n  REAL,                       -- a half is no stronger; NULL: no force
+    normal_force_p90_n  REAL,                       -- nine tenths are no stronger; NULL: no force
     covered_share       REAL,                       -- share of the outline, its base left out, that the god-object visited
     PRIMARY KEY (trial_id, interval)
 ) STRICT;

@@ -1,5 +1,7 @@
 #include "data/store/presentation.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <string>
 
@@ -7,6 +9,14 @@
 #include "data/store/row.hpp"
 
 namespace palpate::data {
+namespace {
+
+/// What nobody felt who held a device without force.
+constexpr std::string_view kOfForce[] = {
+    "normal_force_p10_n", "normal_force_p50_n", "normal_force_p90_n", "mean_normal_force_n",
+    "max_normal_force_n", "energy_j",           "worst_episode_j"};
+
+}  // namespace
 
 void write_presentation(Database& database,
                         std::int64_t trial,
@@ -26,7 +36,7 @@ void write_presentation(Database& database,
         .insert(database);
 }
 
-std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum) {
+std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum, bool force) {
     std::vector<SummaryValue> values{
         {"ticks", sum.ticks},
         {"contact_ticks", sum.contact_ticks},
@@ -65,11 +75,16 @@ std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum) {
     if (sum.first_contact_s) {
         values.back().value = *sum.first_contact_s;
     }
+    for (SummaryValue& one : values) {
+        if (!force && std::ranges::find(kOfForce, one.column) != std::end(kOfForce)) {
+            one.value = std::monostate();
+        }
+    }
     return values;
 }
 
-void set_summary(Row& row, const protocols::TrialSummary& sum) {
-    for (const auto& [column, value] : summary_values(sum)) {
+void set_summary(Row& row, const protocols::TrialSummary& sum, bool force) {
+    for (const auto& [column, value] : summary_values(sum, force)) {
         if (row.has(column)) {
             row.set(column, value);
         }
@@ -79,13 +94,14 @@ void set_summary(Row& row, const protocols::TrialSummary& sum) {
 void write_interval_result(Database& database,
                            std::int64_t trial,
                            std::int64_t interval,
-                           const protocols::IntervalResult& result) {
+                           const protocols::IntervalResult& result,
+                           bool force) {
     Row row("presentation");
     row.set("trial_id", trial)
         .set("interval", interval)
         .set("done_s", result.done_s)
         .set("done_uncertainty_s", result.done_uncertainty_s);
-    set_summary(row, result.summary);
+    set_summary(row, result.summary, force);
     row.update(database, {"trial_id", "interval"});
 }
 

@@ -18,10 +18,12 @@ struct SummaryValue {
 };
 
 /// All of them. The table trial has each, presentation some.
-[[nodiscard]] std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum);
+/// @param force  the device gives some; else what nobody felt is NULL
+[[nodiscard]] std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum,
+                                                       bool force);
 
 /// Sets those that the row's table has.
-void set_summary(Row& row, const protocols::TrialSummary& sum);
+void set_summary(Row& row, const protocols::TrialSummary& sum, bool force);
 
 void write_presentation(Database& database,
                         std::int64_t trial,
@@ -32,7 +34,8 @@ void write_presentation(Database& database,
 void write_interval_result(Database& database,
                            std::int64_t trial,
                            std::int64_t interval,
-                           const protocols::IntervalResult& result);
+                           const protocols::IntervalResult& result,
+                           bool force);
 
 void write_response(Database& database,
                     std::int64_t trial,

@@ -14,6 +14,7 @@
 #include "data/store/people.hpp"
 #include "data/store/row.hpp"
 #include "data/store/secret.hpp"
+#include "data/store/trial_device.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -128,9 +129,27 @@ std::int64_t create(Database& database,
 
 struct Existing {
     std::int64_t id = 0;
-    std::string protocol_hash, plan_hash, kind, device, seed, operator_name;
+    std::string protocol_hash, plan_hash, kind, seed, operator_name;
     bool finished = false;
 };
+
+/// What a device without a calibration leaves out is noted as well: it has none.
+std::vector<std::pair<std::string, std::string>> with_none(
+    Database& database,
+    std::int64_t session,
+    std::vector<std::pair<std::string, std::string>> made) {
+    Statement row = database.prepare(
+        "SELECT key FROM session_provenance WHERE session_id = ?1 AND key LIKE 'calibration%'"
+        " UNION SELECT key FROM event WHERE session_id = ?1 AND event_kind = 'provenance'"
+        " AND key LIKE 'calibration%'");
+    row.bind(1, session);
+    while (row.step()) {
+        if (std::ranges::none_of(made, [&](const auto& one) { return one.first == row.text(0); })) {
+            made.emplace_back(row.text(0), "");
+        }
+    }
+    return made;
+}
 
 /// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
 void note_changes(Database& database, const Existing& there, const SessionSpec& spec) {
@@ -138,7 +157,7 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
         add_event(database, there.id,
                   {.kind = kind, .text = "goes on with " + value, .value = value});
     };
-    if (there.device != spec.device) {
+    if (next_device(database, there.id).name != spec.device) {
         goes_on(protocols::EventKind::device, spec.device);
     }
     if (!spec.operator_name.empty() && there.operator_name != spec.operator_name) {
@@ -148,13 +167,13 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
         "SELECT value FROM (SELECT coalesce(value, '') AS value, event_id FROM event WHERE"
         " session_id = ?1 AND event_kind = 'provenance' AND key = ?2 UNION ALL SELECT value, 0 FROM"
         " session_provenance WHERE session_id = ?1 AND key = ?2) ORDER BY event_id DESC LIMIT 1");
-    for (const auto& [key, value] : spec.provenance) {
+    for (const auto& [key, value] : with_none(database, there.id, spec.provenance)) {
         const bool same = row.bind(1, there.id).bind(2, key).step() && row.text(0) == value;
         row.reset();
         if (!same) {
             add_event(database, there.id,
                       {.kind = protocols::EventKind::provenance,
-                       .text = fmt::format("{}: {}", key, value),
+                       .text = fmt::format("{}: {}", key, value.empty() ? "none" : value),
                        .key = key,
                        .value = value});
         }
@@ -163,7 +182,7 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
-        "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, device, seed, "
+        "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, "
         "finished, coalesce(operator, '') FROM session JOIN study USING (study_id) JOIN "
         "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND "
         "session_number = ?3");
@@ -177,10 +196,9 @@ std::optional<Existing> existing_session(Database& database, const SessionSpec& 
                     .protocol_hash = row.text(1),
                     .plan_hash = row.text(2),
                     .kind = row.text(3),
-                    .device = row.text(4),
-                    .seed = row.text(5),
-                    .operator_name = row.text(7),
-                    .finished = row.integer(6) != 0};
+                    .seed = row.text(4),
+                    .operator_name = row.text(6),
+                    .finished = row.integer(5) != 0};
 }
 
 void require_same(const Database& database, const Existing& there, const SessionSpec& spec) {
@@ -202,6 +220,31 @@ void require_same(const Database& database, const Existing& there, const Session
         refuse(fmt::format("is a {} session", there.kind),
                fmt::format("it cannot go on as {}: begin a new session with --session",
                            to_string(spec.kind)));
+    }
+}
+
+TrialDevice device_of(const SessionSpec& spec) {
+    TrialDevice device{.name = spec.device, .calibration = {}};
+    for (const auto& [key, value] : spec.provenance) {
+        device.calibration = key == kCalibrationHashKey ? value : device.calibration;
+    }
+    return device;
+}
+
+/// What was felt on one device is not to be mixed with another by accident.
+void require_same_device(Database& database, const Existing& there, const SessionSpec& spec) {
+    Statement last = database.prepare(
+        "SELECT device, coalesce(calibration_sha256, '') FROM trial WHERE session_id = ?1 ORDER BY"
+        " trial_id DESC LIMIT 1");
+    if (spec.other_device || there.finished || !last.bind(1, there.id).step()) {
+        return;
+    }
+    const TrialDevice before{.name = last.text(0), .calibration = last.text(1)};
+    if (const TrialDevice now = device_of(spec); !same_rig(before, now)) {
+        throw OtherDevice(
+            fmt::format("session {} of {} in {} was felt on {} so far, and would go on with {}",
+                        spec.key.session, spec.key.participant, spec.protocol.id,
+                        device_text(before), device_text(now)));
     }
 }
 
@@ -282,6 +325,7 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
         opened.resumed = false;
     } else if (there) {
         require_same(database, *there, spec);
+        require_same_device(database, *there, spec);
         note_changes(database, *there, spec);
         opened.finished = there->finished;
         opened.interrupted = mark_interrupted(database, id);

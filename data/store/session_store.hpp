@@ -30,7 +30,8 @@ struct SessionSpec {
     Resume resume = Resume::go_on;  ///< if it is there already
     std::string operator_name{};    ///< who runs it; empty: not given
     std::vector<std::pair<std::string, std::string>> provenance;
-    std::string uuid{};  ///< empty: a random one
+    std::string uuid{};         ///< empty: a random one
+    bool other_device = false;  ///< it goes on also where its last trial was felt on another
 };
 
 /// Keys of session_provenance that say how a simulated session was made: kObserverKey, the text of the observer
@@ -41,6 +42,12 @@ inline constexpr std::string_view kNoTraces = "none";
 
 /// The key of the session's random streams; purpose and block are to be set.
 [[nodiscard]] protocols::StreamKey session_stream(const SessionSpec& spec);
+
+/// A session would go on with another device or calibration than its last trial had.
+class OtherDevice : public StoreError {
+public:
+    using StoreError::StoreError;
+};
 
 struct OpenedSession {
     SessionLock lock;  ///< held from before anyone else could have opened it
@@ -73,6 +80,7 @@ struct SessionState {
 /// or provenance other than before is an event: what was noted at the beginning stays too. A session of which
 /// no trial has begun is made anew where it would be another one, and an event "planned again" says so. Nobody else
 /// opens or runs the session until the returned lock is released: `next` stays true as long.
+/// @throws OtherDevice unless spec.other_device says that it may
 /// @throws StoreError if the session has trials and was made from another protocol, plan, seed or kind, or if a
 ///         program holds its SessionLock, this one too, or if the answers so far do not give the stored states of
 ///         the protocol's rule: nothing changes

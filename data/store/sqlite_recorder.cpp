@@ -38,6 +38,7 @@ SqliteRecorder::SqliteRecorder(Database& database,
     : database_(database),
       protocol_(protocol),
       session_(session),
+      device_(next_device(database, session)),
       ticks_(ticks),
       trace_(database,
              machine_of(first_calibration(database, session)),
@@ -75,14 +76,18 @@ TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
     Statement before = database_.prepare(
         "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
     before.bind(1, session_).bind(2, static_cast<std::int64_t>(planned.position)).step();
-    const TrialId id = Row("trial")
-                           .set("session_id", session_)
-                           .set("plan_position", planned.position)
-                           .set("attempt", before.integer(0) + 1)
-                           .set("outcome", "running")
-                           .set("started_utc", database_.utc_now())
-                           .set("started_ns", database_.steady_now())
-                           .insert(database_);
+    const TrialId id =
+        Row("trial")
+            .set("session_id", session_)
+            .set("plan_position", planned.position)
+            .set("attempt", before.integer(0) + 1)
+            .set("outcome", "running")
+            .set("device", device_.name)
+            .set("calibration_sha256",
+                 device_.calibration.empty() ? std::nullopt : std::optional(device_.calibration))
+            .set("started_utc", database_.utc_now())
+            .set("started_ns", database_.steady_now())
+            .insert(database_);
     before.reset();
     all.commit();
     return id;
@@ -199,7 +204,7 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .set("done_s", result.done_s)
         .set("done_uncertainty_s", result.done_uncertainty_s)
         .set("ended_utc", database_.utc_now());
-    set_summary(row, result.summary);
+    set_summary(row, result.summary, device_.gives_force());
     if (!running.bind(1, trial).step() || row.update(database_, {"trial_id"}) != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
                                      database_.file(), trial));
@@ -209,7 +214,7 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
 void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
     for (std::size_t i = 0; i < result.intervals.size(); ++i) {
         write_interval_result(database_, trial, static_cast<std::int64_t>(i + 1),
-                              result.intervals[i]);
+                              result.intervals[i], device_.gives_force());
     }
 }
 

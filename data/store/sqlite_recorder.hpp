@@ -7,6 +7,7 @@
 #include "data/store/database.hpp"
 #include "data/store/reserve.hpp"
 #include "data/store/trace_writer.hpp"
+#include "data/store/trial_device.hpp"
 
 namespace palpate::data {
 
@@ -57,6 +58,7 @@ private:
     Database& database_;
     const protocols::Protocol& protocol_;
     std::int64_t session_;
+    TrialDevice device_;
     bool ticks_;
     protocols::TrialId running_ = 0;  ///< 0: none
     std::int64_t interval_ = 0;       ///< of the running trial, 0: none yet

@@ -15,14 +15,12 @@
 #include "protocols/trial/object_hash.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/session_store.hpp"
+#include "data/store/trial_device.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/plan_check.hpp"
 
 namespace palpate::data {
 namespace {
-
-constexpr const char* kCalibration = "calibration";
-constexpr const char* kCalibrationHash = "calibration sha256";
 
 using Provenance = std::map<std::string, std::string>;
 
@@ -72,8 +70,8 @@ void check_objects(const SessionFrame& frame, const Provenance& provenance, Find
 
 /// The hash belongs to the text, and the text is the canonical one of a machine.
 void check_calibration(const Provenance& provenance, Findings& findings) {
-    const auto text = provenance.find(kCalibration);
-    const auto hash = provenance.find(kCalibrationHash);
+    const auto text = provenance.find(std::string(kCalibrationKey));
+    const auto hash = provenance.find(std::string(kCalibrationHashKey));
     if (text == provenance.end() && hash == provenance.end()) {
         return;  // a device without one
     }
@@ -84,7 +82,7 @@ void check_calibration(const Provenance& provenance, Findings& findings) {
         return;
     }
     if (sha256_hex(text->second) != hash->second) {
-        findings.differs(fmt::format("session_provenance: {}", kCalibrationHash), hash->second,
+        findings.differs(fmt::format("session_provenance: {}", kCalibrationHashKey), hash->second,
                          sha256_hex(text->second));
     }
     try {
@@ -155,7 +153,7 @@ void check_provenance(Database& database,
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
     check_simulation(provenance, frame, findings);
-    if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
+    if (const auto text = provenance.find(std::string(kCalibrationKey)); text != provenance.end()) {
         frame.machine = machine_of(text->second);
         frame.gantry = gantry_of(text->second);
     }
@@ -166,9 +164,13 @@ void check_provenance(Database& database,
         if (event.kind == protocols::EventKind::device) {
             frame.replayed = frame.replayed || event.value.starts_with("replay of ");
         } else if (event.kind == protocols::EventKind::provenance) {
-            provenance[event.key] = event.value;
+            if (event.value.empty()) {  // what it goes on with has none
+                provenance.erase(event.key);
+            } else {
+                provenance[event.key] = event.value;
+            }
             changed = true;
-            if (event.key == kCalibration) {
+            if (event.key == kCalibrationKey) {
                 frame.gantry.reset();
             }
         }

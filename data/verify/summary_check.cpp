@@ -125,8 +125,9 @@ namespace {
 void check_shared(std::string_view table,
                   const StoredRow& row,
                   const protocols::TrialSummary& sum,
+                  bool force,
                   Findings& findings) {
-    for (const auto& [column, value] : summary_values(sum)) {
+    for (const auto& [column, value] : summary_values(sum, force)) {
         if (find_column(fmt::format("{}.{}", table, column)) != nullptr) {
             std::visit([&](const auto& one) { findings.expect(table, column, row, Value(one)); },
                        value);
@@ -153,6 +154,7 @@ std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
                                                    const StoredRow& trial,
                                                    std::span<const CheckedInterval> intervals,
                                                    bool answered_by_numbers,
+                                                   bool force,
                                                    Findings& findings) {
     std::vector<protocols::TrialSummary> felt;
     if (!all_whole(intervals) || intervals.empty()) {
@@ -169,13 +171,13 @@ std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
             felt_ticks(frame, row, last && outcome == "faulted", trace, findings);
         const protocols::TrialSummary& one =
             felt.emplace_back(summary_of(frame, intervals[i], ticks));
-        check_shared("presentation", row, one, findings);
+        check_shared("presentation", row, one, force, findings);
         const bool pressed = outcome != "timed_out" || intervals.size() > 1;
         check_done("presentation", row, pressed, ticks, period_ns,
                    answered_by_numbers && on_virtual_clock(trace), findings);
         sum = i == 0 ? one : together(sum, one);
     }
-    check_shared("trial", trial, sum, findings);
+    check_shared("trial", trial, sum, force, findings);
     findings.expect("trial", "done_s", trial, intervals.back().row.at("done_s"));
     findings.expect("trial", "done_uncertainty_s", trial,
                     intervals.back().row.at("done_uncertainty_s"));

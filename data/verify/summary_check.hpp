@@ -14,11 +14,13 @@ namespace palpate::data {
 ///
 /// How many ticks were felt (the rest is the ramp out of the force) is known where the clock was virtual;
 /// on a real one the stored number is believed as far as a whole ramp stands behind it.
+/// @param force  the device of the trial gives some
 /// @return what was felt of each interval; nothing where ticks are missing
 std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
                                                    const StoredRow& trial,
                                                    std::span<const CheckedInterval> intervals,
                                                    bool answered_by_numbers,
+                                                   bool force,
                                                    Findings& findings);
 
 /// Why an answer does not count: by the rules of [invalid], or because somebody marked it.

@@ -41,8 +41,8 @@ bool is_trip(const std::string& name) {
 /// Columns of a trial that was cut off: nothing of it was added up. All that may be NULL, but for what was there at
 /// its begin, what is said of it later, and its seal.
 std::vector<std::string_view> columns_of_an_end() {
-    constexpr std::array<std::string_view, 4> kOther{"invalid_reason", "started_ns", "seal",
-                                                     "seal_events"};
+    constexpr std::array<std::string_view, 5> kOther{"calibration_sha256", "invalid_reason",
+                                                     "started_ns", "seal", "seal_events"};
     std::vector<std::string_view> columns;
     for (const ColumnManual& column :
          std::ranges::find(catalogue(), "trial", &TableManual::name)->columns) {
@@ -65,6 +65,7 @@ TrialCheck::TrialCheck(Database& database,
       progress_(
           frame.protocol, frame.plan, session_stream(frame.protocol_hash, frame.key, frame.seed)),
       events_(stored_events(database, session)),
+      device_(first_device(database, session)),
       period_ns_(engine::tick_period_ns(frame.protocol.apparatus.rate_hz)) {}
 
 void TrialCheck::check(const StoredRow& trial) {
@@ -121,6 +122,7 @@ void TrialCheck::check_rows(Pending& pending, Findings& findings) {
     take_events();
     ++checked_;
     check_place(trial, findings);
+    check_device(pending, findings);
     const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     if (position < frame_.plan.trials.size()) {  // else it was said already
         const auto responses = rows_of(database_, "SELECT * FROM response WHERE trial_id = ?1",
@@ -136,7 +138,16 @@ void TrialCheck::check_rows(Pending& pending, Findings& findings) {
 void TrialCheck::take_events() {
     for (; taken_ < events_.size() && events_[taken_].trials_begun <= checked_; ++taken_) {
         progress_ = apply(std::move(progress_), events_[taken_].event);
+        device_ = apply(std::move(device_), events_[taken_].event);
     }
+}
+
+/// What session and events say of where it was felt.
+void TrialCheck::check_device(Pending& pending, Findings& findings) const {
+    findings.expect("trial", "device", pending.trial, device_.now.name);
+    findings.expect("trial", "calibration_sha256", pending.trial,
+                    device_.now.calibration.empty() ? Value() : Value(device_.now.calibration));
+    pending.force = device_.now.gives_force();
 }
 
 void TrialCheck::check_place(const StoredRow& trial, Findings& findings) {
@@ -196,7 +207,8 @@ void TrialCheck::check_ticks_of(Pending& pending) const {
         // Whoever broke off before an answer may have pressed the key that ended the exploration.
         const bool by_numbers = pending.response ? pending.response->text("input") == "simulated"
                                                  : trial.text("outcome") != "aborted";
-        const auto felt = check_summary(frame_, trial, intervals, by_numbers, findings);
+        const auto felt =
+            check_summary(frame_, trial, intervals, by_numbers, pending.force, findings);
         if (pending.response && felt.size() == intervals.size()) {
             check_invalid(frame_, trial, pending.mark, felt, findings);
         }

@@ -11,6 +11,7 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/store/stored_progress.hpp"
+#include "data/store/trial_device.hpp"
 #include "data/verify/interval_check.hpp"
 
 namespace palpate::data {
@@ -39,6 +40,7 @@ private:
         std::vector<CheckedInterval> intervals{};
         std::vector<StoredRow> fault_ticks{};
         std::optional<std::string> mark{};
+        bool force = true;       ///< its device gives some
         std::size_t done = 0;    ///< trials of the session before
         bool is_answer = false;  ///< to the question
         std::vector<Finding> found{};
@@ -49,6 +51,7 @@ private:
     void check_rows(Pending& pending, Findings& findings);
     void check_ticks_of(Pending& pending) const;
     void check_place(const StoredRow& trial, Findings& findings);
+    void check_device(Pending& pending, Findings& findings) const;
     void check_planned(Pending& pending,
                        const protocols::PlannedTrial& planned,
                        Findings& findings);
@@ -67,6 +70,7 @@ private:
     SessionReport& report_;
     protocols::SessionProgress progress_;  ///< before the trial that is looked at
     std::vector<StoredEvent> events_;
+    DeviceProgress device_;     ///< of the trial that is looked at
     std::size_t taken_ = 0;     ///< of these
     std::int64_t checked_ = 0;  ///< trials
     std::int64_t period_ns_;

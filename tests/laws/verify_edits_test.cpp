@@ -102,8 +102,10 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
         edits.push_back(all + fmt::format("DELETE FROM trial WHERE trial_id = ({})", last));
     }
     for (const char* edit :
-         {"INSERT INTO trial (trial_id, session_id, plan_position, attempt, outcome, started_utc) "
-          "SELECT 99, session_id, plan_position, attempt + 7, 'interrupted', started_utc FROM "
+         {"INSERT INTO trial (device, trial_id, session_id, plan_position, attempt, outcome, "
+          "started_utc) "
+          "SELECT device, 99, session_id, plan_position, attempt + 7, 'interrupted', started_utc "
+          "FROM "
           "trial "
           "WHERE trial_id = 2",
           "INSERT INTO session_provenance VALUES (1, 'zz', 'x')",

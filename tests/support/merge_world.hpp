@@ -65,8 +65,9 @@ private:
     void begin(data::Database& database, Random& random) {
         database
             .prepare(
-                "INSERT INTO trial (session_id, plan_position, attempt, outcome, started_utc)"
-                " SELECT ?1, ?2, 1 + count(*), 'running', ?3 FROM trial"
+                "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
+                "started_utc)"
+                " SELECT 'sim', ?1, ?2, 1 + count(*), 'running', ?3 FROM trial"
                 " WHERE session_id = ?1 AND plan_position = ?2")
             .bind(1, session_)
             .bind(2, std::int64_t{random.below(6)})

@@ -39,6 +39,7 @@ struct RunOptions {
     std::optional<std::uint64_t> seed;
     std::optional<std::string> secret;  ///< for the file, if it has no session yet
     std::string resume = "continue";
+    bool other_device = false;  ///< that the session goes on with one is meant
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     bool handle_free = false;   ///< the operator's word for it, and for home
@@ -232,6 +233,9 @@ void declare(CommandWords& words, RunOptions& options) {
              "block, or with the practice; answers of what is begun again do not count")
         .among({data::kResumeWords.begin(), data::kResumeWords.end()})
         .with_default();
+    words.add("--other-device", options.other_device,
+              "A session that was begun goes on also with another device or calibration than its "
+              "last trial had; without the word a terminal is asked, and anything else refused");
     words.add("--durable", options.durable,
               "Save ticks more often: after a power cut at most 45 ms are lost, not 120 ms");
     words
@@ -268,6 +272,7 @@ int run(const RunOptions& options) {
     const auto resume =
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
     spec.resume = static_cast<data::Resume>(resume - data::kResumeWords.begin());
+    spec.other_device = options.other_device;
     spec.operator_name = options.operator_name;
     spec.go_on = go_on_command(options.words);
     spec.durable = options.durable;

@@ -156,9 +156,13 @@ std::string objection(const engine::RigRecord* record,
     return {};
 }
 
+std::optional<std::string> typed_after(const std::string& question) {
+    say("{}", question);
+    return typed_line();
+}
+
 bool wait_for_enter(const std::string& text) {
-    say("{}", text);
-    return typed_line().has_value();
+    return typed_after(text).has_value();
 }
 
 void ask_for_yes(const std::string& text, bool beforehand) {

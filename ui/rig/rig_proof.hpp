@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,8 @@ struct OpeningFact {
 void ask_for_yes(const std::string& text, bool beforehand);
 /// Says `text` and waits for Enter. @return false at the end of standard input, or once interrupted()
 [[nodiscard]] bool wait_for_enter(const std::string& text);
+/// What is typed after a question. @return none: standard input ended, or the program is to stop
+[[nodiscard]] std::optional<std::string> typed_after(const std::string& question);
 
 /// Runs `work` on a thread that is woken before ordinary programs, where that is permitted.
 /// @throws what it throws

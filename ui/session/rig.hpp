@@ -42,6 +42,7 @@ struct RigSpec {
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
     data::Resume resume = data::Resume::go_on;
+    bool other_device = false;  ///< it goes on also on another device than its last trial had
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec
