@@ -10,6 +10,7 @@
 #include "engine/base/text.hpp"
 #include "data/analysis/exclusion.hpp"
 #include "data/analysis/people_text.hpp"
+#include "data/store/analysed.hpp"
 #include "data/store/trial_device.hpp"
 
 namespace palpate::data {
@@ -212,6 +213,8 @@ std::string summary_text(Database& database) {
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";
     }
+    const std::string versions = versions_text(versions_of(database));
+    text += versions.empty() ? "" : versions + '\n';
     return text + fmt::format("Data: {}\n", database.file());
 }
 

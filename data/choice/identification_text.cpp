@@ -151,7 +151,8 @@ std::string identification_text(const IdentificationReport& report) {
     for (const std::string& who : report.left_out) {
         out += fmt::format("\nLeft out: {}\n", who);
     }
-    return out;
+    const std::string versions = versions_text(report.table.versions);
+    return versions.empty() ? out : out + '\n' + versions;
 }
 
 std::string identification_json(const IdentificationReport& report) {
@@ -159,7 +160,8 @@ std::string identification_json(const IdentificationReport& report) {
                 {"items", report.names},
                 {"values", report.values},
                 {"lapse", report.options.lapse},
-                {"frictions", report.table.frictions}};
+                {"frictions", report.table.frictions},
+                {"versions", versions_json(report.table.versions)}};
     for (const IdentifiedPerson& person : report.people) {
         Json one = {{"participant", person.name},
                     {"log_likelihood", person.thurstone.log_likelihood},

@@ -22,6 +22,17 @@ std::string json_text(const Json& value) {
     return out;
 }
 
+Json versions_json(const std::vector<StudyVersion>& versions) {
+    Json all = Json::array();
+    for (const StudyVersion& one : versions) {
+        all.push_back({{"study", one.study},
+                       {"protocol_sha256", one.protocol_sha256},
+                       {"kind", one.kind},
+                       {"people", one.people}});
+    }
+    return all;
+}
+
 std::string json_string(std::string_view text) {
     return json_text(text);
 }

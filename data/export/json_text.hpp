@@ -2,8 +2,11 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
+
+#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 
@@ -15,5 +18,8 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] std::string json_text(const Json& value);
 /// The same of one string, in quotes.
 [[nodiscard]] std::string json_string(std::string_view text);
+
+/// Versions of protocols that a file has, with how many people; an empty list where there are no several.
+[[nodiscard]] Json versions_json(const std::vector<StudyVersion>& versions);
 
 }  // namespace palpate::data

@@ -80,12 +80,19 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
 
 std::string fit_json(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
-    Json all = {{"source", report.source},         {"function", word_of(spec.family)},
-                {"guess", guess_text(spec)},       {"lapse", lapse_text(spec)},
-                {"priors", priors_text(spec)},     {"bootstrap", report.options.bootstrap},
-                {"seed", report.options.seed},     {"curves", Json::array()},
-                {"conditions", report.conditions}, {"not_fitted", Json::array()},
-                {"differences", Json::array()},    {"people", Json::array()}};
+    Json all = {{"source", report.source},
+                {"function", word_of(spec.family)},
+                {"guess", guess_text(spec)},
+                {"lapse", lapse_text(spec)},
+                {"priors", priors_text(spec)},
+                {"bootstrap", report.options.bootstrap},
+                {"seed", report.options.seed},
+                {"curves", Json::array()},
+                {"conditions", report.conditions},
+                {"not_fitted", Json::array()},
+                {"differences", Json::array()},
+                {"people", Json::array()},
+                {"versions", versions_json(report.versions)}};
     for (const NotFitted& one : report.left_out) {
         all["not_fitted"].push_back(text_of(one));
     }

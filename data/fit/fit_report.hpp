@@ -11,6 +11,7 @@
 #include "data/fit/bootstrap.hpp"
 #include "data/plot/figure.hpp"
 #include "data/statistics/over_people.hpp"
+#include "data/store/analysed.hpp"
 
 /// Fits of all curves of a file, and what is said of them.
 namespace palpate::data {
@@ -97,6 +98,7 @@ struct FitReport {
     std::vector<NotFitted> left_out{};
     std::vector<Difference> differences{};  ///< where there are two conditions or more
     std::vector<OverPeople> people{};       ///< where there are two people or more
+    std::vector<StudyVersion> versions{};   ///< of a database with several of a protocol
 };
 
 /// "P01, friction on"; empty for answers of nobody in no condition.

@@ -295,10 +295,11 @@ std::string fit_text(const FitReport& report) {
     text += people_text(report);
     const auto agreed =
         std::ranges::count_if(report.curves, [](const FittedCurve& one) { return one.fit.agree; });
-    return text +
-           fmt::format(
-               "\nFisher scoring and Nelder-Mead agree on {} of {} (log-likelihood within 1e-6).\n",
-               agreed, counted(report.curves.size(), "curve"));
+    text += fmt::format(
+        "\nFisher scoring and Nelder-Mead agree on {} of {} (log-likelihood within 1e-6).\n",
+        agreed, counted(report.curves.size(), "curve"));
+    const std::string versions = versions_text(report.versions);
+    return versions.empty() ? text : text + '\n' + versions;
 }
 
 }  // namespace palpate::data

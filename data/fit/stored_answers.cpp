@@ -9,6 +9,7 @@
 
 #include "protocols/session/adaptive_runs.hpp"
 #include "data/store/adaptive_store.hpp"
+#include "data/store/analysed.hpp"
 #include "data/store/graded_answers.hpp"
 #include "data/store/people.hpp"
 
@@ -118,12 +119,12 @@ StoredAnswers stored_answers(Database& database, const StoredChoice& asked) {
             choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study)));
     }
     if (studies.size() > 1) {
-        throw std::invalid_argument(
-            fmt::format("{} holds several studies: give --study and one of {}", database.file(),
-                        fmt::join(studies, ", ")));
+        throw std::invalid_argument(several_studies(database, studies));
     }
     choice.study = *studies.begin();
-    StoredAnswers stored{.study = choice.study, .conditions = conditions_of(database, choice)};
+    StoredAnswers stored{.study = choice.study,
+                         .conditions = conditions_of(database, choice),
+                         .versions = versions_of(database)};
     for (auto& [study, answers] : found) {
         stored.all.push_back(std::move(answers));
     }

@@ -23,6 +23,7 @@ struct StoredAnswers {
     std::vector<Answers> all{};
     /// Runs in the order of the protocol, frictions from the least: as in all tables.
     std::vector<std::string> conditions{};
+    std::vector<StudyVersion> versions{};  ///< where the file has several of a protocol
 };
 
 /// Of every participant and condition of a study the answers that count, main trials alone. Where a rule chose the

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "data/statistics/paired.hpp"
+#include "data/store/analysed.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {
@@ -90,11 +91,9 @@ Felt read_felt(Database& database, const TrialChoice& choice) {
     return felt;
 }
 
-void check_choice(const Felt& felt, const Database& database, const TrialChoice& choice) {
+void check_choice(const Felt& felt, Database& database, const TrialChoice& choice) {
     if (felt.studies.size() > 1) {
-        throw std::invalid_argument(
-            fmt::format("{} holds several studies: give --study and one of {}", database.file(),
-                        fmt::join(felt.studies, ", ")));
+        throw std::invalid_argument(several_studies(database, felt.studies));
     }
     if (felt.frictions.size() < 2) {
         throw std::invalid_argument(fmt::format(
@@ -233,7 +232,8 @@ std::string audit_text(Database& database, const TrialChoice& choice, const Audi
                                        : fmt::format("{:>6}  {}", line.people, verdict_text({})));
         before = &line;
     }
-    return text;
+    const std::string versions = versions_text(versions_of(database));
+    return versions.empty() ? text : text + '\n' + versions;
 }
 
 }  // namespace palpate::data

@@ -176,6 +176,7 @@ std::string stats_json(const StatsReport& report) {
         {"permutations", options.permutations},
         {"simulations", options.simulations},
         {"bayes_prior", {{"name", "JZS"}, {"scale_r", options.prior_scale}}},
+        {"versions", versions_json(table.versions)},
         {"excluded", Json::array()}};
     for (const ExcludedTrials& one : report.excluded) {
         all["excluded"].push_back(

@@ -382,7 +382,8 @@ std::string stats_text(const StatsReport& report) {
     if (report.not_applied) {
         text += part_text(report, *report.not_applied, "Exclusions NOT applied");
     }
-    return text;
+    const std::string versions = versions_text(report.table.versions);
+    return versions.empty() ? text : text + '\n' + versions;
 }
 
 }  // namespace palpate::data

@@ -8,6 +8,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/analysis/exclusion.hpp"
 #include "data/inference/trials.hpp"
+#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 namespace {
@@ -110,9 +111,7 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
             choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study)));
     }
     if (studies.size() > 1) {
-        throw std::invalid_argument(
-            fmt::format("{} holds several studies: give --study and one of {}", database.file(),
-                        fmt::join(studies, ", ")));
+        throw std::invalid_argument(several_studies(database, studies));
     }
     choice.study = *studies.begin();
     const auto why = left_out(database, choice);
@@ -124,6 +123,7 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
     TrialTable table = table_of_names(std::move(all));
     table.source = choice.codes ? database.file() : fmt::format("study {}", choice.study);
     table.study = choice.study;
+    table.versions = versions_of(database);
     table.kind = choice.kind;
     table.primary = primary_of(database, choice);
     if (table.alternatives > 0) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocols/protocol/protocol.hpp"
+#include "data/store/analysed.hpp"
 #include "data/store/database.hpp"
 
 /// Answered trials of several people, as all statistics take them: a database's, or any lab's.
@@ -40,7 +41,8 @@ struct TrialTable {
     std::vector<std::string> responses{};
     /// How many pictures an answer was one of; 0: of yes and no.
     std::size_t alternatives = 0;
-    std::vector<Trial> trials{};  ///< by subject, then by number
+    std::vector<StudyVersion> versions{};  ///< of a database with several of a protocol
+    std::vector<Trial> trials{};           ///< by subject, then by number
 };
 
 /// A trial before its names have places.

@@ -183,6 +183,21 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
 
 void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     page.section("people", "Participants and exclusions");
+    if (!study.versions().empty()) {
+        std::string versions;
+        for (const StudyVersion& one : study.versions()) {
+            versions += fmt::format("{}{} by {} ({})", versions.empty() ? "" : ", ",
+                                    one.study + (one.study.find('@') == std::string::npos
+                                                     ? '@' + one.protocol_sha256.substr(0, 8)
+                                                     : ""),
+                                    counted(one.people, "person", "people"), one.kind);
+        }
+        page.paragraph(
+            fmt::format("The file holds several versions of a protocol: {}. {}", versions,
+                        study.seen() == " --versions together"
+                            ? "CAUTION: this page takes them as one."
+                            : "They are kept apart: this page is of " + study.name() + " alone."));
+    }
     PageFigure flow{
         .id = "flow",
         .title = "From planned trials to analysed answers",

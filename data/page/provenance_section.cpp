@@ -198,11 +198,12 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     }
     page.html(fmt::format(
         "<p>All numbers can be had again from the file: each figure's SQL with <code>palpate sql "
-        "{0} --csv</code>, the tests with <code>{1}</code>.</p>\n",
+        "{0}{2} --csv</code>, the tests with <code>{1}</code>.</p>\n",
         html_text(study.file()),
         html_text(numbers.stats ? numbers.stats_words
                   : numbers.fit ? numbers.fit_words
-                                : numbers.audit_words)));
+                                : numbers.audit_words),
+        study.seen()));
 }
 
 }  // namespace palpate::data

@@ -134,13 +134,16 @@ void Study::choose() {
             options_.study.empty() ? "" : fmt::format(" of the study {}", options_.study)));
     }
     if (names.size() > 1) {
-        throw std::invalid_argument(
-            fmt::format("{} holds several studies: give --study and one of {}", database_->file(),
-                        fmt::join(names, ", ")));
+        throw std::invalid_argument(several_studies(*database_, names));
     }
     name_ = *names.begin();
     words_ = options_.kind == "real" ? "" : " --kind " + options_.kind;
     words_ += options_.study.empty() ? "" : " --study " + options_.study;
+    versions_ = versions_of(*database_);
+    if (!versions_.empty()) {
+        seen_ = name_.find('@') == std::string::npos ? " --versions together" : " --versions apart";
+        words_ += seen_;
+    }
     Statement text = database_->prepare(
         "SELECT study_title, protocol_toml FROM study JOIN session USING (study_id) WHERE "
         "study_name = ?1 AND session_kind = ?2 ORDER BY session_id DESC LIMIT 1");

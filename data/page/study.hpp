@@ -8,6 +8,7 @@
 
 #include "protocols/protocol/protocol.hpp"
 #include "data/page/study_page.hpp"
+#include "data/store/analysed.hpp"
 
 /// The study that a page is about, and what is asked of its file.
 namespace palpate::data {
@@ -75,6 +76,9 @@ public:
     [[nodiscard]] const std::vector<LeftOut>& left_out() const { return left_out_; }
     /// " --kind simulated --study x": what other commands need to speak of the same.
     [[nodiscard]] const std::string& words() const { return words_; }
+    /// Of which protocols the file has several, and " --versions apart": how they are taken; else nothing.
+    [[nodiscard]] const std::vector<StudyVersion>& versions() const { return versions_; }
+    [[nodiscard]] const std::string& seen() const { return seen_; }
     /// FILE, since a name may hold a code; where codes are asked for, the file's without its folder.
     [[nodiscard]] const std::string& file() const { return file_; }
 
@@ -94,6 +98,8 @@ private:
     std::string person_sql_;
     std::string main_sql_;
     std::string words_;
+    std::vector<StudyVersion> versions_;
+    std::string seen_;
     std::string file_;
 };
 

@@ -64,6 +64,7 @@ struct SessionState {
     std::size_t number = 0;
     std::uint64_t seed = 0;
     bool finished = false;
+    bool begun = false;    ///< it has a trial
     std::string secret{};  ///< with which its orders were drawn
 };
 
@@ -74,6 +75,17 @@ struct SessionState {
 [[nodiscard]] std::optional<SessionState> find_session(Database& database,
                                                        std::string_view study,
                                                        const protocols::SessionKey& key);
+
+/// The text of another version of a protocol, that whoever had the last trial of a kind ran.
+struct OtherVersion {
+    std::int64_t people = 0;  ///< with a trial of it
+    std::string protocol_toml;
+};
+/// @return none: nobody ran the protocol so far, or the last one ran this version
+[[nodiscard]] std::optional<OtherVersion> other_version(Database& database,
+                                                        std::string_view study,
+                                                        std::string_view protocol_sha256,
+                                                        RunKind kind);
 
 /// Makes the session with its complete plan in one transaction, or opens the one that is there.
 /// Attempts left running by a killed program are marked interrupted; what they recorded stays. A device

@@ -39,6 +39,7 @@ struct RunOptions {
     std::optional<std::uint64_t> seed;
     std::optional<std::string> secret;  ///< for the file, if it has no session yet
     std::string resume = "continue";
+    bool new_version = false;   ///< the protocol was changed on purpose
     bool other_device = false;  ///< that the session goes on with one is meant
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
@@ -233,6 +234,9 @@ void declare(CommandWords& words, RunOptions& options) {
              "block, or with the practice; answers of what is begun again do not count")
         .among({data::kResumeWords.begin(), data::kResumeWords.end()})
         .with_default();
+    words.add("--new-version", options.new_version,
+              "The protocol was changed on purpose since the last person of this file ran it; "
+              "analyses keep its versions apart");
     words.add("--other-device", options.other_device,
               "A session that was begun goes on also with another device or calibration than its "
               "last trial had; without the word a terminal is asked, and anything else refused");
@@ -313,6 +317,9 @@ int run(const RunOptions& options) {
             fmt::format("{}: {} has finished session {} of {}; for another one give --session {}",
                         options.database, options.participant, spec.key.session,
                         spec.study.protocol.id, choice.last + 1));
+    }
+    if (!choice.begun && !options.new_version) {
+        check_version(database, spec.study, spec.kind);
     }
     if (!felt) {
         const Person person = data::find_participant(database, options.participant);

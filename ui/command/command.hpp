@@ -63,6 +63,10 @@ struct Word {
     Word& required_unless(std::string word) { return needed_unless = std::move(word), *this; }
 };
 
+inline constexpr const char* kVersionsHelp =
+    "Versions of a protocol in one file: apart, each a study of its own by its id and hash, or "
+    "together, as one";
+
 /// All words of one command.
 struct CommandWords {
     std::deque<Word> all{};           ///< a word stays where it is while others are added

@@ -1,4 +1,5 @@
 #include "data/inference/audit.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -6,6 +7,7 @@ namespace palpate::ui {
 namespace {
 
 struct AuditWords {
+    std::string versions = "apart";
     std::string database;
     std::string kind = "real";
     std::string study;
@@ -31,10 +33,16 @@ void declare(CommandWords& words, AuditWords& options) {
     words.add("--share", options.share, "Shares of ticks or trials that are so near are the same")
         .within(1e-9, 1.0)
         .with_default();
+    words.add("--versions", options.versions, kVersionsHelp)
+        .among({"apart", "together"})
+        .with_default();
 }
 
 int run(const AuditWords& words) {
     data::Database database(words.database, data::Access::read);
+    data::analyse(database,
+                  words.versions == "together" ? data::Versions::together : data::Versions::apart,
+                  words.study);
     say("{}", data::audit_text(
                   database, {.kind = words.kind, .study = words.study},
                   {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share}));

@@ -14,6 +14,7 @@
 #include "data/fit/fit_report.hpp"
 #include "data/fit/stored_answers.hpp"
 #include "data/plot/svg_figure.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -21,6 +22,7 @@ namespace palpate::ui {
 namespace {
 
 struct FitWords {
+    std::string versions = "apart";
     std::string file;
     std::string function = "normal";
     std::optional<std::string> guess;
@@ -165,6 +167,9 @@ void declare(CommandWords& words, FitWords& options) {
         .again_for_each();
     words.add("--keep-codes", options.keep_codes,
               "Of a database: people by the lab's codes, not by their numbers in exports");
+    words.add("--versions", options.versions, kVersionsHelp)
+        .among({"apart", "together"})
+        .with_default();
 }
 
 /// The head of a CSV names what was answered: trials of identification, not counts.
@@ -180,6 +185,9 @@ int fit_identifications(const FitWords& words, bool database) {
     data::TrialTable table;
     if (database) {
         data::Database file(words.file, data::Access::read);
+        data::analyse(
+            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
+            words.study);
         table = data::stored_trials(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
         options.items = data::item_values(file, table.study);
@@ -251,6 +259,9 @@ int run(const FitWords& words) {
     bool identifications = !database && is_trial_csv(words.file);
     if (database) {
         data::Database file(words.file, data::Access::read);
+        data::analyse(
+            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
+            words.study);
         const data::StoredChoice choice{.kind = words.kind, .study = words.study};
         identifications = data::answers_are_names(file, choice);
     }
@@ -276,6 +287,9 @@ int run(const FitWords& words) {
     data::StoredAnswers answers;
     if (database) {
         data::Database file(words.file, data::Access::read);
+        data::analyse(
+            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
+            words.study);
         answers = data::stored_answers(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {
@@ -283,8 +297,9 @@ int run(const FitWords& words) {
     }
     options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
-    const data::FitReport report =
+    data::FitReport report =
         data::fit_all(source_of(words, database, answers.study), answers.all, options);
+    report.versions = answers.versions;
     if (!words.svg.empty()) {
         data::write_svg(words.svg, data::fit_figure(report));
     }

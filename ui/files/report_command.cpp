@@ -6,6 +6,7 @@
 #include "engine/base/files.hpp"
 #include "data/page/study_page.hpp"
 #include "data/page/trial_page.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"
@@ -14,6 +15,7 @@ namespace palpate::ui {
 namespace {
 
 struct ReportWords {
+    std::string versions = "apart";
     std::string database;
     std::string output;
     std::optional<std::int64_t> trial;
@@ -59,11 +61,17 @@ void declare(CommandWords& words, ReportWords& options) {
         .within(0, 1000000)
         .with_default()
         .excludes("--trial");
+    words.add("--versions", options.versions, kVersionsHelp)
+        .among({"apart", "together"})
+        .with_default();
 }
 
 int run(const ReportWords& words) {
     require_writable(words.output, "<!DOCTYPE");
     data::Database database(words.database, data::Access::read);
+    data::analyse(database,
+                  words.versions == "together" ? data::Versions::together : data::Versions::apart,
+                  words.study);
     const std::string page =
         words.trial
             ? data::trial_page(

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "data/shell/sql_shell.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -19,6 +20,7 @@ struct SqlOptions {
     std::optional<std::string> query;  ///< none: from standard input
     bool csv = false;
     bool json = false;
+    std::string versions;  ///< empty: the file as it is stored
 };
 
 struct NoOptions {};
@@ -67,10 +69,19 @@ void declare(CommandWords& words, SqlOptions& options) {
               "SQL, or a word as .tables; without it a shell on standard input");
     words.add("--csv", options.csv, "Rows as CSV");
     words.add("--json", options.json, "Rows as one JSON array").excludes("--csv");
+    words
+        .add("--versions", options.versions,
+             "The file as stats, fit, audit and report see it, versions of a protocol apart or "
+             "together; without the word as it is stored")
+        .among({"apart", "together"});
 }
 
 int run(const SqlOptions& options) {
     data::Database database(options.database, data::Access::read);
+    if (!options.versions.empty()) {
+        data::analyse(database, options.versions == "together" ? data::Versions::together
+                                                               : data::Versions::apart);
+    }
     const data::RowFormat format = options.csv  ? data::RowFormat::csv
                                  : options.json ? data::RowFormat::json
                                                 : data::RowFormat::table;

@@ -7,6 +7,7 @@
 
 #include "engine/base/files.hpp"
 #include "data/inference/stats_report.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -14,6 +15,7 @@ namespace palpate::ui {
 namespace {
 
 struct StatsWords {
+    std::string versions = "apart";
     std::string file;
     bool json = false;
     std::string script;
@@ -76,6 +78,9 @@ void declare(CommandWords& words, StatsWords& options) {
     words.add("--study", options.study, "Of a database with several studies, which");
     words.add("--keep-codes", options.keep_codes,
               "Of a database: people by the lab's codes, not by their numbers in exports");
+    words.add("--versions", options.versions, kVersionsHelp)
+        .among({"apart", "together"})
+        .with_default();
 }
 
 /// The trials beside a script: its name, with .csv.
@@ -97,6 +102,9 @@ int run(const StatsWords& words) {
     data::TrialTable table;
     if (data::is_database(words.file)) {
         data::Database file(words.file, data::Access::read);
+        data::analyse(
+            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
+            words.study);
         table = data::stored_trials(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "data/analysis/summary.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -8,6 +9,7 @@ namespace palpate::ui {
 namespace {
 
 struct SummaryOptions {
+    std::string versions = "apart";
     std::string database;
 };
 
@@ -17,10 +19,15 @@ void declare(CommandWords& words, SummaryOptions& options) {
              "A palpate database; each study and kind of session, real, pilot or simulated, by "
              "itself")
         .required();
+    words.add("--versions", options.versions, kVersionsHelp)
+        .among({"apart", "together"})
+        .with_default();
 }
 
 int run(const SummaryOptions& options) {
     data::Database database(options.database, data::Access::read);
+    data::analyse(database, options.versions == "together" ? data::Versions::together
+                                                           : data::Versions::apart);
     say("{}", data::summary_text(database));
     return 0;
 }

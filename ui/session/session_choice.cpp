@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
+#include "protocols/file/protocol_difference.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 
@@ -29,6 +32,26 @@ void check_known(data::Database& database, const std::string& id, bool insists) 
     }
 }
 
+void check_version(data::Database& database, const Study& study, data::RunKind kind) {
+    constexpr std::size_t kShown = 6;
+    const auto other = data::other_version(database, study.protocol.id, study.hash, kind);
+    if (!other) {
+        return;
+    }
+    std::vector<std::string> differ =
+        protocols::differences(other->protocol_toml, protocols::to_toml(study.protocol));
+    if (differ.size() > kShown) {
+        const std::string more = fmt::format("and {} more", differ.size() - kShown);
+        differ.resize(kShown);
+        differ.push_back(more);
+    }
+    throw std::invalid_argument(fmt::format(
+        "{}: {} of this file ran another version of {}: {}; run that version, use another file, "
+        "or give --new-version as well if it is meant: analyses keep versions apart",
+        database.file(), counted(other->people, "person", "people"), study.protocol.id,
+        fmt::join(differ, "; ")));
+}
+
 SessionChoice choose_session(data::Database& database,
                              const Study& study,
                              const std::string& participant,
@@ -41,6 +64,7 @@ SessionChoice choose_session(data::Database& database,
     choice.key.secret = there ? there->secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
     choice.finished = there && there->finished;
+    choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
     return choice;
 }

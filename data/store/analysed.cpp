@@ -1,0 +1,104 @@
+#include "data/store/analysed.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/schema/views.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// A row a version with people of a kind; `several`: so has another one of the same protocol.
+constexpr std::string_view kVersions = R"sql(
+SELECT study_id, study_name, protocol_sha256, session_kind, count(DISTINCT participant_id) AS people,
+       count(*) OVER (PARTITION BY study_name, session_kind) > 1 AS several
+FROM session JOIN main.study USING (study_id)
+WHERE EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id)
+GROUP BY study_id, session_kind)sql";
+
+bool any(Database& database, const std::string& sql) {
+    return database.prepare(fmt::format("SELECT 1 FROM ({}) LIMIT 1", sql)).step();
+}
+
+/// Names of this connection come before those of the file; views of the file would not see them.
+void look_through(Database& database) {
+    std::string sql(views_sql());
+    constexpr std::string_view kMade = "CREATE VIEW ";
+    constexpr std::string_view kTemporary = "CREATE TEMP VIEW ";
+    for (std::size_t at = sql.find(kMade); at != std::string::npos;
+         at = sql.find(kMade, at + kTemporary.size())) {
+        sql.replace(at, kMade.size(), kTemporary);
+    }
+    database.execute(sql.c_str());
+}
+
+}  // namespace
+
+void analyse(Database& database, Versions versions, const std::string& study) {
+    if (versions == Versions::together ||
+        !any(database, fmt::format("SELECT 1 FROM ({}) WHERE several", kVersions))) {
+        return;
+    }
+    database.execute("PRAGMA temp_store = MEMORY");
+    database.execute(
+        fmt::format("CREATE TEMP TABLE study AS SELECT study_id, iif(study_id IN (SELECT study_id "
+                    "FROM ({}) WHERE several), study_name || '@' || substr(protocol_sha256, 1, 8), "
+                    "study_name) AS study_name, study_title, protocol_sha256, protocol_toml FROM "
+                    "main.study;CREATE UNIQUE INDEX temp.study_by_id ON study (study_id)",
+                    kVersions)
+            .c_str());
+    look_through(database);
+    std::set<std::string> names;
+    for (const StudyVersion& one : versions_of(database)) {
+        names.insert(one.study);
+    }
+    if (std::ranges::any_of(names, [&](const std::string& name) {
+            return name.starts_with(study + '@') && !study.empty();
+        })) {
+        throw std::invalid_argument(several_studies(database, names));
+    }
+}
+
+std::string several_studies(Database& database, const std::set<std::string>& studies) {
+    std::string text = fmt::format("{} holds several studies: give --study and one of {}",
+                                   database.file(), fmt::join(studies, ", "));
+    const std::string versions = versions_text(versions_of(database));
+    return versions.empty() ? text : text + "\n" + versions;
+}
+
+std::vector<StudyVersion> versions_of(Database& database) {
+    Statement row = database.prepare(fmt::format(
+        "SELECT study.study_name, protocol_sha256, session_kind, people FROM (SELECT study_id, "
+        "session_kind, people FROM ({}) WHERE several) JOIN study USING (study_id) ORDER BY "
+        "study_id, session_kind",
+        kVersions));
+    std::vector<StudyVersion> all;
+    while (row.step()) {
+        all.push_back({row.text(0), row.text(1), row.text(2), row.integer(3)});
+    }
+    return all;
+}
+
+std::string versions_text(const std::vector<StudyVersion>& versions) {
+    std::string text;
+    for (const StudyVersion& one : versions) {
+        text += fmt::format("    {:<40}  {} ({})\n",
+                            one.study.find('@') == std::string::npos
+                                ? fmt::format("{}@{}", one.study, one.protocol_sha256.substr(0, 8))
+                                : one.study,
+                            counted(one.people, "person", "people"), one.kind);
+    }
+    if (text.empty()) {
+        return text;
+    }
+    const bool apart = versions.front().study.find('@') != std::string::npos;
+    return (apart ? "  The file holds several versions of a protocol, which are kept apart "
+                    "(--versions together takes them as one):\n"
+                  : "  CAUTION: the file holds several versions of a protocol, taken as one:\n") +
+           text;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "data/store/database.hpp"
+
+/// What analyses see of a file.
+namespace palpate::data {
+
+/// Sessions of one kind of one version of a protocol.
+struct StudyVersion {
+    std::string study;  ///< as analyses call it: "shapes", or "shapes@1a2b3c4d" beside others
+    std::string protocol_sha256;
+    std::string kind;
+    std::int64_t people = 0;  ///< with a trial
+
+    friend bool operator==(const StudyVersion&, const StudyVersion&) = default;
+};
+
+enum class Versions { apart, together };
+
+/// From here on all queries of this connection see the file as analyses do, whatever they ask: where people of one
+/// kind ran several versions of a protocol, each is a study of its own, by its id and hash, unless they are to be
+/// together. Nothing in the file changes. @pre nothing was prepared that is still used
+/// @param study  as given; empty: not
+/// @throws std::invalid_argument if that is a protocol of several versions, kept apart: which there are
+void analyse(Database& database, Versions versions, const std::string& study = {});
+
+/// Versions of protocols of which there are several with people of one kind; else nothing. After analyse().
+[[nodiscard]] std::vector<StudyVersion> versions_of(Database& database);
+/// Of a file where one study is to be chosen: which there are.
+[[nodiscard]] std::string several_studies(Database& database, const std::set<std::string>& studies);
+/// For people: which there are with how many; empty where there are no several.
+[[nodiscard]] std::string versions_text(const std::vector<StudyVersion>& versions);
+
+}  // namespace palpate::data

@@ -1,0 +1,126 @@
+#include <fstream>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string ask(const std::string& file, const std::string& query) {
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(query);
+    return row.step() ? row.text(0) : "";
+}
+
+std::string edited(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), by);
+}
+
+std::string written(const TemporaryFolder& folder, const char* name, const std::string& text) {
+    std::ofstream(folder.file(name)) << text;
+    return folder.file(name);
+}
+
+}  // namespace
+
+TEST_CASE("versions of a protocol in one file: asked about by what differs, and kept apart",
+          "[protocol][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("s.sqlite");
+    const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    const std::string first = written(folder, "first.toml", text);
+    const std::string second = written(
+        folder, "second.toml",
+        edited(edited(text, "mu_d = 0.5", "mu_d = 0.1"), "repetitions = 1", "repetitions = 2"));
+    const auto run = [&](const std::string& protocol, const char* who, const char* more = "") {
+        std::vector<std::string> words{"run",  protocol, "--participant", who,
+                                       "--db", file,     "--headless"};
+        if (*more != '\0') {
+            words.emplace_back(more);
+        }
+        return palpate_command(words);
+    };
+    REQUIRE(run(first, "R1").code == 0);
+    REQUIRE(run(first, "R2").code == 0);
+
+    // By accident.
+    const auto refused = run(second, "R3");
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.error, ContainsSubstring("2 people of this file ran another version of "
+                                                "four_trials") &&
+                                  ContainsSubstring("friction.on mu_d 0.5 there, 0.1 here") &&
+                                  ContainsSubstring("design repetitions 1 there, 2 here") &&
+                                  ContainsSubstring("--new-version"));
+    CHECK(ask(file, "SELECT (SELECT count(*) FROM participant) || ' ' || count(*) FROM session") ==
+          "2 2");
+
+    // Meant. From then on it is the version, and the old one is the other.
+    REQUIRE(run(second, "R3", "--new-version").code == 0);
+    REQUIRE(run(second, "R4").code == 0);
+    CHECK_THAT(run(first, "R5").error, ContainsSubstring("mu_d 0.1 there, 0.5 here"));
+    CHECK(palpate_command({"verify", file}).code == 0);
+
+    const std::string one = "four_trials@" + ask(file,
+                                                 "SELECT substr(protocol_sha256, 1, 8) FROM study "
+                                                 "ORDER BY study_id");
+    const std::string other =
+        "four_trials@" + ask(file,
+                             "SELECT substr(protocol_sha256, 1, 8) FROM study "
+                             "ORDER BY study_id DESC");
+    const auto both = [&] {
+        return ContainsSubstring(one) && ContainsSubstring(other) &&
+               ContainsSubstring("2 people (simulated)");
+    };
+    CHECK_THAT(palpate_command({"summary", file}).out,
+               both() && ContainsSubstring("Study " + one + ", simulated") &&
+                   ContainsSubstring("Study " + other + ", simulated"));
+    CHECK_THAT(palpate_command({"summary", file, "--versions", "together"}).out,
+               both() && ContainsSubstring("Study four_trials, simulated") &&
+                   ContainsSubstring("CAUTION"));
+    for (const std::string command : {"stats", "fit", "audit", "report"}) {
+        CAPTURE(command);
+        std::vector<std::string> words{command, file, "--kind", "simulated"};
+        const auto with = [&](std::vector<std::string> more) {
+            std::vector<std::string> all = words;
+            all.insert(all.end(), more.begin(), more.end());
+            if (command == "report") {
+                all.insert(all.end(), {"-o", folder.file(more.back() + ".html")});
+            }
+            tests::Finished end = palpate_command(all);
+            if (command == "report" && end.code == 0) {
+                end.out = tests::slurp(folder.file(more.back() + ".html"));
+            }
+            return end;
+        };
+        const auto which = with({"--versions", "apart"});
+        CHECK(which.code == 2);
+        CHECK_THAT(which.error, both() && ContainsSubstring("give --study and one of"));
+        CHECK(with({"--study", "four_trials"}).code == 2);
+        const auto apart = with({"--study", other});
+        CAPTURE(apart.error);
+        CHECK(apart.code == 0);
+        CHECK_THAT(apart.out, ContainsSubstring(one) && ContainsSubstring("kept apart"));
+        const auto pooled = with({"--versions", "together"});
+        CAPTURE(pooled.error);
+        CHECK(pooled.code == 0);
+        CHECK_THAT(pooled.out, ContainsSubstring("CAUTION") && ContainsSubstring(one) &&
+                                   ContainsSubstring(other));
+        if (command == "stats" || command == "fit") {
+            CHECK_THAT(with({"--json", "--study", one}).out,
+                       ContainsSubstring("\"study\": \"" + other + "\"") &&
+                           ContainsSubstring("\"people\": 2"));
+        }
+    }
+    const std::string names = "SELECT group_concat(DISTINCT study_name) FROM analysis_trial";
+    CHECK_THAT(palpate_command({"sql", file, "--versions", "apart", "--csv", "-c", names}).out,
+               ContainsSubstring(one) && ContainsSubstring(other));
+    CHECK_THAT(palpate_command({"sql", file, "--csv", "-c", names}).out, !ContainsSubstring("@"));
+}
