@@ -3,9 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "data/store/statement.hpp"
+#include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/database_edits.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 
@@ -69,21 +68,24 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     CHECK(ask(file, "SELECT count(*) FROM trial") == before);
     CHECK(ask(file, "SELECT count(*) FROM event") == events);
 
-    // Meant.
-    const auto end = palpate_command(words(file, "haply-emulator", {"--other-device"}));
+    // Another calibration is another rig; this one is meant. The next resumption knows the last, not the first.
+    CHECK(palpate_command(words(file, "sim", {"--calibration", "haplet"})).code == 2);
+    const auto end =
+        palpate_command(words(file, "sim", {"--calibration", "haplet", "--other-device"}));
     CAPTURE(end.out, end.error);
     CHECK(end.code == 0);
-    CHECK(ask(file, "SELECT count(DISTINCT device) FROM analysis_trial") == "2");
+    CHECK(ask(file, "SELECT count(DISTINCT calibration_sha256) FROM analysis_trial") == "2");
     CHECK(ask(file,
-              "SELECT count(*) FROM trial WHERE device LIKE 'simulated%' AND "
-              "calibration_sha256 IS NULL") == before);
-    CHECK(ask(file, fmt::format("SELECT count(*) FROM trial WHERE trial_id <= {} AND device NOT "
-                                "LIKE 'simulated%'",
-                                before)) == "0");
+              "SELECT count(*) FROM trial JOIN session_provenance AS made ON made.value = "
+              "calibration_sha256 AND key = 'calibration sha256'") == before);
+    CHECK(ask(file,
+              "SELECT count(*) FROM trial JOIN event ON event.value = calibration_sha256 "
+              "AND key = 'calibration sha256' AND trials_begun < trial.trial_id") ==
+          ask(file, "SELECT count(*) - " + before + " FROM trial"));
     CHECK(palpate_command({"verify", file}).code == 0);
 
     CHECK_THAT(palpate_command({"summary", file}).out,
-               ContainsSubstring("felt on more than one device") &&
+               ContainsSubstring("felt on more than one device or calibration") &&
                    ContainsSubstring("P1 session 1: " + before + " attempt"));
     REQUIRE(palpate_command({"report", file, "--kind", "simulated", "--simulations", "0", "-o",
                              folder.file("r.html")})
@@ -92,13 +94,13 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
                ContainsSubstring("sessions felt on more than one device"));
 
     // Who says otherwise of one trial is found out, the seal left aside.
-    const std::string last = ask(file, "SELECT max(trial_id) FROM trial");
     {
         data::Database database(file, data::Access::write);
-        database
-            .prepare("UPDATE trial SET device = 'simulated pantograph' WHERE trial_id = ?1")
-            .bind(1, std::string_view(last))
-            .run();
+        database.execute(
+            "UPDATE trial SET device = 'mouse', calibration_sha256 = NULL WHERE trial_id = 1");
     }
-    CHECK_THAT(palpate_command({"verify", file}).out, ContainsSubstring("trial.device"));
+    const auto found = palpate_command({"verify", file});
+    CHECK(found.code == 1);
+    CHECK_THAT(found.out + found.error,
+               ContainsSubstring("trial.device") && ContainsSubstring("trial.calibration_sha256"));
 }
