@@ -223,28 +223,17 @@ void require_same(const Database& database, const Existing& there, const Session
     }
 }
 
-TrialDevice device_of(const SessionSpec& spec) {
-    TrialDevice device{.name = spec.device, .calibration = {}};
-    for (const auto& [key, value] : spec.provenance) {
-        device.calibration = key == kCalibrationHashKey ? value : device.calibration;
-    }
-    return device;
-}
-
 /// What was felt on one device is not to be mixed with another by accident.
 void require_same_device(Database& database, const Existing& there, const SessionSpec& spec) {
-    Statement last = database.prepare(
-        "SELECT device, coalesce(calibration_sha256, '') FROM trial WHERE session_id = ?1 ORDER BY"
-        " trial_id DESC LIMIT 1");
-    if (spec.other_device || there.finished || !last.bind(1, there.id).step()) {
-        return;
-    }
-    const TrialDevice before{.name = last.text(0), .calibration = last.text(1)};
-    if (const TrialDevice now = device_of(spec); !same_rig(before, now)) {
+    const auto made = std::ranges::find(spec.provenance, kCalibrationHashKey,
+                                        &std::pair<std::string, std::string>::first);
+    const TrialDevice now{spec.device, made == spec.provenance.end() ? "" : made->second};
+    const auto before = last_device(database, there.id);
+    if (before && !same_rig(*before, now) && !spec.other_device && !there.finished) {
         throw OtherDevice(
             fmt::format("session {} of {} in {} was felt on {} so far, and would go on with {}",
                         spec.key.session, spec.key.participant, spec.protocol.id,
-                        device_text(before), device_text(now)));
+                        device_text(*before), device_text(now)));
     }
 }
 
@@ -359,19 +348,6 @@ protocols::Plan planned(const SessionSpec& spec, const Rows& rows) {
                      rows.frictions);
 }
 
-std::optional<SessionState> state_of(Statement& row) {
-    if (!row.step()) {
-        return std::nullopt;
-    }
-    return SessionState{static_cast<std::size_t>(row.integer(0)), std::stoull(row.text(1)),
-                        row.integer(2) != 0, row.integer(4) != 0, row.text(3)};
-}
-
-constexpr const char* kStates =
-    "SELECT session_number, seed, finished, secret, EXISTS (SELECT 1 FROM trial WHERE "
-    "trial.session_id = session.session_id) FROM session JOIN study USING (study_id) JOIN "
-    "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2";
-
 }  // namespace
 
 std::string_view to_string(RunKind kind) noexcept {
@@ -388,40 +364,6 @@ std::string_view to_string(RunKind kind) noexcept {
 
 protocols::StreamKey session_stream(const SessionSpec& spec) {
     return session_stream(spec.protocol_hash, spec.key, spec.seed);
-}
-
-std::optional<SessionState> latest_session(Database& database,
-                                           std::string_view study,
-                                           std::string_view participant) {
-    Statement row =
-        database.prepare(std::string(kStates) + " ORDER BY session_number DESC LIMIT 1");
-    row.bind(1, study).bind(2, participant);
-    return state_of(row);
-}
-
-std::optional<SessionState> find_session(Database& database,
-                                         std::string_view study,
-                                         const protocols::SessionKey& key) {
-    Statement row = database.prepare(std::string(kStates) + " AND session_number = ?3");
-    row.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
-    return state_of(row);
-}
-
-std::optional<OtherVersion> other_version(Database& database,
-                                          std::string_view study,
-                                          std::string_view protocol_sha256,
-                                          RunKind kind) {
-    Statement row = database.prepare(
-        "SELECT protocol_sha256, protocol_toml, (SELECT count(DISTINCT participant_id) FROM session"
-        " AS same WHERE same.study_id = session.study_id AND same.session_kind = ?2 AND EXISTS"
-        " (SELECT 1 FROM trial WHERE trial.session_id = same.session_id)) FROM trial JOIN session"
-        " USING (session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND session_kind ="
-        " ?2 ORDER BY trial_id DESC LIMIT 1");
-    row.bind(1, study).bind(2, to_string(kind));
-    if (!row.step() || row.text(0) == protocol_sha256) {
-        return std::nullopt;
-    }
-    return OtherVersion{.people = row.integer(2), .protocol_toml = row.text(1)};
 }
 
 OpenedSession open_session(Database& database, const SessionSpec& spec) {

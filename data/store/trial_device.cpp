@@ -34,6 +34,14 @@ TrialDevice next_device(Database& database, std::int64_t session) {
     return device.now;
 }
 
+std::optional<TrialDevice> last_device(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT device, coalesce(calibration_sha256, '') FROM trial WHERE session_id = ?1 ORDER BY"
+        " trial_id DESC LIMIT 1");
+    row.bind(1, session);
+    return row.step() ? std::optional(TrialDevice{row.text(0), row.text(1)}) : std::nullopt;
+}
+
 bool same_rig(const TrialDevice& a, const TrialDevice& b) {
     const auto kind = [](const TrialDevice& one) {
         return one.name.substr(0, one.name.find(" at "));

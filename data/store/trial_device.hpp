@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,9 @@ struct TrialDevice {
     /// Nothing of what the scene renders reaches a hand at a pointer.
     [[nodiscard]] bool gives_force() const noexcept { return name != "mouse"; }
 };
+
+/// Of the last trial; none: there is no trial.
+[[nodiscard]] std::optional<TrialDevice> last_device(Database& database, std::int64_t session);
 
 /// Whatever the port is called at which it is plugged in today.
 [[nodiscard]] bool same_rig(const TrialDevice& a, const TrialDevice& b);

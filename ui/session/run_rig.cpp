@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "engine/base/text.hpp"
 #include "engine/realtime/servo.hpp"
@@ -22,7 +21,6 @@
 #include "data/store/sqlite_recorder.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
-#include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/open_apparatus.hpp"
 #include "ui/session/open_masking.hpp"
@@ -242,30 +240,6 @@ std::vector<protocols::Event> opening_events(const std::vector<OpeningFact>& fac
     return events;
 }
 
-/// Whoever changes the device on purpose says so beforehand, or types whose session it is.
-data::OpenedSession opened_session(data::Database& database,
-                                   const RigSpec& spec,
-                                   data::SessionSpec& session) {
-    session.other_device = spec.other_device;
-    try {
-        return data::plan_and_open_session(database, session);
-    } catch (const data::OtherDevice& other) {
-        if (isatty(STDIN_FILENO) == 0) {
-            throw std::invalid_argument(fmt::format(
-                "{}: {}; use the device it was felt on, or give --other-device as well if that is "
-                "meant",
-                database.file(), other.what()));
-        }
-        const auto typed = typed_after(
-            fmt::format("{}. If that is meant, type the participant's code: ", other.what()));
-        if (typed != spec.key.participant) {
-            throw std::runtime_error("nothing was run: the session goes on with its own device");
-        }
-        session.other_device = true;
-        return data::plan_and_open_session(database, session);
-    }
-}
-
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
 void heed(const OpenedApparatus& felt) {
@@ -336,7 +310,7 @@ RigEnd run_rig(data::Database& database,
     if (spec.stop_button) {
         session.provenance.emplace_back("stop button", spec.stop_button->file());
     }
-    const data::OpenedSession opened = opened_session(database, spec, session);
+    const data::OpenedSession opened = open_meant(database, session, spec.other_device);
     const protocols::Plan& plan = session.plan;
     add_simulated_observer(observers, spec, plan, *apparatus, desk);
     print_start(spec, plan, opened, *apparatus);

@@ -3,12 +3,14 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_difference.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
+#include "ui/rig/rig_proof.hpp"
 
 namespace palpate::ui {
 
@@ -67,6 +69,29 @@ SessionChoice choose_session(data::Database& database,
     choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
     return choice;
+}
+
+data::OpenedSession open_meant(data::Database& database,
+                               data::SessionSpec& session,
+                               bool other_device) {
+    session.other_device = other_device;
+    try {
+        return data::plan_and_open_session(database, session);
+    } catch (const data::OtherDevice& other) {
+        if (isatty(STDIN_FILENO) == 0) {
+            throw std::invalid_argument(fmt::format(
+                "{}: {}; use the device it was felt on, or give --other-device as well if that is "
+                "meant",
+                database.file(), other.what()));
+        }
+        const auto typed = typed_after(
+            fmt::format("{}. If that is meant, type the participant's code: ", other.what()));
+        if (typed != session.key.participant) {
+            throw std::runtime_error("nothing was run: the session goes on with its own device");
+        }
+        session.other_device = true;
+        return data::plan_and_open_session(database, session);
+    }
 }
 
 }  // namespace palpate::ui

@@ -41,4 +41,11 @@ struct SessionChoice {
                                            std::optional<std::size_t> session,
                                            std::optional<std::uint64_t> seed);
 
+/// The session with its plan, as data::plan_and_open_session(). Whoever changes its device on purpose says so
+/// beforehand, or types whose session it is.
+/// @throws std::invalid_argument where there is no terminal to ask, or std::runtime_error for another answer
+[[nodiscard]] data::OpenedSession open_meant(data::Database& database,
+                                             data::SessionSpec& session,
+                                             bool other_device);
+
 }  // namespace palpate::ui
