@@ -190,8 +190,7 @@ void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double
 /// Lines about what befalls a Haply board's wire. @return false: it is another line
 bool heed_wire(engine::HaplyBoard& board, const std::string& line) {
     if (line == "motors") {
-        const engine::Vec2 torque = board.torque();
-        say("The motors give {:g}, {:g} mN m\n", 1e3 * torque.x, 1e3 * torque.y);
+        say("The motors give {:g}, {:g} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y);
     } else if (line == "misread") {
         board.misread_next();
         say("The next packet arrives as a reset\n");
@@ -208,8 +207,7 @@ bool heed_wire(engine::HaplyBoard& board, const std::string& line) {
 bool heed_cables(engine::OpenBoard& board, const std::string& line, std::size_t axes) {
     const auto most = static_cast<double>(axes);
     if (line == "motors") {
-        const engine::Vec2 torque = board.torque();
-        say("The motors give {:g}, {:g}{} mN m\n", 1e3 * torque.x, 1e3 * torque.y,
+        say("The motors give {:g}, {:g}{} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y,
             axes > 2 ? fmt::format(", {:g}", 1e3 * board.torque_3()) : std::string());
         return true;
     }
@@ -351,9 +349,7 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
     plant.handle_damping = options.handle_damping;
     plant.handle_friction = options.handle_friction;
     engine::Exploration plan;
-    if (!options.start.empty()) {
-        plan.start = parse_place(options.start, "--start");
-    }
+    plan.start = options.start.empty() ? plan.start : parse_place(options.start, "--start");
     engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(engine::home_of(machine))
                                                         : parse_place(options.at, "--at"));
     live(options, machine, handle, [&](const std::string& line) {
