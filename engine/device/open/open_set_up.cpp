@@ -14,9 +14,9 @@ constexpr int kHellos = 30;  ///< opening the port resets many boards, which boo
 constexpr std::int64_t kLook = 200 * kMillisecond;
 constexpr int kLooks = 3;
 constexpr std::int64_t kLookEvery = 10 * kMillisecond;
-constexpr double kClock = 0.01;                         ///< that the clocks may differ by
-constexpr int kStillCounts = 1;                         ///< an encoder at rest may flicker by one
-constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
+constexpr double kClock = 0.01;                           ///< that the clocks may differ by
+constexpr int kStillCounts = 1;                           ///< an encoder at rest may flicker by one
+constexpr std::int64_t kAnswerWait = 100 * kMillisecond;  ///< for an answer between trials
 
 /// Any number that the board had from nobody else.
 std::uint16_t new_token(std::int64_t now_ns) noexcept {
@@ -80,14 +80,14 @@ OpenLine::Problem OpenLine::agree() noexcept {
                .zero_counts = true,
                .limit = limit_,
                .axes = axes_};
-    const auto answer = call(open_config(next_seq(), config_), kPatience);
+    const auto answer = call(open_config(next_seq(), config_), kAnswerWait);
     const bool same = answer && answer->type == Type::configured && answer->config == config_;
     return same ? Problem::none : Problem::config;
 }
 
 /// The board's clock runs as the host's does, within what the way of the questions leaves open.
 OpenLine::Problem OpenLine::look_once() noexcept {
-    if (probe(kPatience) != Answer::complete) {
+    if (probe(kAnswerWait) != Answer::complete) {
         return problem_ == Problem::none ? Problem::silent : problem_;
     }
     const OpenReport first = report_;
@@ -95,7 +95,7 @@ OpenLine::Problem OpenLine::look_once() noexcept {
     const std::int64_t first_heard = link_->now_ns();
     while (link_->now_ns() - first_asked < kLook) {
         link_->pause(kLookEvery);
-        if (probe(kPatience) != Answer::complete) {
+        if (probe(kAnswerWait) != Answer::complete) {
             return problem_ == Problem::none ? Problem::silent : problem_;
         }
         for (std::size_t i = 0; i < axes_; ++i) {
