@@ -17,7 +17,7 @@ void begin(data::Database& database, std::int64_t session) {
     database
         .prepare(
             "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc)"
-            " SELECT 'sim', ?1, 0, 1 + count(*), 'interrupted', '' FROM trial WHERE session_id = "
+            " SELECT 'test', ?1, 0, 1 + count(*), 'interrupted', '' FROM trial WHERE session_id = "
             "?1")
         .bind(1, session)
         .run();

@@ -64,7 +64,7 @@ std::string exported_database(const TemporaryFolder& folder) {
             .prepare(
                 "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
                 "started_utc,"
-                " done_s) VALUES ('sim', ?1, 0, 1, 'complete', ?2, 1.25)")
+                " done_s) VALUES ('test', ?1, 0, 1, 'complete', ?2, 1.25)")
             .bind(1, session)
             .bind(2, std::string_view(data::utc_now()))
             .run();

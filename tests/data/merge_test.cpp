@@ -175,7 +175,7 @@ TEST_CASE(
         Database database(rig.file(), Access::write);
         database.execute(
             "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-            "started_utc, done_s, invalid_reason) VALUES ('sim', 1, 0, 1, 'complete', "
+            "started_utc, done_s, invalid_reason) VALUES ('test', 1, 0, 1, 'complete', "
             "'2026', 1.0, 'talked');INSERT INTO response (trial_id, chosen_place, "
             "chosen_object, correct, reaction_s, reaction_uncertainty_s, input, answer_code) "
             "VALUES (1, 0, "

@@ -67,7 +67,7 @@ private:
             .prepare(
                 "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
                 "started_utc)"
-                " SELECT 'sim', ?1, ?2, 1 + count(*), 'running', ?3 FROM trial"
+                " SELECT 'test', ?1, ?2, 1 + count(*), 'running', ?3 FROM trial"
                 " WHERE session_id = ?1 AND plan_position = ?2")
             .bind(1, session_)
             .bind(2, std::int64_t{random.below(6)})
