@@ -242,6 +242,7 @@ TEST_CASE("a real session that asks for noise is refused where nobody would hear
     spec.study.protocol = tests::short_protocol();
     spec.study.protocol.masking = kPink;
     spec.kind = data::RunKind::real;
+    spec.device.kind = ui::DeviceChoice::Kind::mouse;  // a person holds it
     set_driver("no_such_driver");
     CHECK_THROWS_WITH(ui::open_masking(spec), ContainsSubstring("masking noise cannot be played") &&
                                                   ContainsSubstring("--no-sound"));
@@ -259,9 +260,9 @@ TEST_CASE("a real session that asks for noise is refused where nobody would hear
     CHECK_FALSE(declined.player);
     CHECK(declined.note == "none: --no-sound was given");
     spec.screen.no_sound = false;
-    spec.kind = data::RunKind::simulated;
+    spec.device.kind = ui::DeviceChoice::Kind::simulated;
     CHECK(ui::open_masking(spec).note.empty());
-    spec.kind = data::RunKind::real;
+    spec.device.kind = ui::DeviceChoice::Kind::mouse;
     spec.study.protocol.masking = {};
     CHECK(ui::open_masking(spec).note.empty());
 }
