@@ -205,8 +205,8 @@ void HaplyLine::keep_off() noexcept {
     owed_ -= std::min(owed_, came / reply_size_);
     const bool due = link_->now_ns() - asked_ns_ >= kAgain;
     owed_ = due ? 0 : owed_;
-    if (unasked || due) {
-        static_cast<void>(ask({}));
+    if ((unasked || due) && !ask({})) {
+        asked_ns_ = link_->now_ns() - kAgain;  // half of one might be any torque: again at once
     }
 }
 
