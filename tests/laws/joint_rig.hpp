@@ -67,7 +67,7 @@ constexpr double kProof = 0.050;
 constexpr double kAnew = 0.7;
 
 /// ms that half a packet may stay the last word: the guard's zeros to a host that hangs are so far apart.
-constexpr int kAstray = 6;
+constexpr int kAstray = 21;
 
 /// A rig at which a hand presses on a line, and what befalls it.
 class Rig {

@@ -315,6 +315,7 @@ Applied BoardDevice::press(const Vec3& force) noexcept {
 /// After readings that came late: are answers as quick as when the board was opened?
 bool BoardDevice::answers_in_time() {
     ask_anew_ = true;
+    static_cast<void>(line_->wake(kFirstWait));  // past the answers to the guard's zeros
     was_late_ = !measure_answers();
     if (!was_late_) {
         trouble_.clear();
@@ -326,6 +327,11 @@ bool BoardDevice::rests() {
     Machine::Counts smallest{};
     Machine::Counts largest{};
     bool first = true;
+    if (line_->wake(100 * kMillisecond) !=
+        BoardLine::Answer::complete) {  // past the guard's answers
+        homeless_ = false;              // and back to the port
+        return false;
+    }
     const std::int64_t end = link_->now_ns() + nanoseconds(timing_.still);
     while (link_->now_ns() < end) {
         if (line_->probe(100 * kMillisecond) != BoardLine::Answer::complete || line_->awaiting()) {
