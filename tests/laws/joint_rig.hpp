@@ -40,8 +40,8 @@ enum class Cause : std::uint8_t {
     stopped,
     encoders_die,  ///< all at once: their supply
     focus_lost,
-    misread,       ///< a packet is read as a reset
-    stranger,      ///< another program's torques, one each ms
+    misread,   ///< a packet is read as a reset
+    stranger,  ///< another program's torques, one each ms
     count,
 };
 
