@@ -228,7 +228,7 @@ TEST_CASE(
     constexpr rlim_t kFull = 4096;  // bytes of a file: less than the database and its log have
     const rlimit full{.rlim_cur = kFull, .rlim_max = kFull};
     REQUIRE(prlimit(session.program().id(), RLIMIT_FSIZE, &full, nullptr) == 0);
-    session.hand().key("space");
+    session.press_at("ready", "space");
     session.wait_for_screen("trouble");
     session.wait_for_text("The participant's screen says \"one moment\"");
     session.hand().key("space");
