@@ -1,7 +1,9 @@
 #include "stimuli/surface_patch.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -69,6 +71,72 @@ std::vector<Vec2> around(int steps) {
     return all;
 }
 
+// Turned by 30 degrees, seen from 50 degrees above: steeper than any patch, so that nothing hides anything.
+constexpr double kTurnCos = 0.8660254037844386;
+constexpr double kTurnSin = 0.5;
+constexpr double kAboveCos = 0.6427876096865393;
+constexpr double kAboveSin = 0.766044443118978;
+
+Vec2 seen_at(const Vec3& p) {
+    const double away = kTurnSin * p.x + kTurnCos * p.y;
+    return {kTurnCos * p.x - kTurnSin * p.y, kAboveSin * away + kAboveCos * p.z};
+}
+
+using PointAt = std::function<Vec3(double, double)>;
+
+/// By the slope against the light: what is level has one shade, whatever the patch.
+float darkness(const Vec3& along_u, const Vec3& along_v) {
+    constexpr double kLevel = 0.30;
+    constexpr double kContrast = 1.1;
+    const Vec3 right{kTurnCos, -kTurnSin, 0.0};
+    const Vec3 back{kTurnSin, kTurnCos, 0.0};
+    const Vec3 light = glm::normalize(-0.7 * right + 0.3 * back + Vec3{0.0, 0.0, 0.65});
+    const Vec3 normal = glm::normalize(glm::cross(along_u, along_v));
+    return static_cast<float>(
+        std::clamp(kLevel - kContrast * (glm::dot(normal, light) - light.z), 0.0, 0.85));
+}
+
+void add_shade(PatchDrawing& drawing, int steps, const PointAt& point) {
+    constexpr double kStep = 1e-3;
+    const auto at = [&](int i, int j) {
+        const double u = static_cast<double>(i) / steps;
+        const double v = static_cast<double>(j) / steps;
+        const double du = u < 0.5 ? kStep : -kStep;
+        const double dv = v < 0.5 ? kStep : -kStep;
+        const Vec3 here = point(u, v);
+        return ShadedPoint{seen_at(here), darkness((point(u + du, v) - here) / du,
+                                                   (point(u, v + dv) - here) / dv)};
+    };
+    for (int i = 0; i < steps; ++i) {
+        for (int j = 0; j < steps; ++j) {
+            const ShadedPoint a = at(i, j);
+            const ShadedPoint c = at(i + 1, j + 1);
+            for (const ShadedPoint& one : {a, at(i + 1, j), c, a, c, at(i, j + 1)}) {
+                drawing.shade.push_back(one);
+            }
+        }
+    }
+}
+
+/// Down to a level that is deeper than any patch.
+void add_walls(PatchDrawing& drawing, int steps, const PointAt& point) {
+    const double base = -0.35 * (point(1.0, 0.5).x - point(0.0, 0.5).x);
+    for (const bool along_u : {true, false}) {
+        std::vector<Vec2> wall;
+        Vec3 last{};
+        for (int i = 0; i <= steps; ++i) {
+            const double t = static_cast<double>(i) / steps;
+            last = along_u ? point(t, 0.0) : point(0.0, t);
+            wall.push_back(seen_at(last));
+        }
+        Vec3 first = point(0.0, 0.0);
+        last.z = first.z = base;
+        wall.push_back(seen_at(last));
+        wall.push_back(seen_at(first));
+        drawing.walls.push_back(std::move(wall));
+    }
+}
+
 }  // namespace
 
 std::shared_ptr<const engine::NurbsSurface> make_surface(const SurfacePatch& patch) {
@@ -112,16 +180,11 @@ std::vector<Vec2> border_of(const engine::NurbsSurface& surface) {
 PatchDrawing drawing_of(const engine::NurbsSurface& surface) {
     constexpr int kSteps = 32;  // of a line
     constexpr int kLines = 6;   // pieces between two borders
-    // Turned by 30 degrees, seen from 50 degrees above: steeper than any patch, so that nothing hides
-    // anything.
-    constexpr double kTurnCos = 0.8660254037844386;
-    constexpr double kTurnSin = 0.5;
-    constexpr double kAboveCos = 0.6427876096865393;
-    constexpr double kAboveSin = 0.766044443118978;
+    const auto point = [&](double u, double v) {
+        return surface.at(1.0 + u, 1.0 + v).point;
+    };
     const auto seen = [&](double u, double v) {
-        const Vec3 p = surface.at(1.0 + u, 1.0 + v).point;
-        const double away = kTurnSin * p.x + kTurnCos * p.y;
-        return Vec2{kTurnCos * p.x - kTurnSin * p.y, kAboveSin * away + kAboveCos * p.z};
+        return seen_at(point(u, v));
     };
     PatchDrawing drawing;
     for (const Vec2& at : around(kSteps)) {
@@ -139,6 +202,8 @@ PatchDrawing drawing_of(const engine::NurbsSurface& surface) {
         drawing.lines.push_back(std::move(of_u));
         drawing.lines.push_back(std::move(of_v));
     }
+    add_shade(drawing, kSteps, point);
+    add_walls(drawing, kSteps, point);
     return drawing;
 }
 

@@ -36,10 +36,19 @@ struct SurfacePatch {
 /// The border of a patch seen from above: a closed polyline, m.
 [[nodiscard]] std::vector<engine::Vec2> border_of(const engine::NurbsSurface& surface);
 
-/// How a patch is drawn: seen from in front and above, at one scale, m.
+/// A corner of a shaded triangle.
+struct ShadedPoint {
+    engine::Vec2 point{};  ///< m
+    float dark = 0.0F;     ///< 0 in the light, to 1
+};
+
+/// How a patch is drawn: the top of a block in a light from above on the left, seen from in front and above, at one
+/// scale, m. Whoever sees the block's front walls sees the patch cut there, and knows a hill from a hollow.
 struct PatchDrawing {
     std::vector<engine::Vec2> border;  ///< closed polyline; nothing of the patch lies outside
     std::vector<std::vector<engine::Vec2>> lines;  ///< of equal u and of equal v
+    std::vector<ShadedPoint> shade;                ///< triangles, in threes
+    std::vector<std::vector<engine::Vec2>> walls;  ///< the block's two front ones, closed polylines
 };
 [[nodiscard]] PatchDrawing drawing_of(const engine::NurbsSurface& surface);
 

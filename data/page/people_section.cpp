@@ -16,6 +16,7 @@ constexpr std::string_view kFlow =
               AND session_kind = {kind} AND plan.phase = 'main') AS planned,
        count(main.trial_id) AS attempts,
        count(*) FILTER (WHERE outcome = 'faulted') AS faulted,
+       count(*) FILTER (WHERE outcome = 'unanswered') AS unanswered,
        count(*) FILTER (WHERE outcome = 'aborted') AS aborted,
        count(*) FILTER (WHERE outcome IN ('interrupted', 'running')) AS broken_off,
        count(main.answer_code) AS answered,
@@ -74,6 +75,7 @@ std::string flow_html(const Study& study, const Rows& rows) {
     add_gone(silent, people - counting, "without an answer that counts");
     std::vector<std::string> lost;
     add_gone(lost, sum_of(rows, "faulted"), "the force went off by itself");
+    add_gone(lost, sum_of(rows, "unanswered"), "nobody answered in time");
     add_gone(lost, sum_of(rows, "aborted"), "ended by the experimenter");
     add_gone(lost, sum_of(rows, "broken_off"), "broken off");
     std::vector<std::string> invalid;

@@ -141,15 +141,17 @@ CREATE TABLE picture (
 
 constexpr std::string_view kTrials = R"sql(
 CREATE TABLE trial (
-    -- One attempt at a planned trial. Attempts that faulted or do not count stay, and the position is run
+    -- One attempt at a planned trial. Attempts that faulted, were not answered or do not count stay, and the position is run
     -- again at a random later place of its block (practice, or main and catch); others at once.
     trial_id            INTEGER PRIMARY KEY,        -- [file] of this file alone, in the order in which they began
     session_id          INTEGER NOT NULL,           -- [file] session.session_id
     plan_position       INTEGER NOT NULL,           -- place in the plan, from 0
     attempt             INTEGER NOT NULL CHECK (attempt >= 1),  -- at this position, from 1
     outcome             TEXT NOT NULL CHECK (outcome IN  -- how the attempt ended
-                            ('running', 'complete', 'timed_out', 'aborted', 'interrupted', 'faulted')),
+                            ('running', 'complete', 'timed_out', 'aborted', 'interrupted', 'faulted',
+                             'unanswered')),
                             -- {complete = answered; timed_out = answered after the time to explore was over;
+                            -- unanswered = nobody answered within answer_timeout_s;
                             -- aborted = the experimenter ended it; interrupted = the program or machine stopped;
                             -- faulted = the force went off by itself; running = not ended}
     invalid_reason      TEXT CHECK (length(invalid_reason) > 0),  -- [details] why its answer does not count; NULL: it does

@@ -195,6 +195,7 @@ SELECT session.session_id AS session_id,
        count(trial.invalid_reason) AS invalid_answers,  -- answers that do not count
        sum(response.early_presses) AS early_presses,  -- within the guard time, no answers
        count(*) FILTER (WHERE trial.outcome = 'faulted') AS faulted,          -- the force went off
+       count(*) FILTER (WHERE trial.outcome = 'unanswered') AS unanswered,    -- nobody answered in time
        count(*) FILTER (WHERE trial.outcome = 'aborted') AS aborted,          -- ended by the experimenter
        count(*) FILTER (WHERE trial.outcome = 'interrupted') AS interrupted,  -- found unfinished later
        sum(trial.late_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS late_share,  -- of ticks

@@ -7,13 +7,18 @@ std::optional<SessionState> state_of(Statement& row) {
     if (!row.step()) {
         return std::nullopt;
     }
-    return SessionState{static_cast<std::size_t>(row.integer(0)), std::stoull(row.text(1)),
-                        row.integer(2) != 0, row.integer(4) != 0, row.text(3)};
+    return SessionState{static_cast<std::size_t>(row.integer(0)),
+                        std::stoull(row.text(1)),
+                        row.integer(2) != 0,
+                        row.integer(4) != 0,
+                        row.text(3),
+                        row.text(5)};
 }
 
 constexpr const char* kStates =
     "SELECT session_number, seed, finished, secret, EXISTS (SELECT 1 FROM trial WHERE "
-    "trial.session_id = session.session_id) FROM session JOIN study USING (study_id) JOIN "
+    "trial.session_id = session.session_id), session_kind FROM session JOIN study USING (study_id) "
+    "JOIN "
     "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2";
 
 }  // namespace

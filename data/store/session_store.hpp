@@ -66,6 +66,7 @@ struct SessionState {
     bool finished = false;
     bool begun = false;    ///< it has a trial
     std::string secret{};  ///< with which its orders were drawn
+    std::string kind{};    ///< as to_string(RunKind)
 };
 
 /// The participant's last session of a protocol (by the protocol's id), if there is one.

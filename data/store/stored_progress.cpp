@@ -96,13 +96,11 @@ std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t sess
     while (row.step()) {
         const bool answered = row.integer(3) != 0;
         StoredAttempt& stored = attempts.emplace_back();
-        stored.attempt = {.trial = row.integer(0),
-                          .position = static_cast<std::size_t>(row.integer(1)),
-                          .outcome = answered ? Outcome::complete
-                                   : row.text(2) == to_string(Outcome::faulted)
-                                       ? Outcome::faulted
-                                       : Outcome::interrupted,
-                          .counts = answered && row.integer(4) != 0};
+        stored.attempt = {
+            .trial = row.integer(0),
+            .position = static_cast<std::size_t>(row.integer(1)),
+            .outcome = answered ? Outcome::complete : protocols::without_answer(row.text(2)),
+            .counts = answered && row.integer(4) != 0};
         if (!row.null(7)) {
             stored.attempt.answer = {.run = static_cast<std::size_t>(row.integer(5)),
                                      .stimulus = row.real(6),

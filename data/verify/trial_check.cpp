@@ -205,8 +205,9 @@ void TrialCheck::check_ticks_of(Pending& pending) const {
     }
     if (!never_ended(trial.text("outcome"))) {
         // Whoever broke off before an answer may have pressed the key that ended the exploration.
+        const std::string outcome = trial.text("outcome");
         const bool by_numbers = pending.response ? pending.response->text("input") == "simulated"
-                                                 : trial.text("outcome") != "aborted";
+                                                 : outcome != "aborted" && outcome != "unanswered";
         const auto felt =
             check_summary(frame_, trial, intervals, by_numbers, pending.force, findings);
         if (pending.response && felt.size() == intervals.size()) {
@@ -232,12 +233,11 @@ void TrialCheck::take(const StoredRow& trial,
                       bool answered,
                       const std::optional<protocols::RuleAnswer>& answer,
                       Findings& findings) {
-    const bool faulted = trial.text("outcome") == to_string(protocols::Outcome::faulted);
     protocols::Attempt attempt{.trial = trial.integer("trial_id"),
                                .position = static_cast<std::size_t>(trial.integer("plan_position")),
-                               .outcome = answered ? protocols::Outcome::complete
-                                        : faulted  ? protocols::Outcome::faulted
-                                                   : protocols::Outcome::interrupted,
+                               .outcome = answered
+                                            ? protocols::Outcome::complete
+                                            : protocols::without_answer(trial.text("outcome")),
                                .counts = answered && counted(trial),
                                .answer = answer};
     try {
@@ -276,6 +276,9 @@ void TrialCheck::check_outcome(const Pending& pending, Findings& findings) const
         [timeout](const CheckedInterval& one) { return one.row.real("done_s") >= timeout; });
     if (outcome == "timed_out" && !waited) {
         wrong(fmt::format("done before the time-out of {} s", timeout));
+    }
+    if (outcome == "unanswered" && frame_.protocol.timing.answer_timeout == 0.0) {
+        wrong("the protocol waits for every answer");
     }
     if (outcome != "faulted") {
         return;

@@ -51,8 +51,9 @@ struct LatestTick {
     std::int64_t tick = -1;  ///< of the running trial; -1 between trials
     /// monotonic_ns() of a real-time tick; time of the trial on a virtual clock
     std::int64_t at_ns = 0;
-    Vec2 hip{};      ///< m
-    Vec2 command{};  ///< force asked of the device, N
+    Vec2 hip{};          ///< m
+    double hip_z = 0.0;  ///< between trials, of a machine of three axes
+    Vec2 command{};      ///< force asked of the device, N
     float lateness_us = 0.0F;
     Trip trip = Trip::none;
     DeviceFault fault = DeviceFault::none;  ///< between trials: hip is not new

@@ -54,6 +54,8 @@ constexpr Key kApparatus[]{
      .meaning = "radius that a vertex counts as for that speed"},
     {.name = "start_mm", .slot = at<&ApparatusSpec::start>, .range = {-1000, 1000}, .per_si = 1000,
      .meaning = "[x, y] where every trial starts, outside all objects"},
+    {.name = "start_radius_mm", .slot = at<&ApparatusSpec::start_radius>, .range = {0, 1000}, .per_si = 1000, .late = true,
+     .meaning = "how near to it the handle of a device has to be for a person's trial to begin; 0: anywhere"},
 };
 
 constexpr Key kOutline[]{
@@ -172,6 +174,8 @@ constexpr Key kTiming[]{
      .meaning = "blank screen between two trials"},
     {.name = "guard_s", .slot = at<&TimingSpec::guard>, .range = {0, 2},
      .meaning = "presses earlier than this after a screen appeared are no answer to it; 0: all are"},
+    {.name = "answer_timeout_s", .slot = at<&TimingSpec::answer_timeout>, .range = {0, 3600}, .late = true,
+     .meaning = "a question that nobody answers ends, and its trial runs again; 0: it waits"},
 };
 
 constexpr Key kResponse[]{

@@ -83,6 +83,7 @@ struct ApparatusSpec {
     double vertex_slew = 0.2;        ///< m/s, 0: none
     double vertex_radius = 0.003;    ///< m of travel budget per radian of a vertex fan
     engine::Vec2 start{0.0, 0.060};  ///< start pose of the handle, m
+    double start_radius = 0.005;     ///< m from there, within which a trial may begin; 0: anywhere
 
     friend bool operator==(const ApparatusSpec&, const ApparatusSpec&) = default;
 };
@@ -173,6 +174,7 @@ struct TimingSpec {
     double gap = 1.5;               ///< s between the choice and the next ready screen
     double guard =
         0.25;  ///< s: a press earlier than this after a screen appeared is no answer to it
+    double answer_timeout = 0.0;  ///< s, then a question ends unanswered; 0: it waits
 
     friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
 };

@@ -9,6 +9,7 @@
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/protocol/contact_damping.hpp"
+#include "protocols/trial/start_gate.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -87,11 +88,6 @@ void check_passivity(const ApparatusSpec& apparatus,
     findings.push_back(
         {Verdict::refuse, fmt::format("the device damps {:.3g} N s/m; {}: {}", damping, asked,
                                       passivity_remedy(apparatus, traits, damping))});
-}
-
-/// Where the hand begins.
-engine::Vec3 start_of(const Protocol& protocol) {
-    return {protocol.apparatus.start, protocol.surface ? protocol.surface->start_height : 0.0};
 }
 
 /// A point of an object, and what the device can do there.

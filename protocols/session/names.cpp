@@ -33,8 +33,19 @@ std::string_view to_string(Outcome outcome) noexcept {
             return "interrupted";
         case Outcome::faulted:
             return "faulted";
+        case Outcome::unanswered:
+            return "unanswered";
     }
     return "?";
+}
+
+Outcome without_answer(std::string_view word) noexcept {
+    for (const Outcome outcome : {Outcome::aborted, Outcome::faulted, Outcome::unanswered}) {
+        if (word == to_string(outcome)) {
+            return outcome;
+        }
+    }
+    return Outcome::interrupted;
 }
 
 namespace {

@@ -1,9 +1,21 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
+#include "protocols/session/pending_trials.hpp"
+
 namespace palpate::protocols {
+
+/// What a mark came to.
+struct MarkReply {
+    bool found = false;       ///< an answer that counted; else nothing is changed
+    bool runs_again = false;  ///< its trial will
+    TrialNumber number{};     ///< as its screens said
+    std::int64_t trial = 0;   ///< its trial_id
+};
 
 /// What the experimenter asked for while a session runs, until the session does it. Screen and session share
 /// the desk on one thread; stop() and bar() are for any.
@@ -29,6 +41,11 @@ public:
     }
     [[nodiscard]] const char* barred() const noexcept { return barred_.load(); }
     [[nodiscard]] const char* take_stop() noexcept { return stop_.exchange(nullptr); }
+    /// What became of the mark, for the screen to say.
+    void reply(const MarkReply& reply) noexcept { reply_ = reply; }
+    [[nodiscard]] std::optional<MarkReply> take_reply() noexcept {
+        return std::exchange(reply_, std::nullopt);
+    }
     [[nodiscard]] bool wants_pause() const noexcept { return pause_; }
     [[nodiscard]] bool take_mark() noexcept { return std::exchange(mark_, false); }
     [[nodiscard]] bool take_pause() noexcept { return std::exchange(pause_, false); }
@@ -38,6 +55,7 @@ private:
     bool pause_ = false;
     std::atomic<const char*> stop_{nullptr};
     std::atomic<const char*> barred_{nullptr};
+    std::optional<MarkReply> reply_;
 };
 
 /// The reason that a mark at the desk leaves with a trial.

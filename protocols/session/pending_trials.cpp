@@ -31,7 +31,7 @@ TrialNumber PendingTrials::number() const noexcept {
 void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
     const bool answered = is_answered(outcome);
     const auto found = std::find(order_.begin(), order_.end(), position);
-    if (found == order_.end() || !(answered || outcome == Outcome::faulted)) {
+    if (found == order_.end() || !(answered || is_lost(outcome))) {
         return;
     }
     order_.erase(found);

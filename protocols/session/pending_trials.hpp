@@ -96,4 +96,9 @@ private:
     return outcome == Outcome::complete || outcome == Outcome::timed_out;
 }
 
+/// It was felt, or began to be, and ended by itself without an answer: it comes again later, not at once.
+[[nodiscard]] constexpr bool is_lost(Outcome outcome) noexcept {
+    return outcome == Outcome::faulted || outcome == Outcome::unanswered;
+}
+
 }  // namespace palpate::protocols

@@ -17,6 +17,7 @@ void sleep_for(double seconds);
 struct Progress {
     const PlannedTrial& planned;
     const TrialResult& result;
+    TrialId trial = 0;
     TrialNumber number{};          ///< as its screens said
     const SessionProgress& known;  ///< what the session knows now
 
@@ -38,6 +39,9 @@ struct Ports {
     };
     /// What is wrong, each time that it becomes another sentence: whoever could mend it is to hear of it.
     std::function<void(const TroubleView&)> alarm = [](const TroubleView&) {
+    };
+    /// What became of a mark at the desk.
+    std::function<void(const MarkReply&)> marked = [](const MarkReply&) {
     };
     std::function<void(double)> pause = sleep_for;  ///< between two questions after a fault, s
     OperatorDesk* desk = nullptr;                   ///< none: nobody asks for anything

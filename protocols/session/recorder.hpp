@@ -25,9 +25,12 @@ enum class Outcome : std::uint8_t {
     aborted,      ///< ended by the experimenter or a signal; run again on resume
     interrupted,  ///< found unfinished when the session was opened again; run again
     faulted,      ///< the force went off by itself; run again later in its block
+    unanswered,   ///< felt, and nobody answered in time; run again later in its block
 };
 
 [[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
+/// Of an attempt that is stored without an answer: one that never ended counts as interrupted.
+[[nodiscard]] Outcome without_answer(std::string_view word) noexcept;
 
 /// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs, from its first
 /// tick to done; the ramp out of the force is in the trace, but not in here.

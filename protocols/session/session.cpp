@@ -64,8 +64,13 @@ public:
             fresh = false;
             last_ = runner_.last();
             trust_ = apply(trust_, Attempt{.trial = *last_, .position = planned.position});
-            ports_.progress(
-                {.planned = planned, .result = result, .number = number, .known = progress_});
+            last_number_ = number;
+            last_position_ = planned.position;
+            ports_.progress({.planned = planned,
+                             .result = result,
+                             .trial = *last_,
+                             .number = number,
+                             .known = progress_});
             if (result.outcome == Outcome::aborted) {
                 last_.reset();  // a mark that was made meanwhile was not meant for the one before
                 return stopped();
@@ -129,12 +134,19 @@ private:
         if (ports_.desk == nullptr || !ports_.desk->take_mark()) {
             return;
         }
-        if (!last_ || !progress_.counts(*last_)) {
+        MarkReply reply{.found = last_ && progress_.counts(*last_)};
+        if (reply.found) {
+            happened({.kind = EventKind::mark, .text = kMarkedAtDesk, .trial = last_});
+            reply = {.found = true,
+                     .runs_again = pending().has(last_position_),
+                     .number = last_number_,
+                     .trial = *last_};
+            last_.reset();
+        } else {
             happened({.kind = EventKind::note, .text = "a mark found no answer that counts"});
-            return;
         }
-        happened({.kind = EventKind::mark, .text = kMarkedAtDesk, .trial = last_});
-        last_.reset();
+        ports_.desk->reply(reply);
+        ports_.marked(reply);
     }
 
     /// A stop while nothing is felt, and what stands against every trial, hold the session until the experimenter
@@ -292,6 +304,8 @@ private:
     std::size_t rested_;           ///< answered trials at the last break, or when this run began
     std::size_t faults_ = 0;       ///< in a row
     std::optional<TrialId> last_;  ///< the attempt before now, of this run; a mark would mean it
+    TrialNumber last_number_{};
+    std::size_t last_position_ = 0;
 };
 
 }  // namespace

@@ -212,8 +212,8 @@ std::optional<RuleAnswer> TrialRunner::answer(const PlannedTrial& planned,
                                               const TrialView& view,
                                               TrialResult& result) {
     const Choice choice = ports_.observer.choose(view, question_);
-    if (choice.signal == Signal::abort) {
-        result.outcome = Outcome::aborted;
+    if (choice.signal != Signal::done) {
+        result.outcome = choice.signal == Signal::too_late ? Outcome::unanswered : Outcome::aborted;
         return std::nullopt;
     }
     Response response{.place = choice.place,

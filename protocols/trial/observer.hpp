@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
+#include "stimuli/surface_patch.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
 
@@ -60,10 +61,11 @@ inline constexpr std::size_t kMostFaults = 3;
 
 enum class Signal : std::uint8_t {
     go_on,
-    done,     ///< explore: the participant pressed done
-    abort,    ///< the experimenter (two steps) or the operating system ends the session
-    give_up,  ///< trouble: nobody will mend it
-    held_up,  ///< ready: nobody began; the desk wants something first
+    done,      ///< explore: the participant pressed done
+    abort,     ///< the experimenter (two steps) or the operating system ends the session
+    give_up,   ///< trouble: nobody will mend it
+    held_up,   ///< ready: nobody began; the desk wants something first
+    too_late,  ///< choose: nobody answered in time
 };
 
 /// How an answer was given.
@@ -75,6 +77,9 @@ enum class InputKind : std::uint8_t { simulated, key, arrows, mouse };
 struct Picture {
     std::vector<engine::Vec2> outline;               ///< closed polyline, chord error <= 20 um
     std::vector<std::vector<engine::Vec2>> lines{};  ///< open polylines within it, of a surface
+    std::vector<stimuli::ShadedPoint> shade{};  ///< triangles within it, in threes, of a surface
+    std::vector<std::vector<engine::Vec2>>
+        walls{};  ///< of the block whose top it is, closed polylines
 };
 
 /// What is asked after feeling. The same for every trial of a session.
@@ -87,6 +92,7 @@ struct Question {
     std::vector<std::string> labels;
     bool confidence = false;  ///< asked for after the answer
     bool confirm = false;     ///< answer and confidence can be changed until they are confirmed
+    double timeout_s = 0.0;   ///< of answer and confidence each, then nobody answers; 0: none
 };
 
 /// Which of the pictures?
@@ -97,7 +103,8 @@ struct Question {
             .answers = pictures.size(),
             .labels = {},
             .confidence = false,
-            .confirm = false};
+            .confirm = false,
+            .timeout_s = 0.0};
 }
 
 /// How sure one is of an answer: 1 (a guess) .. kMostConfidence.
@@ -113,7 +120,7 @@ struct Confirmation {
 };
 
 struct Choice {
-    Signal signal = Signal::done;  ///< done or abort
+    Signal signal = Signal::done;  ///< done, abort or too_late
     /// Which answer, 0 .. Question::answers - 1: the picture from the left; 0 first, 1 second interval;
     /// 0 no, 1 yes; the level of a rating.
     std::size_t place = 0;

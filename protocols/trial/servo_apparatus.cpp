@@ -25,6 +25,9 @@ constexpr double kSpareDelay = 0.5;
 constexpr double kUnknownSpare = 1.0;
 /// m of strokes under a straight axis that stands still, see EncoderWatch.
 constexpr double kStuckInSpace = 0.080;
+/// A place that was read so long ago is no place, ns; and how many ticks a new one is awaited.
+constexpr std::int64_t kFreshNs = 50'000'000;
+constexpr int kLooks = 30;
 /// s after explore_timeout_s: the session's own loop has ended the exploration before.
 constexpr double kTimeToSpare = 0.5;
 
@@ -180,6 +183,25 @@ engine::ShortForm DeviceApparatus::prove_motors() {
     unproved_ = form.refused;
     servo_.unpark();
     return form;
+}
+
+std::optional<engine::Vec3> DeviceApparatus::place() {
+    const auto look = [this]() -> std::optional<engine::Vec3> {
+        const auto latest = servo_.latest();
+        const bool read = latest && latest->tick < 0 &&
+                          latest->fault == engine::DeviceFault::none &&
+                          monotonic_ns() - latest->at_ns < kFreshNs;
+        return read ? std::optional(engine::Vec3(latest->hip, latest->hip_z)) : std::nullopt;
+    };
+    std::optional<engine::Vec3> place = look();
+    if (!place) {
+        servo_.unpark();  // it rests where it was not parked
+    }
+    for (int i = 0; i < kLooks && !place; ++i) {
+        sleep_until(monotonic_ns() + servo_.period_ns());
+        place = look();
+    }
+    return place;
 }
 
 PointerApparatus::PointerApparatus(const Protocol& protocol)

@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -175,6 +176,7 @@ public:
     [[nodiscard]] bool has_proof() const noexcept override { return bool{proof_.motors}; }
     [[nodiscard]] engine::ShortForm prove_place() override;
     [[nodiscard]] engine::ShortForm prove_motors() override;
+    [[nodiscard]] std::optional<engine::Vec3> place() override;
     [[nodiscard]] std::string device_name() const override { return device_->name(); }
     [[nodiscard]] const engine::Device& device() const noexcept override { return *device_; }
 

@@ -54,8 +54,10 @@ std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std
         if (protocol.surface) {
             stimuli::PatchDrawing drawing =
                 stimuli::drawing_of(*surface_of(protocol, protocol.objects.at(object)));
-            pictures.push_back(
-                {.outline = std::move(drawing.border), .lines = std::move(drawing.lines)});
+            pictures.push_back({.outline = std::move(drawing.border),
+                                .lines = std::move(drawing.lines),
+                                .shade = std::move(drawing.shade),
+                                .walls = std::move(drawing.walls)});
         } else {
             pictures.push_back({.outline = silhouette_of(protocol, object)});
         }
@@ -74,7 +76,8 @@ Question question_of(const Protocol& protocol, std::span<const Picture> pictures
         .answers = answers_of(protocol),
         .labels = labelled ? std::vector{response.low, response.high} : std::vector<std::string>(),
         .confidence = response.confidence,
-        .confirm = response.confirm};
+        .confirm = response.confirm,
+        .timeout_s = protocol.timing.answer_timeout};
 }
 
 }  // namespace palpate::protocols

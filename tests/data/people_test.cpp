@@ -214,7 +214,7 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK_THAT(taken.error, ContainsSubstring("P1 is there already"));
     CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
     CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
-               ContainsSubstring("P1 has no such session"));
+               ContainsSubstring("P1 has no session yet"));
     {
         Database database(file, Access::write);
         for (const std::size_t number : {1U, 2U}) {

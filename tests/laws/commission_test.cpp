@@ -38,8 +38,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 std::string study(const TemporaryFolder& folder) {
     const std::string soft =
         replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                 "stiffness_n_per_m = 1000\nforce_limit_n = 10",
-                 "stiffness_n_per_m = 200\nforce_limit_n = 1.5");
+                 "stiffness_n_per_m = 1000\nforce_limit_n = 10",  // its handle stays at home
+                 "start_radius_mm = 0\nstiffness_n_per_m = 200\nforce_limit_n = 1.5");
     const std::string text = replaced(soft, "break_every = 0", "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
     return folder.file("p.toml");

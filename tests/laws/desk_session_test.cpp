@@ -115,7 +115,8 @@ private:
 std::string board_study() {
     std::string text = tests::adaptive_text(tests::kStaircaseRule);
     text = with_text(text, "start_mm = [0, 45]",
-                     "start_mm = [0, 60]\nstiffness_n_per_m = 200\nforce_limit_n = 1.5\n[safety]\n"
+                     "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = "
+                     "200\nforce_limit_n = 1.5\n[safety]\n"
                      "late_in_a_row = 0\nlate_of_100 = 0");
     text = with_text(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
     return with_text(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
@@ -140,6 +141,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are he
     desk.end_pause(2);
     desk.mark_at("ready");
     desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.session().wait_for_text("nothing to mark");
     desk.stays_ready();
 
     desk.at("ready", "space");
@@ -149,6 +151,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are he
     desk.at("question", "1");
     desk.end_pause(3);
     desk.wait_for(kMarked, 1);
+    desk.session().wait_for_text("trial 1 of 4 #1 is marked: it does not count and runs again");
 
     desk.at("ready", "space");
     desk.at("explore", "space");
@@ -224,6 +227,7 @@ TEST_CASE("so are those between two intervals, at the confidence and in trouble"
     CHECK(desk.session().screen_name() == "trouble");
     desk.session().hand().chord("p");
     desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.session().wait_for_text("nothing to mark");
     desk.stays_ready();
     desk.wait_for("event WHERE event_kind = 'pause'", 2);
 

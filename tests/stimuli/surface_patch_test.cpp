@@ -123,6 +123,31 @@ TEST_CASE("a drawing's lines stay within its border, whatever the patch",
     }
 }
 
+TEST_CASE(
+    "a hill is light on the left and dark on the right, a hollow the other way, a level one even",
+    "[stimuli][surface][law]") {
+    /// Of the right half less that of the left one.
+    const auto darker_right = [](double curvature_x, double curvature_y) {
+        const auto surface =
+            make_surface({.size = 0.060, .curvature_x = curvature_x, .curvature_y = curvature_y});
+        double sum = 0.0;
+        for (const auto& one : stimuli::drawing_of(*surface).shade) {
+            sum += (one.point.x > 0.0 ? 1.0 : -1.0) * static_cast<double>(one.dark);
+        }
+        return sum;
+    };
+    CHECK(darker_right(10.0, 10.0) > 200.0);
+    CHECK(darker_right(-10.0, -10.0) < -200.0);
+    CHECK(std::fabs(darker_right(0.0, 0.0)) < 20.0);
+    const auto walls =
+        stimuli::drawing_of(*make_surface({.curvature_x = 16, .curvature_y = 16})).walls;
+    REQUIRE(walls.size() == 2);
+    for (const auto& wall : walls) {  // below the patch's edge everywhere
+        CHECK(std::min(wall[wall.size() - 1].y, wall[wall.size() - 2].y) <
+              std::ranges::min(wall, {}, [](const Vec2& p) { return p.y; }).y + 1e-12);
+    }
+}
+
 TEST_CASE("seen from above the border of a patch is where its sides are",
           "[stimuli][surface][law]") {
     const auto seed = GENERATE(range(300U, 320U));

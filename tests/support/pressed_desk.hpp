@@ -24,6 +24,8 @@ inline std::string pressed_study() {
     put("stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
     put("force_limit_n = 10", "force_limit_n = 1.5");
     put("curvature_per_m = 8", "curvature_per_m = 0");
+    put("start_mm = [0, 60]",
+        "start_mm = [0, 60]\nstart_radius_mm = 0");  // a hand that presses for ever
     return text + "\n[safety]\ndead_man = true\nlate_in_a_row = 0\nlate_of_100 = 0\n";
 }
 

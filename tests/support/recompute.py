@@ -279,6 +279,7 @@ def main(file, samples, document):
             "session_number": s["session_number"], "session_kind": s["session_kind"], "finished": s["finished"],
             "planned": sum(k[0] == s["session_id"] for k in plans), "answered": sum(t["trial_id"] in responses for t in mine),
             "invalid_answers": sum(t["invalid_reason"] is not None for t in mine), "faulted": outcomes["faulted"],
+            "unanswered": outcomes["unanswered"],
             "aborted": outcomes["aborted"], "interrupted": outcomes["interrupted"],
             "late_share": ratio(sum(t["late_ticks"] or 0 for t in mine), ticks),
             "saturated_share": ratio(sum(t["saturated_ticks"] or 0 for t in mine), ticks),

@@ -1,5 +1,6 @@
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -10,11 +11,14 @@
 
 #include <SDL.h>
 
+#include "engine/contact/closest_point.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
+#include "protocols/trial/start_gate.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
@@ -155,6 +159,27 @@ TEST_CASE("nothing of the condition is among what the explore screen is drawn fr
     CHECK(std::is_same_v<std::remove_const_t<decltype(number)>, std::size_t>);
     CHECK(std::is_same_v<std::remove_const_t<decltype(total)>, std::size_t>);
     CHECK_FALSE((practice || may_finish || prompt || dead_man));
+}
+
+TEST_CASE("where a trial may begin is the same for all conditions, and so is what ready says of it",
+          "[blind][gate][law]") {
+    const auto [away, radius, in_space, open, refused] = ui::StartMark{};
+    CHECK((glm::length(away) == 0.0 && radius == 0.0 && !in_space && open && !refused));
+    // The start is outside all objects, and nearer to one than the radius: inside of any of them nothing begins.
+    Protocol protocol = shipped();
+    protocol.apparatus.start_radius = 0.030;
+    const StartGate gate(protocol);
+    for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
+        const auto outline = outline_of(protocol, i);
+        const engine::OutlineFeet feet(*outline);
+        for (double y = 0.031; y < 0.089; y += 0.0007) {
+            const engine::Vec2 at{0.0005, y};
+            CHECK((!gate.lets_begin({at, 0.0}) || !feet.closest(at).inside));
+        }
+    }
+    CHECK(gate.lets_begin({0.0, 0.060, 0.0}));
+    CHECK_FALSE(gate.lets_begin({0.0, 0.0911, 0.0}));
+    CHECK_FALSE(gate.lets_begin({std::nan(""), 0.060, 0.0}));
 }
 
 TEST_CASE(
@@ -330,12 +355,14 @@ TEST_CASE(
 TEST_CASE("nothing of the condition is among what the ready and answer screens are drawn from",
           "[blind][answers][law]") {
     // As above. What a question says is the same for every trial of a session.
-    const auto [number, total, practice, dead_man, interval, intervals] = ui::ReadyFace{};
-    CHECK((number == 0 && total == 0 && !practice && !dead_man && interval == 1 && intervals == 1));
+    const auto [number, total, practice, dead_man, interval, intervals, start] = ui::ReadyFace{};
+    CHECK((number == 0 && total == 0 && !practice && !dead_man && interval == 1 && intervals == 1 &&
+           !start));
     const auto [question, selected, watched] = ui::ChooseFace{};
-    const auto& [kind, text, pictures, answers, labels, confidence, confirm] = question;
+    const auto& [kind, text, pictures, answers, labels, confidence, confirm, limit_s] = question;
     CHECK((kind == ResponseKind::identification && text.empty() && pictures.empty() &&
-           answers == 0 && labels.empty() && !confidence && !confirm && !selected && !watched));
+           answers == 0 && labels.empty() && !confidence && !confirm && limit_s == 0.0 &&
+           !selected && !watched));
     const auto [sure, may_change] = ui::ConfidenceFace{};
     CHECK((!sure && !may_change));
     const auto [shown, of, practising, done, least_s, prompt_s, timeout_s, nth, in_all] =

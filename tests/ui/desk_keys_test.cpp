@@ -80,6 +80,27 @@ TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", 
     CHECK_FALSE(rig.desk.wants());
 }
 
+TEST_CASE("what became of a mark stands at the lower edge, until something else is asked",
+          "[screen][desk]") {
+    DeskRig rig;
+    const auto says = [&](const std::string& sentence) {
+        static_cast<void>(rig.screen.gap(0.1));
+        const auto& lines = rig.screen.stage().window().written();
+        std::string all;
+        for (const Written& line : lines) {
+            all += line.text + " ";
+        }
+        CAPTURE(all);
+        CHECK(all.find(sentence) != std::string::npos);
+    };
+    rig.desk.reply({.found = true, .runs_again = true, .number = {false, 3, 10}, .trial = 7});
+    says("trial 3 of 10 does not count and runs again");
+    rig.desk.reply({.found = true, .runs_again = false, .number = {true, 2, 4}, .trial = 8});
+    says("practice 2 of 4 does not count and is not run again");
+    rig.desk.reply({});
+    says("nothing to mark");
+}
+
 TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",
           "[screen][desk][law]") {
     DeskRig rig;

@@ -62,6 +62,11 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     }
     all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
     all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));
+    for (const bool open : {false, true}) {
+        const StartMark mark{{0.03, -0.2, 0.01}, 0.005, true, open, true};
+        all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2, mark},
+                            open ? &Words::press_to_feel : &Words::bring_to_start));
+    }
     for (const bool shape : {false, true}) {
         all.push_back(shown(ExploreFace{1027, 1114, true, true, true, true, 2, 2, shape},
                             shape ? &Words::enter_when_known : &Words::enter_when_felt));
@@ -194,8 +199,9 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
                    .font = {},
                    .language = language});
     const Words& words = window.words();
-    for (const auto sentence : {words.stop_question, words.mark_question, words.pause_comes,
-                                words.no_pause, words.session_over}) {
+    for (const auto sentence :
+         {words.stop_question, words.mark_question, words.pause_comes, words.no_pause,
+          words.session_over, words.marked, words.practice_marked, words.nothing_to_mark}) {
         window.clear(kBackground);
         draw_bar(window, sentence);
         check_layout(window, {}, 1.0);

@@ -1,4 +1,6 @@
 #include <atomic>
+#include <chrono>
+#include <thread>
 
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
@@ -164,4 +166,52 @@ TEST_CASE("the pointer is the handle: its place goes to the device, starting at 
         static_cast<void>(screen.explore(kTrial, 0.1 * i));
     }
     CHECK(glm::length(seen.back() - PointerMap{{1024.0, 768.0}}.to_object({600.0, 500.0})) < 1e-12);
+}
+
+TEST_CASE("Space begins with the handle at the start alone, where there is a handle",
+          "[screen][gate][law]") {
+    protocols::Protocol protocol;
+    protocol.apparatus.start = {0.0, 0.060};
+    std::atomic<double> x{0.010};
+    std::atomic<bool> there{true};
+    SubjectScreenOptions at = options();
+    at.gate = protocols::StartGate(protocol);
+    at.place = [&]() -> std::optional<engine::Vec3> {
+        return there ? std::optional(engine::Vec3{x.load(), 0.060, 0.0}) : std::nullopt;
+    };
+    SubjectScreen screen(at);
+    std::atomic<int> presses{0};
+    {
+        const Later subject([&] {
+            for (int i = 0; i < 4; ++i) {
+                press(SDLK_SPACE);
+                press(SDLK_RETURN);
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                ++presses;
+            }
+            x = 0.004;
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+            press(SDLK_SPACE);
+        });
+        CHECK(screen.ready(kTrial) == Signal::go_on);
+        CHECK(presses >= 4);  // none of them began it
+    }
+    x = 1.0;
+    there = false;
+    const Later subject([] { press(SDLK_SPACE); });
+    CHECK(screen.ready(kTrial) == Signal::go_on);
+}
+
+TEST_CASE("a question ends unanswered after its time, the confidence too", "[screen][law]") {
+    SubjectScreen screen(options());
+    Question question{.kind = ResponseKind::two_interval,
+                      .text = {},
+                      .pictures = {},
+                      .answers = 2,
+                      .labels = {},
+                      .confidence = true,
+                      .timeout_s = 1.5};
+    CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+    const Later subject([] { press(SDLK_1); });
+    CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
 }

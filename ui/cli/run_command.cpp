@@ -318,6 +318,7 @@ int run(const RunOptions& options) {
                         options.database, options.participant, spec.key.session,
                         spec.study.protocol.id, choice.last + 1));
     }
+    require_kind(choice, spec.study, spec.kind, options.database);  // before a device is touched
     if (!choice.begun && !options.new_version) {
         check_version(database, spec.study, spec.kind);
     }

@@ -4,7 +4,6 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/trial/trial_scene.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/load_study.hpp"
@@ -14,8 +13,7 @@ namespace palpate::ui {
 namespace {
 
 struct ScreenshotOptions {
-    std::string protocol =
-        "shape_friction";  ///< a file or a shipped one: its pictures, instructions
+    std::string protocol = "shape_friction";  ///< a file or a shipped one
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
     int width = 1280;             ///< pixels
@@ -25,9 +23,7 @@ struct ScreenshotOptions {
 
 void declare(CommandWords& words, ScreenshotOptions& options) {
     words.add("-o,--output", options.directory, "Folder for the pictures").with_default();
-    words
-        .add("--protocol", options.protocol,
-             "Whose pictures and instructions to show: a protocol file or a shipped one")
+    words.add("--protocol", options.protocol, "Whose screens: a protocol file or a shipped one")
         .with_default();
     words.add("--width", options.width, "Of the pictures, pixels").within(480, 7680).with_default();
     words.add("--height", options.height, "Of the pictures, pixels")
@@ -41,12 +37,13 @@ void declare(CommandWords& words, ScreenshotOptions& options) {
 
 int run(const ScreenshotOptions& options) {
     const Study study = load_study(options.protocol);
-    const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
+    const protocols::Plan plan =
+        make_plan(study.protocol, study.hash, {"P1", 1}, study.protocol.seed);
     const auto language =
         options.language == "tr" ? protocols::Language::tr : protocols::Language::en;
     make_folder(options.directory);
     for (const std::string& file : write_screenshots(
-             options.directory, pictures,
+             options.directory, study.protocol, plan,
              {.width = options.width,
              .height = options.height,
              .font = options.font,
@@ -61,7 +58,9 @@ int run(const ScreenshotOptions& options) {
 
 Command screenshots_command() {
     return make_command<ScreenshotOptions>(
-        "screenshots", "Write a picture of every subject screen (PNG)", declare, run);
+        "screenshots",
+        "Write a picture of every subject screen that a session of a protocol can show (PNG)",
+        declare, run);
 }
 
 }  // namespace palpate::ui

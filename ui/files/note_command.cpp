@@ -51,8 +51,10 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
             throw std::invalid_argument(fmt::format("{}: nobody is called {}: did you mean {}?",
                                                     options.database, options.participant, *other));
         }
-        throw std::invalid_argument(
-            fmt::format("{}: {} has no such session", options.database, options.participant));
+        const bool named = options.session || !options.study.empty();
+        throw std::invalid_argument(fmt::format("{}: {} has no {}", options.database,
+                                                options.participant,
+                                                named ? "such session" : "session yet"));
     }
     const auto other = std::find_if(all.begin(), all.end(), [&](const data::SessionRow& row) {
         return row.study != all.front().study;

@@ -26,6 +26,10 @@ std::vector<std::string> advice_for(const protocols::TrialResult& result) {
     if (result.fault) {
         advice.push_back(fmt::format("faults: {}", explanation(result.fault->cause)));
     }
+    if (result.outcome == protocols::Outcome::unanswered) {
+        advice.emplace_back(
+            "no answer: ask whether the question is clear, and for a break if need be");
+    }
     const auto says = [&](std::string_view reason) {
         return result.invalid.find(reason) != std::string::npos;
     };
@@ -51,6 +55,9 @@ std::string outcome_text(const Progress& progress, const std::string& what) {
         progress.runs_again() ? "runs again later in its block" : "is not run again";
     if (result.fault) {
         return fault_text(*result.fault) + fmt::format("; {}", again);
+    }
+    if (result.outcome == protocols::Outcome::unanswered) {
+        return fmt::format("nobody answered in time; {}", again);
     }
     if (!result.response) {
         return fmt::format("{}; comes first when the session goes on", to_string(result.outcome));
@@ -80,14 +87,16 @@ std::string number_text(const protocols::TrialNumber& number) {
                        number.total);
 }
 
-std::string OperatorLog::left_text(const Progress& progress, double now_s) const {
+std::string OperatorLog::left_text(const Progress& progress) const {
     if (progress.left() == 0) {
         return "none left";
     }
     std::string text = fmt::format("{} left", progress.left());
-    if (ended_ > 0) {
-        const double minutes = (now_s - begun_s_) / static_cast<double>(ended_) *
-                               static_cast<double>(progress.left()) / 60.0;
+    if (!took_s_.empty()) {
+        std::vector<double> sorted = took_s_;  // one that somebody sat at for an hour says nothing
+        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+        std::ranges::nth_element(sorted, middle);
+        const double minutes = *middle * static_cast<double>(progress.left()) / 60.0;
         text += minutes < 1.0 ? std::string(", less than a minute")
                               : fmt::format(", about {:.0f} min", minutes);
     }
@@ -118,14 +127,16 @@ std::string OperatorLog::alarm() const {
 
 std::string OperatorLog::line(const Progress& progress, const std::string& what, double now_s) {
     const std::size_t attempt = ++attempts_[progress.planned.position];
-    const bool lost = progress.result.fault || !progress.result.invalid.empty();
-    if ((progress.result.response || progress.result.fault) && !progress.runs_again()) {
-        ++ended_;
+    const bool lost = is_lost(progress.result.outcome) || !progress.result.invalid.empty();
+    const bool over = progress.result.response || is_lost(progress.result.outcome);
+    if (over && !progress.runs_again()) {
+        took_s_.push_back(now_s - ended_s_);
+        ended_s_ = now_s;
     }
-    std::string text = fmt::format("{:<16}", number_text(progress.number));
+    std::string text = fmt::format("#{:<3} {:<16}", progress.trial, number_text(progress.number));
     text += attempt > 1 ? fmt::format("  attempt {}", attempt) : "";
-    text += fmt::format("  {}  ({})\n", outcome_text(progress, what), left_text(progress, now_s));
-    if (progress.result.response || progress.result.fault) {
+    text += fmt::format("  {}  ({})\n", outcome_text(progress, what), left_text(progress));
+    if (over) {
         advice_.push_back(advice_for(progress.result));
         if (advice_.size() > kLookBack) {
             advice_.pop_front();
@@ -179,6 +190,15 @@ std::string trouble_text(const protocols::TroubleView& view) {
              ? std::string(
                    "what was wrong is mended: Ctrl+Shift+P at the participant's screen goes on\n")
              : std::string("what was wrong is mended: the participant goes on\n");
+}
+
+std::string mark_text(const protocols::MarkReply& reply) {
+    return reply.found
+             ? fmt::format("{} #{} is marked: it does not count and {}\n",
+                           number_text(reply.number), reply.trial,
+                           reply.runs_again ? "runs again later in its block" : "is not run again")
+             : std::string(
+                   "nothing to mark: no answer of this run, or the last one does not count\n");
 }
 
 std::string display_lost_text(const protocols::SessionEnd& end) {

@@ -30,13 +30,16 @@ namespace palpate::ui {
 ///     trouble: the board at /dev/ttyACM0 is gone: plug it in again and check its power
 [[nodiscard]] std::string trouble_text(const protocols::TroubleView& view);
 
+/// What a mark at the desk came to.
+[[nodiscard]] std::string mark_text(const protocols::MarkReply& reply);
+
 /// A session that ended because its display did, and how it goes on.
 [[nodiscard]] std::string display_lost_text(const protocols::SessionEnd& end);
 
 /// Why a session was given up with SessionEnd::Why::faulted, and how it goes on.
 [[nodiscard]] std::string given_up_text(const protocols::SessionEnd& end);
 
-/// The lines of a run, one an attempt. What came before this run counts for the number of the attempt alone: the
+/// The lines of a run, one an attempt. Each begins with the attempt's trial_id, by which mark, trace and report name it. What came before this run counts for the number of the attempt alone: the
 /// pace, and the trials that the alarm looks at, are of this run.
 class OperatorLog {
 public:
@@ -47,7 +50,7 @@ public:
     /// @param attempts  so far, by position
     /// @param now_s     on any clock that goes on
     OperatorLog(std::map<std::size_t, std::size_t> attempts, double now_s)
-        : attempts_(std::move(attempts)), begun_s_(now_s) {}
+        : attempts_(std::move(attempts)), ended_s_(now_s) {}
 
     /// What became of an attempt, how many trials are left and for how long; after a trial that does not count
     /// a second line if it is the kAlarm-th of the last kLookBack: why, and what to do.
@@ -57,12 +60,13 @@ public:
                                    double now_s);
 
 private:
-    [[nodiscard]] std::string left_text(const protocols::Progress& progress, double now_s) const;
+    [[nodiscard]] std::string left_text(const protocols::Progress& progress) const;
     [[nodiscard]] std::string alarm() const;
 
     std::map<std::size_t, std::size_t> attempts_;
-    double begun_s_;
-    std::size_t ended_ = 0;                        ///< trials that need not run again, in this run
+    double ended_s_;  ///< when the last of took_s_ did, or this run began
+    std::vector<double>
+        took_s_{};  ///< from one trial that need not run again to the next, in this run
     std::deque<std::vector<std::string>> advice_;  ///< of the last attempts; none: it counts
 };
 

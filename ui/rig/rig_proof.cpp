@@ -169,16 +169,15 @@ void ask_for_yes(const std::string& text, bool beforehand) {
     if (beforehand) {
         return;
     }
-    say("{} Type yes: ", text);
-    const std::optional<std::string> line = typed_line();
-    if (!line) {
-        throw std::runtime_error(
-            interrupted() ? "stopped at the question; nothing was begun"
-                          : "standard input ended, and nobody said that the handle is free and at "
-                            "home: --handle-free says so beforehand");
-    }
-    if (line != "yes" && line != "y") {
-        throw std::runtime_error("nothing was begun: the handle has to be free and at home");
+    for (std::optional<std::string> line; line != "yes" && line != "y";) {
+        say("{} Type yes: ", text);
+        line = typed_line();
+        if (!line) {
+            throw std::runtime_error(
+                interrupted() ? "stopped at the question; nothing was begun"
+                              : "standard input ended, and nobody said that the handle is free and "
+                                "at home: --handle-free says so beforehand");
+        }
     }
 }
 

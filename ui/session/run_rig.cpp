@@ -59,6 +59,10 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
         spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
     options.asks = spec.study.protocol.response.kind;
     options.start = spec.study.protocol.apparatus.start;
+    options.gate = protocols::StartGate(spec.study.protocol);
+    options.place = [&apparatus] {
+        return apparatus.place();
+    };
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
                       : unproved(spec)                        ? "PILOT, NOT PROVED: 0.3 N"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"
@@ -214,8 +218,9 @@ void print_start(const RigSpec& spec,
     const protocols::Protocol& protocol = spec.study.protocol;
     const protocols::PendingTrials all(plan);
     const std::size_t practice = all.left(true);
-    say("{}: participant {}, session {}, {}{}, {}, code {}\n", protocol.id, spec.key.participant,
-        spec.key.session,
+    const bool real = spec.kind == data::RunKind::real;
+    say("{}: {}, participant {}, session {}, {}{}, {}, code {}\n", protocol.id,
+        real ? "REAL" : to_string(spec.kind), spec.key.participant, spec.key.session,
         practice > 0 ? counted(practice, "practice trial") + " and " : std::string(),
         counted(all.left(false), "trial"), apparatus.device_name(), session_code(plan));
     if (spec.kind == data::RunKind::simulated) {
@@ -336,31 +341,32 @@ RigEnd run_rig(data::Database& database,
                          : nullptr;
     protocols::SessionEnd end;
     try {
-        end = run_session(protocol, plan,
-                          {.title = protocol.title,
-                           .participant = spec.key.participant,
-                           .trials = plan.trials.size(),
-                           .next = opened.progress.pending().answered(),
-                           .practice = opened.progress.pending().left(true),
-                           .simulated = !held_by_a_person(spec.device.kind),
-                           .device = apparatus->device_name()},
-                          opened.progress,
-                          {.apparatus = *apparatus,
-                           .observer = masked ? *masked : observers.port(),
-                           .recorder = record,
-                           .opening = opening_events(felt.opening),
-                           .interrupted = [] { return interrupted(); },
-                           .progress =
-                               [&](const protocols::Progress& progress) {
-                                   say("{}",
-                                       log.line(progress, answer_line(spec, progress), now_s()));
-                               },
-                           .alarm =
-                               [](const protocols::TroubleView& view) {
-                                   say("{}", trouble_text(view));
-                                   ring();  // they may look elsewhere
-                               },
-                           .desk = &desk});
+        end = run_session(
+            protocol, plan,
+            {.title = protocol.title,
+             .participant = spec.key.participant,
+             .trials = plan.trials.size(),
+             .next = opened.progress.pending().answered(),
+             .practice = opened.progress.pending().left(true),
+             .simulated = !held_by_a_person(spec.device.kind),
+             .device = apparatus->device_name()},
+            opened.progress,
+            {.apparatus = *apparatus,
+             .observer = masked ? *masked : observers.port(),
+             .recorder = record,
+             .opening = opening_events(felt.opening),
+             .interrupted = [] { return interrupted(); },
+             .progress =
+                 [&](const protocols::Progress& progress) {
+                     say("{}", log.line(progress, answer_line(spec, progress), now_s()));
+                 },
+             .alarm =
+                 [](const protocols::TroubleView& view) {
+                     say("{}", trouble_text(view));
+                     ring();  // they may look elsewhere
+                 },
+             .marked = [](const protocols::MarkReply& reply) { say("{}", mark_text(reply)); },
+             .desk = &desk});
     } catch (const std::exception& e) {
         if (!observers.screen || observers.simulated) {
             throw;

@@ -68,7 +68,21 @@ SessionChoice choose_session(data::Database& database,
     choice.finished = there && there->finished;
     choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
+    choice.kind = choice.begun ? there->kind : std::string();
     return choice;
+}
+
+void require_kind(const SessionChoice& choice,
+                  const Study& study,
+                  data::RunKind kind,
+                  const std::string& file) {
+    if (choice.begun && choice.kind != to_string(kind)) {
+        throw std::invalid_argument(
+            fmt::format("{}: session {} of {} in {} is a {} session; it cannot go on as {}: begin "
+                        "a new session with --session",
+                        file, choice.key.session, choice.key.participant, study.protocol.id,
+                        choice.kind, to_string(kind)));
+    }
 }
 
 data::OpenedSession open_meant(data::Database& database,

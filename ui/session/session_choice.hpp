@@ -30,6 +30,7 @@ struct SessionChoice {
     bool finished = false;  ///< it is there, and whole
     bool begun = false;     ///< it has a trial
     std::size_t last = 0;   ///< the participant's last session; 0: none
+    std::string kind{};     ///< with which it has begun; empty: it has no trial yet
 };
 
 /// The session asked for, else the participant's last one, else the first. Its seed is the one asked for,
@@ -40,6 +41,13 @@ struct SessionChoice {
                                            const std::string& participant,
                                            std::optional<std::size_t> session,
                                            std::optional<std::uint64_t> seed);
+
+/// Of a session that has begun: as another kind it does not go on.
+/// @throws std::invalid_argument with both
+void require_kind(const SessionChoice& choice,
+                  const Study& study,
+                  data::RunKind kind,
+                  const std::string& file);
 
 /// The session with its plan, as data::plan_and_open_session(). Whoever changes its device on purpose says so
 /// beforehand, or types whose session it is.

@@ -1,7 +1,12 @@
 #include "ui/subject/faces.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include <fmt/format.h>
 
+#include "engine/math/elementary.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/paragraph.hpp"
 #include "ui/subject/stroke.hpp"
@@ -30,6 +35,16 @@ void band(Window& window,
 /// What to press, at the same place on every face, above the bar.
 void press(Window& window, std::string_view text, Colour colour) {
     band(window, text, 0.78, 0.88, 1.3, colour);
+}
+
+std::vector<Vec2> circle(const Vec2& middle, double radius) {
+    constexpr int kCorners = 48;
+    std::vector<Vec2> points;
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = 2.0 * engine::kPi * i / kCorners;
+        points.push_back(middle + radius * Vec2{std::cos(angle), std::sin(angle)});
+    }
+    return points;
 }
 
 /// A sentence with its numbers.
@@ -68,6 +83,35 @@ std::string about(const Words& words, protocols::ResponseKind asks) {
                        words.take_time);
 }
 
+/// A ring for the start and a dot for the handle in a frame that is kReach around it; a handle farther away is
+/// at the edge. Height stands beside it, by itself.
+void draw_start(Window& window, const StartMark& mark) {
+    constexpr double kReach = 0.040;  // m
+    const Vec2 size = window.size();
+    const double half = 0.105 * size.y;
+    const double scale = half / kReach;
+    const double line = std::max(2.0, 0.06 * type_size(size));
+    const double dot = 0.28 * type_size(size);
+    const double ring = std::max(scale * mark.radius, dot + 2.0 * line);
+    const Vec2 middle{0.5 * size.x, 0.66 * size.y};
+    const Vec2 corner = middle - Vec2{1.4 * half, 1.2 * half};
+    const auto edge = [&](double d) {
+        return std::clamp(scale * d, -half, half);
+    };
+    const Colour colour = mark.open ? kAccent : kText;
+    window.fine(corner, Vec2{3.4 * half, 2.4 * half}, [&] {
+        window.triangles(stroke(circle(middle, ring), line), kQuiet);
+        window.triangles(fill(circle(middle + Vec2{edge(mark.away.x), -edge(mark.away.y)}, dot)),
+                         colour);
+        if (mark.in_space) {
+            const Vec2 beside = middle + Vec2{1.6 * half, 0.0};
+            window.triangles(rectangle(beside - Vec2{ring, 0.5 * line}, Vec2{2.0 * ring, line}),
+                             kQuiet);
+            window.triangles(fill(circle(beside - Vec2{0.0, edge(mark.away.z)}, dot)), colour);
+        }
+    });
+}
+
 }  // namespace
 
 void draw(Window& window, const WelcomeFace& face) {
@@ -95,9 +139,18 @@ void draw(Window& window, const ReadyFace& face) {
     const Words& words = window.words();
     trial_number(window, face.number, face.total, face.practice);
     interval_number(window, face.interval, face.intervals);
-    band(window, words.ready, 0.32, 0.46, 2.4, kText);
-    band(window, either(window.instructions().ready, words.hold_handle), 0.48, 0.76, 1.15, kText);
-    press(window, face.dead_man ? words.hold_to_feel : words.press_to_feel, kAccent);
+    const double down = face.start ? 0.54 : 0.76;
+    band(window, words.ready, face.start ? 0.29 : 0.32, face.start ? 0.40 : 0.46, 2.4, kText);
+    band(window, either(window.instructions().ready, words.hold_handle), face.start ? 0.41 : 0.48,
+         down, 1.15, kText);
+    if (face.start) {
+        draw_start(window, *face.start);
+    }
+    if (face.start && !face.start->open) {
+        press(window, words.bring_to_start, face.start->refused ? kAccent : kText);
+    } else {
+        press(window, face.dead_man ? words.hold_to_feel : words.press_to_feel, kAccent);
+    }
 }
 
 void draw(Window& window, const ExploreFace& face) {
@@ -133,11 +186,13 @@ void draw(Window& window, const ChooseFace& face) {
     const std::string_view keys = kind == ResponseKind::identification ? words.choose
                                 : kind == ResponseKind::rating         ? words.choose_level
                                                                        : words.choose_of_two;
+    const bool in_space = !question.pictures.empty() && !question.pictures.front().walls.empty();
     band(window,
-         face.watched                        ? std::string(words.observer_chooses)
-         : face.selected && question.confirm ? std::string(words.confirm)
-                                             : with(keys, question.answers),
-         0.80, 0.88, 1.0, kQuiet);
+         (in_space ? std::string(words.seen_from_above) + '\n' : std::string()) +
+             (face.watched                        ? std::string(words.observer_chooses)
+              : face.selected && question.confirm ? std::string(words.confirm)
+                                                  : with(keys, question.answers)),
+         in_space ? 0.77 : 0.80, 0.88, 1.0, kQuiet);
 }
 
 void draw(Window& window, const ConfidenceFace& face) {

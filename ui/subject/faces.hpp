@@ -24,6 +24,15 @@ struct WelcomeFace {
 };
 void draw(Window& window, const WelcomeFace& face);
 
+/// Where the handle is, seen from the start. It knows the study, and nothing of the trial that comes.
+struct StartMark {
+    engine::Vec3 away{};    ///< m, of the handle from the start
+    double radius = 0.0;    ///< m, of the ring
+    bool in_space = false;  ///< z is shown as well
+    bool open = true;       ///< the trial may begin
+    bool refused = false;   ///< somebody wanted to begin before
+};
+
 struct ReadyFace {
     static constexpr std::string_view kName = "ready";
     std::size_t number = 0;
@@ -32,6 +41,7 @@ struct ReadyFace {
     bool dead_man = false;     ///< Space has to be held
     std::size_t interval = 1;  ///< of the trial, 1 .. intervals
     std::size_t intervals = 1;
+    std::optional<StartMark> start{};  ///< none: nobody brings a handle there
 };
 void draw(Window& window, const ReadyFace& face);
 

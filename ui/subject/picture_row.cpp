@@ -21,9 +21,15 @@ struct Box {
 Box box_of(std::span<const protocols::Picture> pictures) {
     Box box;
     for (const protocols::Picture& picture : pictures) {
-        for (const Vec2& p : picture.outline) {
-            box.lo = Vec2{std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
-            box.hi = Vec2{std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
+        const auto hold = [&box](std::span<const Vec2> line) {
+            for (const Vec2& p : line) {
+                box.lo = Vec2{std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
+                box.hi = Vec2{std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
+            }
+        };
+        hold(picture.outline);
+        for (const auto& wall : picture.walls) {
+            hold(wall);
         }
     }
     return box;
@@ -48,6 +54,37 @@ std::vector<Vec2> there_and_back(std::vector<Vec2> line) {
         line.push_back(line[i]);
     }
     return line;
+}
+
+void draw_shape(Window& window,
+                const protocols::Picture& picture,
+                const Box& box,
+                const Card& card) {
+    const std::vector<Vec2> outline = on_card(picture.outline, box, card);
+    const double width = std::max(3.0, 0.018 * card.size.x);
+    const double thin = picture.walls.empty() ? width : 0.6 * width;
+    for (const auto& wall : picture.walls) {
+        const std::vector<Vec2> edge = on_card(wall, box, card);
+        window.triangles(fill(edge), kWall);
+        window.triangles(stroke(edge, thin), kOutline);
+    }
+    window.triangles(fill(outline), kShape);
+    if (!picture.shade.empty()) {
+        std::vector<Vec2> points;
+        for (const auto& one : picture.shade) {
+            points.push_back(one.point);
+        }
+        points = on_card(points, box, card);
+        std::vector<Corner> corners;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            corners.push_back({points[i], picture.shade[i].dark});
+        }
+        window.triangles(corners, kOutline);
+    }
+    for (const auto& line : picture.lines) {
+        window.triangles(stroke(there_and_back(on_card(line, box, card)), 0.25 * width), kOutline);
+    }
+    window.triangles(stroke(outline, thin), kOutline);
 }
 
 }  // namespace
@@ -92,16 +129,7 @@ void draw_pictures(Window& window,
                 kAccent);
         }
         window.triangles(rectangle(card.corner, card.size), kCard);
-        const std::vector<Vec2> outline = on_card(pictures[i].outline, box, card);
-        const double width = std::max(3.0, 0.018 * card.size.x);
-        window.fine(card.corner, card.size, [&] {
-            window.triangles(fill(outline), kShape);
-            for (const auto& line : pictures[i].lines) {
-                window.triangles(stroke(there_and_back(on_card(line, box, card)), 0.4 * width),
-                                 kOutline);
-            }
-            window.triangles(stroke(outline, width), kOutline);
-        });
+        window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
         window.text(fmt::format("{}", i + 1),
                     {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
                     chosen ? kAccent : kText);

@@ -1,74 +1,130 @@
 #include "ui/subject/screenshots.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "engine/base/files.hpp"
-#include "engine/safety/trip.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/session/pending_trials.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "ui/subject/stage.hpp"
 
 namespace palpate::ui {
+namespace {
+
+/// A session's screens, one after the other.
+class Album {
+public:
+    Album(const std::string& directory,
+          const protocols::Protocol& protocol,
+          const protocols::Plan& plan,
+          const WindowOptions& options)
+        : directory_(directory),
+          protocol_(protocol),
+          stage_(options, "", {}),
+          pictures_(make_pictures(protocol, plan.picture_order)),
+          intervals_(intervals_of(protocol)) {
+        const protocols::PendingTrials all(plan);
+        practice_ = all.left(true);
+        trials_ = all.left(false);
+        number_ = std::max<std::size_t>(1, trials_ / 4);
+        breaks_ = std::ranges::any_of(plan.trials, &protocols::PlannedTrial::break_before);
+    }
+
+    std::vector<std::string> take_all() {
+        take(
+            "welcome",
+            WelcomeFace{.trials = trials_, .practice = practice_, .asks = protocol_.response.kind});
+        feeling();
+        asking();
+        take("pause", PauseFace{});
+        trouble();
+        take("end", EndFace{});
+        return files_;
+    }
+
+private:
+    template <class Face>
+    void take(const std::string& name, const Face& face) {
+        stage_.show(face);
+        files_.push_back(directory_ + "/" + name + ".png");
+        require_writable(files_.back(), "\x89PNG\r\n");
+        stage_.window().save_png(files_.back());
+    }
+
+    void feeling() {
+        const bool hold = protocol_.safety.dead_man;
+        ReadyFace ready{
+            .number = number_, .total = trials_, .dead_man = hold, .intervals = intervals_};
+        take("ready", ready);
+        if (protocol_.apparatus.start_radius > 0.0) {
+            ready.start = StartMark{.away = {0.012, 0.021, 0.008},
+                                    .radius = protocol_.apparatus.start_radius,
+                                    .in_space = protocol_.surface.has_value(),
+                                    .open = false};
+            take("ready_away", ready);
+        }
+        take("explore", ExploreFace{.number = number_,
+                                    .total = trials_,
+                                    .may_finish = true,
+                                    .dead_man = hold,
+                                    .interval = intervals_,
+                                    .intervals = intervals_,
+                                    .asks_shape = protocol_.response.kind ==
+                                                  protocols::ResponseKind::identification});
+    }
+
+    void asking() {
+        const protocols::Question question = question_of(protocol_, pictures_);
+        take("choose", ChooseFace{.question = question, .selected = std::size_t{1}});
+        if (question.confidence) {
+            take("confidence",
+                 ConfidenceFace{.selected = std::size_t{1}, .confirm = question.confirm});
+        }
+        if (protocol_.response.feedback != protocols::Feedback::none) {
+            take("feedback_right", FeedbackFace{true});
+            take("feedback_wrong", FeedbackFace{false});
+        }
+        if (breaks_) {
+            take("break", BreakFace{.seconds_left = static_cast<int>(
+                                        std::ceil(0.6 * protocol_.timing.break_min)),
+                                    .next = number_ + 1,
+                                    .total = trials_});
+        }
+    }
+
+    void trouble() {
+        const auto say = [&](const std::string& name, engine::Trip trip, bool solved) {
+            take(name, TroubleFace{.sentence = std::string(explanation(trip)),
+                                   .solved = solved,
+                                   .by_chord = trip == engine::Trip::stopped});
+        };
+        say("trouble", engine::Trip::device_silent, false);
+        say("trouble_solved", engine::Trip::over_speed, true);
+        say("stopped", engine::Trip::stopped, true);
+    }
+
+    const std::string& directory_;
+    const protocols::Protocol& protocol_;
+    Stage stage_;
+    std::vector<protocols::Picture> pictures_;
+    std::size_t intervals_;
+    std::size_t practice_ = 0;
+    std::size_t trials_ = 0;  ///< main and catch trials
+    std::size_t number_ = 1;
+    bool breaks_ = false;
+    std::vector<std::string> files_;
+};
+
+}  // namespace
 
 std::vector<std::string> write_screenshots(const std::string& directory,
-                                           std::span<const protocols::Picture> pictures,
+                                           const protocols::Protocol& protocol,
+                                           const protocols::Plan& plan,
                                            const WindowOptions& options) {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    Stage stage(options, "", {});
-    std::vector<std::string> files;
-    const auto take = [&](const std::string& name, auto face) {
-        stage.show(face);
-        files.push_back(directory + "/" + name + ".png");
-        require_writable(files.back(), "\x89PNG\r\n");
-        stage.window().save_png(files.back());
-    };
-    take("welcome", WelcomeFace{.trials = 114});
-    take("ready", ReadyFace{.number = 27, .total = 114});
-    take("ready_hold", ReadyFace{.number = 27, .total = 114, .dead_man = true});
-    take("explore", ExploreFace{.number = 27, .total = 114, .may_finish = true});
-    take("explore_hold",
-         ExploreFace{.number = 27, .total = 114, .may_finish = true, .dead_man = true});
-    using protocols::Question;
-    using protocols::ResponseKind;
-    const std::size_t second = 1;
-    const auto ask = [&](const std::string& name, const Question& question) {
-        take(name, ChooseFace{.question = question, .selected = second});
-    };
-    ask("choose", which_of(pictures));
-    take("welcome_two", WelcomeFace{.trials = 96, .asks = ResponseKind::two_interval});
-    take("ready_two", ReadyFace{.number = 27, .total = 114, .interval = 1, .intervals = 2});
-    take("explore_two", ExploreFace{.number = 27,
-                                    .total = 114,
-                                    .may_finish = true,
-                                    .interval = 2,
-                                    .intervals = 2,
-                                    .asks_shape = false});
-    const bool turkish = options.language == protocols::Language::tr;
-    const auto ask_for = [&](const std::string& name, ResponseKind kind, std::size_t answers,
-                             const char* text) {
-        ask(name, {.kind = kind, .text = text, .pictures = {}, .answers = answers, .labels = {}});
-    };
-    ask_for("choose_two", ResponseKind::two_interval, 2, "");
-    ask_for("choose_yes_no", ResponseKind::yes_no, 2,
-            turkish ? "Yüzey elinizi tuttu mu?" : "Did the surface hold you back?");
-    ask_for("choose_rating", ResponseKind::rating, 7,
-            turkish ? "Yüzey ne kadar pürüzlüydü?" : "How rough was the surface?");
-    take("confidence", ConfidenceFace{.selected = second});
-    take("feedback_right", FeedbackFace{true});
-    take("feedback_wrong", FeedbackFace{false});
-    take("break", BreakFace{.seconds_left = 18, .next = 31, .total = 114});
-    take("pause", PauseFace{});
-    take("trouble",
-         TroubleFace{.sentence = "the device stopped answering: check its cable and power",
-                     .solved = false,
-                     .by_chord = false});
-    take("trouble_solved",
-         TroubleFace{.sentence = "the handle was faster than the limit: move more slowly",
-                     .solved = true,
-                     .by_chord = false});
-    take("stopped", TroubleFace{.sentence = std::string(explanation(engine::Trip::stopped)),
-                                .solved = true,
-                                .by_chord = true});
-    take("end", EndFace{});
-    return files;
+    return Album(directory, protocol, plan, options).take_all();
 }
 
 }  // namespace palpate::ui

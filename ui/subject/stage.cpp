@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <SDL.h>
+#include <fmt/format.h>
 
 #include "engine/realtime/servo.hpp"
 #include "ui/subject/display.hpp"
@@ -24,6 +25,15 @@ SDL_Keycode meant_by(const SDL_Keysym& key) {
         return SDLK_a + (key.scancode - SDL_SCANCODE_A);
     }
     return key.sym;
+}
+
+std::string marked_text(const Words& words, const protocols::MarkReply& reply) {
+    if (!reply.found) {
+        return std::string(words.nothing_to_mark);
+    }
+    return fmt::format(fmt::runtime(reply.number.practice ? words.practice_marked : words.marked),
+                       reply.number.number, reply.number.total) +
+           fmt::format(" {}", reply.runs_again ? words.runs_again : words.not_again);
 }
 
 }  // namespace
@@ -54,25 +64,38 @@ std::int64_t Stage::show(std::string_view name, std::function<void(Window&)> dra
     return shown;
 }
 
-std::string_view Stage::sentence_of(Bar bar) const {
+std::string Stage::sentence_of(Bar bar) const {
     const Words& words = window_.words();
     switch (bar) {
         case Bar::none:
             break;
         case Bar::stop:
-            return words.stop_question;
+            return std::string(words.stop_question);
         case Bar::mark:
-            return words.mark_question;
+            return std::string(words.mark_question);
+        case Bar::marked:
+            return marked_text(words, reply_);
         case Bar::pause_comes:
-            return words.pause_comes;
+            return std::string(words.pause_comes);
         case Bar::no_pause:
-            return words.no_pause;
+            return std::string(words.no_pause);
         case Bar::over:
-            return words.session_over;
+            return std::string(words.session_over);
         case Bar::elsewhere:
-            return words.keyboard_elsewhere;
+            return std::string(words.keyboard_elsewhere);
     }
     return {};
+}
+
+/// What became of a mark, once the session says so.
+void Stage::show_reply() {
+    if (desk_ == nullptr || bar_ == Bar::stop || bar_ == Bar::mark) {
+        return;
+    }
+    if (const auto reply = desk_->take_reply()) {
+        reply_ = *reply;
+        show_bar(Bar::marked);
+    }
 }
 
 void Stage::redraw() {
@@ -280,6 +303,7 @@ Input Stage::next(int wait_ms) {
         if (needs_keyboard_) {
             mind_keyboard();
         }
+        show_reply();
         if (bar_ != Bar::none && monotonic_ns() > bar_until_ns_) {
             bar_ = Bar::none;
             redraw();

@@ -102,9 +102,19 @@ private:
     Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
     Input answer_question(std::int32_t symbol);
     /// What the bar at the lower edge says: questions to be answered by Y, and a notice.
-    enum class Bar : std::uint8_t { none, stop, mark, pause_comes, no_pause, over, elsewhere };
+    enum class Bar : std::uint8_t {
+        none,
+        stop,
+        mark,
+        marked,
+        pause_comes,
+        no_pause,
+        over,
+        elsewhere
+    };
     void show_bar(Bar bar);
-    [[nodiscard]] std::string_view sentence_of(Bar bar) const;
+    [[nodiscard]] std::string sentence_of(Bar bar) const;
+    void show_reply();
     bool chord(std::int32_t symbol, std::uint16_t modifiers);
 
     Window window_;
@@ -116,6 +126,7 @@ private:
     std::size_t early_ = 0;
     protocols::OperatorDesk* desk_;
     std::function<void()> on_close_;
+    protocols::MarkReply reply_{};  ///< of Bar::marked
     bool desk_closed_ = false;
     bool needs_keyboard_ = false;
     Bar bar_ = Bar::none;

@@ -13,6 +13,7 @@ inline constexpr Colour kAccent{255, 190, 92};
 inline constexpr Colour kCard{244, 242, 236};
 inline constexpr Colour kShape{198, 210, 222};
 inline constexpr Colour kOutline{32, 44, 60};
+inline constexpr Colour kWall{120, 132, 148};
 
 /// Height of running text, pixels: on a screen of 24 inches its small letters are 5.1 mm high, which is 22
 /// minutes of arc from 80 cm. Narrow windows have smaller type, so that sentences keep their rows.

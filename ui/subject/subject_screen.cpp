@@ -21,6 +21,15 @@ using protocols::Signal;
 constexpr int kExploreWaitMs = 1;
 constexpr int kIdleWaitMs = 50;
 constexpr const char* kEscape = "Escape";
+/// The dot of the handle follows it this often, ms, and from so far on, m.
+constexpr int kFollowMs = 25;
+constexpr double kFollow = 0.0002;
+
+bool looks_other(const std::optional<StartMark>& a, const std::optional<StartMark>& b) {
+    return a.has_value() != b.has_value() ||
+           (a && (a->open != b->open || a->refused != b->refused ||
+                  !(glm::length(a->away - b->away) < kFollow)));
+}
 
 }  // namespace
 
@@ -32,19 +41,56 @@ SubjectScreen::SubjectScreen(SubjectScreenOptions options)
              options_.desk,
              options_.on_close) {}
 
-/// @param heeds_desk  returns as well when the experimenter wants something
-Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
+Signal SubjectScreen::wait_for_go() {
     guard(monotonic_ns());
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
         }
+        if (input.kind == Input::Kind::go || input.kind == Input::Kind::enter) {
+            return Signal::go_on;
+        }
+    }
+}
+
+std::optional<StartMark> SubjectScreen::look_at_start(bool refused) const {
+    const auto place = options_.place ? options_.place() : std::nullopt;
+    if (!place) {
+        return std::nullopt;
+    }
+    const protocols::StartGate& gate = options_.gate;
+    const bool open = gate.lets_begin(*place);
+    return StartMark{.away = *place - gate.start(),
+                     .radius = gate.radius(),
+                     .in_space = gate.in_space(),
+                     .open = open,
+                     .refused = refused && !open};
+}
+
+/// @param heeds_desk  returns as well when the experimenter wants something
+Signal SubjectScreen::wait_at_start(ReadyFace face, bool heeds_desk) {
+    face.start = look_at_start(false);
+    stage_.show(face);
+    guard(monotonic_ns());
+    for (bool refused = false;;) {
+        const Input input = stage_.next(options_.place ? kFollowMs : kIdleWaitMs);
+        if (input.kind == Input::Kind::abort) {
+            return Signal::abort;
+        }
         if (heeds_desk && options_.desk != nullptr && options_.desk->wants()) {
             return Signal::held_up;
         }
-        if (input.kind == Input::Kind::go || (input.kind == Input::Kind::enter && !space_only)) {
+        const bool begins = input.kind == Input::Kind::go ||
+                            (input.kind == Input::Kind::enter && !options_.dead_man);
+        const std::optional<StartMark> start = look_at_start(refused || begins);
+        if (begins && (!start || start->open)) {
             return Signal::go_on;
+        }
+        refused = start && start->refused;
+        if (looks_other(face.start, start)) {
+            face.start = start;
+            stage_.show(face);
         }
     }
 }
@@ -79,15 +125,15 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
     in_trouble_.reset();
     hold(false);
-    stage_.show(ReadyFace{.number = trial.number,
-                          .total = trial.total,
-                          .practice = trial.practice,
-                          .dead_man = options_.dead_man,
-                          .interval = trial.interval,
-                          .intervals = trial.intervals});
     const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
     stage_.need_keyboard(true);
-    const Signal signal = wait_for_go(options_.dead_man, first);
+    const Signal signal = wait_at_start({.number = trial.number,
+                                         .total = trial.total,
+                                         .practice = trial.practice,
+                                         .dead_man = options_.dead_man,
+                                         .interval = trial.interval,
+                                         .intervals = trial.intervals},
+                                        first);
     stage_.need_keyboard(false);
     hold(signal == Signal::go_on);
     return signal;
@@ -203,15 +249,19 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
 }
 
 Choice SubjectScreen::pick(const std::function<std::vector<Card>()>& cards,
-                           bool confirm,
+                           const protocols::Question& question,
                            const std::function<std::int64_t(std::optional<std::size_t>)>& show) {
     const std::int64_t shown = show(std::nullopt);
     guard(shown);  // a press while the answers were being drawn was not one of them
-    Picking picking(shown, confirm);
+    Picking picking(shown, question.confirm);
     while (!picking.chosen()) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
             return {.signal = Signal::abort};
+        }
+        const double waited = static_cast<double>(monotonic_ns() - shown) * 1e-9;
+        if (question.timeout_s > 0.0 && waited > question.timeout_s) {
+            return {.signal = Signal::too_late};
         }
         if (picking.heed(input, cards())) {
             show(picking.marked());
@@ -232,15 +282,15 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
     const auto levels = [&] {
         return lay_out_scale(protocols::kMostConfidence, window.size());
     };
-    Choice choice = pick(answers, question.confirm, [&](auto selected) {
+    Choice choice = pick(answers, question, [&](auto selected) {
         return stage_.show(ChooseFace{question, selected, false});
     });
     if (question.confidence && choice.signal == Signal::done) {
-        const Choice sure = pick(levels, question.confirm, [&](auto selected) {
+        const Choice sure = pick(levels, question, [&](auto selected) {
             return stage_.show(ConfidenceFace{selected, question.confirm});
         });
-        if (sure.signal == Signal::abort) {
-            return {.signal = Signal::abort};
+        if (sure.signal != Signal::done) {
+            return {.signal = sure.signal};
         }
         choice.confidence = static_cast<int>(sure.place) + 1;
         choice.confidence_reaction_s = sure.reaction_s;

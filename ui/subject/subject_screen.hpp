@@ -7,6 +7,7 @@
 
 #include "engine/safety/trip.hpp"
 #include "protocols/trial/observer.hpp"
+#include "protocols/trial/start_gate.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/pointer_map.hpp"
@@ -20,6 +21,9 @@ struct SubjectScreenOptions {
     std::function<bool()> interrupted;  ///< a signal asks the session to end
     /// The pointer is the handle: called with every position of it, object frame, m. Empty: it is not.
     std::function<void(const engine::Vec2&)> on_pointer;
+    /// Where the handle is between trials. Empty, or nowhere: it has no way to a start.
+    std::function<std::optional<engine::Vec3>()> place{};
+    protocols::StartGate gate{};     ///< where a trial may begin
     engine::Vec2 start{0.0, 0.060};  ///< where a pointer starts exploring, m
     /// The participant holds Space while feeling, and Enter is done: protocol.safety.dead_man.
     bool dead_man = false;
@@ -62,17 +66,21 @@ public:
     [[nodiscard]] Stage& stage() { return stage_; }
 
 private:
-    [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false, bool heeds_desk = false);
+    [[nodiscard]] protocols::Signal wait_for_go();
+    /// The same at the start of an interval.
+    [[nodiscard]] protocols::Signal wait_at_start(ReadyFace face, bool heeds_desk);
+    [[nodiscard]] std::optional<StartMark> look_at_start(bool refused) const;
     /// Presses so far were meant for another screen, and those of the guard time are not for this one.
     /// @param shown_ns  when it was
     Forgotten guard(std::int64_t shown_ns);
     /// One of the answers on cards().
     /// @param cards    where they stand now: a window may change its size meanwhile
     /// @param show     draws them with the one that is marked
-    /// @param confirm  it can be changed until Enter, or the same one again, confirms it
+    /// @param question  says whether it can be changed until Enter, or the same one again, confirms it, and when it
+    ///                  is too late
     [[nodiscard]] protocols::Choice pick(
         const std::function<std::vector<Card>()>& cards,
-        bool confirm,
+        const protocols::Question& question,
         const std::function<std::int64_t(std::optional<std::size_t>)>& show);
     [[nodiscard]] PointerMap pointer_map();
     void begin_exploring();

@@ -17,11 +17,11 @@ struct Words {
     std::string_view begin;
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;
-    std::string_view ready, hold_handle, press_to_feel, hold_to_feel;
+    std::string_view ready, hold_handle, press_to_feel, hold_to_feel, bring_to_start;
     std::string_view feel, along_surface, decide_soon, keep_down, space_when_known,
         enter_when_known;
     std::string_view space_when_felt, enter_when_felt;
-    std::string_view which, choose, observer_chooses;  ///< choose: keys 1 to {0}
+    std::string_view which, choose, seen_from_above, observer_chooses;  ///< choose: keys 1 to {0}
     std::string_view first_or_second, first, second, no, yes, least, most;
     std::string_view choose_of_two, choose_level;  ///< level: keys 1 to {0}
     std::string_view confirm;                      ///< once an answer is marked that may be changed
@@ -33,6 +33,8 @@ struct Words {
     std::string_view end, tell_experimenter;
     std::string_view stop_question, mark_question, pause_comes, no_pause, session_over;
     std::string_view keyboard_elsewhere;
+    /// Of a mark: {0} of {1}; and what becomes of the trial.
+    std::string_view marked, practice_marked, nothing_to_mark, runs_again, not_again;
     std::string_view pause, please_wait, end_of_pause;
 };
 

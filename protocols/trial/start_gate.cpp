@@ -1,0 +1,55 @@
+#include "protocols/trial/start_gate.hpp"
+
+#include <algorithm>
+
+#include "engine/contact/closest_point.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/object_outline.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+/// Every one, and the flattest and the roundest that a rule may choose: what lies in another lies in these.
+std::vector<ObjectSpec> objects_felt(const Protocol& protocol) {
+    std::vector<ObjectSpec> objects = protocol.objects;
+    const auto base = std::ranges::find_if(protocol.objects, [&](const ObjectSpec& object) {
+        return protocol.procedure && protocol.procedure->varies == Varies::curvature &&
+               object.name == protocol.procedure->object;
+    });
+    if (base != protocol.objects.end()) {
+        for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
+            objects.push_back(*base);
+            objects.back().curvature = felt_value(*protocol.procedure, x);
+        }
+    }
+    return objects;
+}
+
+}  // namespace
+
+engine::Vec3 start_of(const Protocol& protocol) {
+    return {protocol.apparatus.start, protocol.surface ? protocol.surface->start_height : 0.0};
+}
+
+StartGate::StartGate(const Protocol& protocol)
+    : start_(start_of(protocol)),
+      radius_(protocol.apparatus.start_radius),
+      in_space_(protocol.surface.has_value()) {
+    if (!protocol.surface) {
+        for (const ObjectSpec& object : objects_felt(protocol)) {
+            objects_.push_back(outline_of(protocol, object));
+        }
+    }
+}
+
+bool StartGate::lets_begin(const engine::Vec3& place) const {
+    if (radius_ == 0.0) {
+        return true;
+    }
+    return glm::length(place - start_) <= radius_ &&
+           std::ranges::none_of(objects_, [&](const auto& outline) {
+               return engine::OutlineFeet(*outline).closest(engine::Vec2(place)).inside;
+           });
+}
+
+}  // namespace palpate::protocols
