@@ -113,7 +113,8 @@ void check_counts(const engine::Gantry& gantry, const StoredTrace& trace, Findin
     const auto text = [](const engine::Vec3& v) {
         return fmt::format("({}, {}, {})", v.x, v.y, v.z);
     };
-    Finding finding{.what = "trace.hip"};
+    Finding finding;
+    finding.what = "trace.hip";
     finding.count = 0;
     std::optional<engine::Vec3> before;
     for (const TickRecord& tick : trace.ticks) {

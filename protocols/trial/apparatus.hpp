@@ -64,8 +64,8 @@ public:
     [[nodiscard]] virtual engine::ShortForm prove_place() { return {}; }
     /// The same: do weak pulses move it as when the rig was commissioned?
     [[nodiscard]] virtual engine::ShortForm prove_motors() { return {}; }
-    /// Between trials: where the free handle is, m, read with zero force. None: no hand is brought to a start (a
-    /// simulated one, a pointer that is put there), or the device does not answer and no trial can begin.
+    /// Between trials: where the free handle is, m, read with zero force; infinitely far while the device does not
+    /// say. None: no hand is brought to a start (a simulated one, a pointer that is put there).
     [[nodiscard]] virtual std::optional<engine::Vec3> place() { return std::nullopt; }
     /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a virtual
     /// clock, which is never late.

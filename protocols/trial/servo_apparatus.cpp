@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "engine/safety/passivity.hpp"
@@ -201,7 +202,7 @@ std::optional<engine::Vec3> DeviceApparatus::place() {
         sleep_until(monotonic_ns() + servo_.period_ns());
         place = look();
     }
-    return place;
+    return place.value_or(engine::Vec3(std::numeric_limits<double>::infinity()));
 }
 
 PointerApparatus::PointerApparatus(const Protocol& protocol)

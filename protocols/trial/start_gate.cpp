@@ -35,9 +35,11 @@ StartGate::StartGate(const Protocol& protocol)
     : start_(start_of(protocol)),
       radius_(protocol.apparatus.start_radius),
       in_space_(protocol.surface.has_value()) {
-    if (!protocol.surface) {
-        for (const ObjectSpec& object : objects_felt(protocol)) {
-            objects_.push_back(outline_of(protocol, object));
+    for (const ObjectSpec& object : objects_felt(protocol)) {
+        if (in_space_) {
+            surfaces_.emplace_back(surface_of(protocol, object));
+        } else {
+            outlines_.push_back(outline_of(protocol, object));
         }
     }
 }
@@ -47,9 +49,13 @@ bool StartGate::lets_begin(const engine::Vec3& place) const {
         return true;
     }
     return glm::length(place - start_) <= radius_ &&
-           std::ranges::none_of(objects_, [&](const auto& outline) {
-               return engine::OutlineFeet(*outline).closest(engine::Vec2(place)).inside;
-           });
+           std::ranges::none_of(
+               outlines_,
+               [&](const auto& outline) {
+                   return engine::OutlineFeet(*outline).closest(engine::Vec2(place)).inside;
+               }) &&
+           std::ranges::none_of(surfaces_,
+                                [&](const auto& feet) { return feet.closest(place).inside; });
 }
 
 }  // namespace palpate::protocols

@@ -5,6 +5,7 @@
 
 #include "engine/geometry/outline.hpp"
 #include "engine/geometry/vec.hpp"
+#include "engine/surface/surface_closest.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
@@ -13,7 +14,7 @@ namespace palpate::protocols {
 [[nodiscard]] engine::Vec3 start_of(const Protocol& protocol);
 
 /// Where the handle has to be for a trial to begin: within start_radius_mm of the start, and outside every object
-/// of the study that is an outline. It knows nothing of the trial that comes: what it says tells nothing of it.
+/// of the study. It knows nothing of the trial that comes: what it says tells nothing of it.
 class StartGate {
 public:
     /// Of no study: open everywhere.
@@ -30,7 +31,8 @@ private:
     engine::Vec3 start_{};
     double radius_ = 0.0;  ///< m, 0: anywhere
     bool in_space_ = false;
-    std::vector<std::shared_ptr<const engine::Outline>> objects_;
+    std::vector<std::shared_ptr<const engine::Outline>> outlines_;
+    std::vector<engine::SurfaceFeet> surfaces_;
 };
 
 }  // namespace palpate::protocols

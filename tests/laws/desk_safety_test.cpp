@@ -83,11 +83,20 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
     }
     CHECK(seen);
     // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever is rendered.
-    CHECK(tests::palpate_command({"sql", desk.file, "--csv", "-c",
-                                  "SELECT max(rendered_normal_n) > 0.6, max(commanded_x_n * "
-                                  "commanded_x_n + commanded_y_n "
-                                  "* commanded_y_n) BETWEEN 0.08 AND 0.0902 FROM sample"})
-              .out.ends_with("\n1,1\n"));
+    const auto reads = [&](const std::string& what) {
+        return tests::palpate_command(
+                   {"sql", desk.file, "--csv", "-c",
+                    "SELECT " + what +
+                        " FROM (SELECT max(rendered_normal_n) AS "
+                        "asked, max(commanded_x_n * commanded_x_n + commanded_y_n * "
+                        "commanded_y_n) AS given FROM sample)"})
+            .out.ends_with("\n1\n");
+    };
+    for (int attempt = 0; attempt < 12 && !reads("asked > 0.6 AND given > 0.08"); ++attempt) {
+        REQUIRE(desk.feel());  // a busy machine may have ended each before the hand pressed so far
+        tests::pause(0.5);
+    }
+    CHECK(reads("asked > 0.6 AND given BETWEEN 0.08 AND 0.0902"));
 }
 
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
