@@ -60,7 +60,7 @@ struct Desk {
         session = std::make_unique<WindowSession>(
             std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
                                      file, "--device", "board:" + folder.file("board"),
-                                     "--calibration", kGantry, "--kind", "pilot", "--windowed"},
+                                     "--calibration", kGantry, "--windowed"},
             file);
         session->press_at("welcome", "space");
     }

@@ -37,7 +37,7 @@ TEST_CASE("whatever fails of board, wire, processes and screen together, the for
         Rig(random, open).run(events, tally);
         ++tally.schedules;
         if (tally.broken() > bad) {
-            tally.worst = fmt::format("seed {}, {}:", seed, open ? "open" : "Haply");
+            tally.worst += fmt::format("\nseed {}, {}:", seed, open ? "open" : "Haply");
             for (const Event& event : events) {
                 tally.worst += fmt::format(" cause {} at {} ({})", static_cast<int>(event.cause),
                                            event.at, event.size);

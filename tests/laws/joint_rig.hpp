@@ -62,9 +62,8 @@ constexpr double kGuardPatience = 0.028;
 constexpr double kScreen = 0.254;
 constexpr double kStill = kStillTrip + 0.004;
 constexpr double kSoon = 0.006;
-/// s until zero is proved on a board that answers; on one that does not, or that more befalls, set up anew.
+/// s until zero is proved.
 constexpr double kProof = 0.050;
-constexpr double kAnew = 0.7;
 
 /// ms that half a packet may stay the last word: the guard's zeros to a host that hangs are so far apart.
 constexpr int kAstray = 21;
@@ -110,7 +109,6 @@ public:
             return event.cause == Cause::encoders_die;
         });
         const int end = dead ? 640 : screen ? 420 : 200;
-        alone_ = events.size() == 1;
         bool pressed = false;
         for (int ms = 0; ms < end; ++ms) {
             for (const Event& event : events) {
@@ -235,7 +233,8 @@ private:
             case Cause::misread:
                 cable_->spoil_next(2);
                 if (!open_) {
-                    excuse(alone_ ? kProof : kAnew);
+                    excuse(kProof);
+                    host_due(kProof);
                 }
                 break;
             case Cause::stranger:
@@ -270,7 +269,10 @@ private:
             } else {
                 board_->receive(torque_packet(machine_.haply->id, {0.1, 0.1})->view());
             }
-            excuse(alone_ ? kProof : kAnew);
+            excuse(kProof);
+            if (foreign_ == 0 && !open_) {
+                host_due(kProof);
+            }
         }
     }
 
@@ -358,7 +360,6 @@ private:
     bool encoders_dead_ = false;
     bool held_ = true;
     Trip stop_ = Trip::none;
-    bool alone_ = true;         ///< one event befalls it
     double excused_ = -kNever;  ///< until then a torque may be on that palpate did not give
     int foreign_ = 0;           ///< packets that a stranger still sends
     int looks_ = 0;

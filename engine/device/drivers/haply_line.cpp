@@ -204,6 +204,10 @@ void HaplyLine::keep_off() noexcept {
     const bool unasked = came > owed_ * reply_size_;
     owed_ -= std::min(owed_, came / reply_size_);
     const bool due = link_->now_ns() - asked_ns_ >= kAgain;
+    // The last zero itself may have been read as a reset. Half of this one would make the next zero a reset.
+    if (due && owed_ > 0 && !link_->send(quiet_packet(0).view())) {
+        return;
+    }
     owed_ = due ? 0 : owed_;
     if ((unasked || due) && !ask({})) {
         asked_ns_ = link_->now_ns() - kAgain;  // half of one might be any torque: again at once
@@ -216,8 +220,14 @@ bool HaplyLine::silence() noexcept {
     }
     // Half a packet, if there is one, is taken and done with, and answers on their way have come.
     link_->pause(owed_ > 1 ? kUnderWay : kSettle);
-    forget();
+    // A board that took a packet for a reset hears no address, and its motors are off all the same, mute or not.
+    // Half of this one may be any torque, and behind it a zero is a reset: then once more.
     bool sent = false;
+    for (int i = 0; i < 2 && !sent; ++i) {
+        sent = link_->send(quiet_packet(0).view());
+        link_->pause(kSettle);
+    }
+    forget();
     bool garbage = false;
     for (int i = 0; i < kSilences; ++i) {
         sent = ask({0.0, 0.0});
