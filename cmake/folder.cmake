@@ -41,8 +41,9 @@ endfunction()
 # PACED   what the tests wait for under sanitizers: optimised there as well
 # ALONE   every file is compiled alone: the speed of a tick must not depend on who its neighbour is, and a mutant
 #         takes the place of one file
+# MUTATED of another folder, these files are
 function(palpate_folder folder)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;ALONE" "" "SEES;SOURCES;LINK")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;ALONE" "" "SEES;SOURCES;LINK;MUTATED")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)
     string(REPLACE "/" "_" name ${room}_${folder})
     string(REPLACE "/" "_" seen "${arg_SEES}")
@@ -54,6 +55,8 @@ function(palpate_folder folder)
         return()
     endif()
     list(TRANSFORM arg_SOURCES PREPEND ${folder}/)
+    list(TRANSFORM arg_MUTATED PREPEND ${folder}/)
+    set_source_files_properties(${arg_MUTATED} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     add_library(palpate_${name} OBJECT ${arg_SOURCES})
     add_library(palpate::${name} ALIAS palpate_${name})
     target_link_libraries(palpate_${name}
