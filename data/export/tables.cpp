@@ -40,8 +40,9 @@ const std::vector<ExportColumn>& computed_columns() {
          " substr(session.device, 1, instr(session.device || ':', ':') - 1))"},
         {"device_words", "text", "", "device as given", "session.device", true},
         {"exclusion", "text", "", "why the answer does not count; marked: somebody said so",
-         "iif(EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND"
-         " event.event_kind = 'mark'), 'marked', trial.invalid_reason)"},
+         "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
+         " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked',"
+         " trial.invalid_reason)"},
         {"counts", "integer", "1", "1: answered, and the answer counts",
          "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
         {"stimulus", "real", "", "what the rule chose, in the protocol's unit; empty: no rule",
@@ -55,6 +56,8 @@ const std::vector<ExportColumn>& computed_columns() {
          "row_number() OVER (PARTITION BY event.session_id ORDER BY event.event_id)"},
         {"event_trial", "integer", "1", "trial_number of the attempt it belongs to",
          "(SELECT trial_number FROM numbered WHERE numbered.trial_id = event.trial_id)"},
+        {"mark_undone", "integer", "1", "of a mark: 1 takes the one before of its trial back",
+         "iif(event.event_kind = 'mark', event.key IS 'undone', NULL)", false, kYesNo},
         {"event_text", "text", "", "what palpate noted itself",
          "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
          " 'interrupted'), event.text, NULL)"},
@@ -185,10 +188,12 @@ std::vector<ExportTable> made_tables() {
         table("adaptive_steps", "one row an answer that a rule took in",
               trials + " JOIN adaptive_step USING (trial_id) JOIN" + adaptive, trial,
               keys + "trial_number adaptive_plan.* adaptive_step.*"),
-        table("events", "breaks, stops, resumes, faults", " JOIN event USING (session_id)",
-              session + ", event.event_id",
-              keys + "event_number trial_number=event_trial event.event_kind text=event_text"
-                     " words=event.text since_first_ns=event_since_first_ns event.*"),
+        table(
+            "events", "breaks, stops, resumes, faults", " JOIN event USING (session_id)",
+            session + ", event.event_id",
+            keys +
+                "event_number trial_number=event_trial event.event_kind mark_undone text=event_text"
+                " words=event.text since_first_ns=event_since_first_ns event.*"),
     };
 }
 

@@ -284,7 +284,7 @@ CREATE TABLE event (
     part          INTEGER CHECK (part >= 0),        -- redo: 0 practice, else 1 + plan.block
     count         INTEGER CHECK (count >= 0),       -- ticks lost; redo: answers; gave up, reconnect: tries in vain
     duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause; masking: without noise
-    key           TEXT,                             -- [details] provenance, participant: what
+    key           TEXT,                             -- [details] provenance, participant: what; mark: undone, it takes the one before back
     value         TEXT                              -- [details] of key; fault, go on: the cause; stop: by what; device, operator: the new one
 ) STRICT;
 )sql";

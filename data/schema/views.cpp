@@ -53,7 +53,8 @@ SELECT study.study_name AS study_name,
        trial.outcome AS outcome,
        trial.fault_cause AS fault_cause,
        trial.invalid_reason AS invalid_reason,
-       iif(EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event.event_kind = 'mark'),
+       iif(trial.invalid_reason IS NOT NULL
+               AND EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event.event_kind = 'mark'),
            'marked', trial.invalid_reason) AS exclusion,  -- why the answer does not count; marked: somebody said so
        response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
        trial.first_contact_s AS first_contact_s,

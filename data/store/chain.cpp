@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
+#include "protocols/session/progress.hpp"
 #include "data/store/row.hpp"
 
 namespace palpate::data {
@@ -305,10 +306,28 @@ std::string add_mark(Database& database,
         operator_name);
 }
 
+std::string undo_mark(Database& database,
+                      std::int64_t session,
+                      std::int64_t trial,
+                      std::string_view reason,
+                      std::string_view operator_name) {
+    database.prepare("UPDATE trial SET invalid_reason = NULL WHERE trial_id = ?1")
+        .bind(1, trial)
+        .run();
+    return add_event(database, session,
+                     {.kind = protocols::EventKind::mark,
+                      .text = std::string(reason),
+                      .trial = trial,
+                      .key = std::string(protocols::kUndone)},
+                     operator_name);
+}
+
 std::optional<std::string> mark_reason(Database& database, std::int64_t trial) {
-    Statement row =
-        database.prepare("SELECT text FROM event WHERE trial_id = ?1 AND event_kind = 'mark'");
-    return row.bind(1, trial).step() ? std::optional(row.text(0)) : std::nullopt;
+    Statement row = database.prepare(
+        "SELECT text, key FROM event WHERE trial_id = ?1 AND event_kind = 'mark' ORDER BY event_id "
+        "DESC LIMIT 1");
+    const bool marked = row.bind(1, trial).step() && row.text(1) != protocols::kUndone;
+    return marked ? std::optional(row.text(0)) : std::nullopt;
 }
 
 void chain_anew(Database& database, std::int64_t session) {

@@ -44,7 +44,14 @@ std::string add_mark(Database& database,
                      std::string_view reason,
                      std::string_view operator_name = {});
 
-/// The reason that a mark noted of a trial; none: it has no mark.
+/// Takes the mark of a trial back: its answer counts again. In the caller's transaction. @return the new head
+std::string undo_mark(Database& database,
+                      std::int64_t session,
+                      std::int64_t trial,
+                      std::string_view reason,
+                      std::string_view operator_name = {});
+
+/// The reason that a mark noted of a trial; none: it has no mark, or its last one was taken back.
 [[nodiscard]] std::optional<std::string> mark_reason(Database& database, std::int64_t trial);
 
 /// Links the events of a session that is planned anew, before its first trial, to what the session is now. In

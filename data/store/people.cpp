@@ -204,11 +204,19 @@ std::string add_note(Database& database,
     return head;
 }
 
-Marked mark_invalid(Database& database,
-                    std::int64_t trial,
-                    std::string_view reason,
-                    std::string_view operator_name) {
-    Transaction all(database);
+namespace {
+
+/// A trial that somebody wants to mark, or not any more.
+struct Markable {
+    std::string outcome;
+    bool answered = false;
+    std::optional<std::string> invalid{};
+    bool finished = false;  ///< its session
+    std::int64_t session = 0;
+};
+
+/// @throws std::invalid_argument if there is none, or while a program runs its session
+Markable markable(Database& database, std::int64_t trial) {
     Statement row = database.prepare(
         "SELECT outcome, response.trial_id IS NOT NULL, invalid_reason, finished, "
         "session.session_id FROM trial JOIN session USING (session_id) LEFT JOIN response USING "
@@ -218,28 +226,100 @@ Marked mark_invalid(Database& database,
             fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
                         database.file(), trial));
     }
-    if (row.integer(1) == 0) {
-        throw std::invalid_argument(
-            fmt::format("{}: trial {} is {} and has no answer that could count", database.file(),
-                        trial, row.text(0)));
-    }
+    Markable found{.outcome = row.text(0),
+                   .answered = row.integer(1) != 0,
+                   .finished = row.integer(3) != 0,
+                   .session = row.integer(4)};
     if (!row.null(2)) {
-        throw std::invalid_argument(fmt::format("{}: trial {} does not count already: {}",
-                                                database.file(), trial, row.text(2)));
+        found.invalid = row.text(2);
     }
-    const bool finished = row.integer(3) != 0;
-    const std::int64_t session = row.integer(4);
+    return found;
+}
+
+void refuse_running(Database& database, std::int64_t trial, std::int64_t session) {
     if (SessionLock::held(database, session)) {
         throw std::invalid_argument(fmt::format(
             "{}: the session of trial {} runs now, and would not hear of it; mark its last trial at"
             " the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
             database.file(), trial));
     }
-    row.reset();
-    Marked marked{.finished = finished,
-                  .head = add_mark(database, session, trial, reason, operator_name)};
+}
+
+/// What the session did because of a mark and would not have done without it; empty: nothing.
+std::string came_of_mark(Database& database, std::int64_t trial) {
+    Statement row = database.prepare(
+        "WITH own AS (SELECT session_id, plan_position, iif(phase = 'practice', 0, 1 + block) AS "
+        "part, (SELECT count(*) FROM trial AS t WHERE t.session_id = trial.session_id AND "
+        "t.trial_id <= trial.trial_id) AS number, run_number, (SELECT trials_begun FROM event "
+        "WHERE event.trial_id = trial.trial_id AND event_kind = 'mark' ORDER BY event_id DESC "
+        "LIMIT 1) AS marked FROM trial JOIN plan USING (session_id, plan_position) LEFT JOIN "
+        "adaptive_plan USING (session_id, plan_position) WHERE trial_id = ?1) "
+        "SELECT (SELECT 'trial ' || trial_id || ' took its place and counts: mark that one first' "
+        "FROM trial JOIN response USING (trial_id) WHERE trial.session_id = own.session_id AND "
+        "trial.plan_position = own.plan_position AND invalid_reason IS NULL LIMIT 1), "
+        "(SELECT 'its part of the session was run again' FROM event WHERE event.session_id = "
+        "own.session_id AND event_kind = 'redo' AND event.part = own.part AND trials_begun >= "
+        "number LIMIT 1), "
+        "(SELECT 'its rule went on without it' FROM trial JOIN adaptive_step USING (trial_id) JOIN "
+        "adaptive_plan USING (session_id, plan_position) WHERE trial.session_id = own.session_id "
+        "AND adaptive_plan.run_number = own.run_number AND (SELECT count(*) FROM trial AS t WHERE "
+        "t.session_id = own.session_id AND t.trial_id <= trial.trial_id) > marked LIMIT 1) FROM "
+        "own");
+    row.bind(1, trial).step();
+    for (int column = 0; column < row.columns(); ++column) {
+        if (!row.null(column)) {
+            return row.text(column);
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+Marked mark_invalid(Database& database,
+                    std::int64_t trial,
+                    std::string_view reason,
+                    std::string_view operator_name) {
+    Transaction all(database);
+    const Markable found = markable(database, trial);
+    if (!found.answered) {
+        throw std::invalid_argument(
+            fmt::format("{}: trial {} is {} and has no answer that could count", database.file(),
+                        trial, found.outcome));
+    }
+    if (found.invalid) {
+        throw std::invalid_argument(fmt::format("{}: trial {} does not count already: {}",
+                                                database.file(), trial, *found.invalid));
+    }
+    refuse_running(database, trial, found.session);
+    Marked marked{.finished = found.finished,
+                  .head = add_mark(database, found.session, trial, reason, operator_name)};
     all.commit();
     return marked;
+}
+
+Marked undo_mark(Database& database,
+                 std::int64_t trial,
+                 std::string_view reason,
+                 std::string_view operator_name) {
+    Transaction all(database);
+    const Markable found = markable(database, trial);
+    if (!mark_reason(database, trial)) {
+        throw std::invalid_argument(
+            fmt::format("{}: trial {} {}: there is no mark to take back", database.file(), trial,
+                        found.invalid    ? "does not count by a rule: " + *found.invalid
+                        : found.answered ? "counts"
+                                         : "has no answer"));
+    }
+    if (const std::string why = came_of_mark(database, trial); !why.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{}: the mark of trial {} stays: {}", database.file(), trial, why));
+    }
+    refuse_running(database, trial, found.session);
+    Marked undone{.finished = found.finished,
+                  .head = undo_mark(database, found.session, trial, reason, operator_name)};
+    all.commit();
+    return undone;
 }
 
 }  // namespace palpate::data

@@ -91,4 +91,13 @@ Marked mark_invalid(Database& database,
                     std::string_view reason,
                     std::string_view operator_name = {});
 
+/// The mark of a trial is taken back, for this reason: its answer counts again, as if it had never been marked.
+/// @throws std::invalid_argument if there is no such trial, if it is not marked, while a program runs its session, or
+///         where the session went on otherwise for the mark: another answer counts in its place, its part was run
+///         again, or its rule went on without it
+Marked undo_mark(Database& database,
+                 std::int64_t trial,
+                 std::string_view reason,
+                 std::string_view operator_name = {});
+
 }  // namespace palpate::data

@@ -109,9 +109,10 @@ std::string head_of(Database& database, const Layout& layout, const SessionVersi
     return sha256_hex(head);
 }
 
-bool became(const TrialVersion& earlier, const TrialVersion& later) {
+/// @param noted  the later one has more events: a mark can be taken back by one
+bool became(const TrialVersion& earlier, const TrialVersion& later, bool noted) {
     if (earlier.content == later.content) {
-        return earlier.invalid.empty() || earlier.invalid == later.invalid;
+        return noted || earlier.invalid.empty() || earlier.invalid == later.invalid;
     }
     return earlier.outcome == "running" && earlier.key == later.key &&
            (later.outcome != "running" || earlier.ticks < later.ticks);
@@ -153,7 +154,8 @@ bool became(const SessionVersion& earlier, const SessionVersion& later) {
         return false;
     }
     for (std::size_t i = 0; i < earlier.trials.size(); ++i) {
-        if (!became(earlier.trials[i], later.trials[i])) {
+        if (!became(earlier.trials[i], later.trials[i],
+                    later.events.size() > earlier.events.size())) {
             return false;
         }
     }

@@ -39,12 +39,12 @@ void SessionProgress::take(const Step& step) {
 
 /// An answer decides where all later ones of its part were set back to, and what its run showed next: both
 /// are gone through again.
-void SessionProgress::forget(const std::vector<TrialId>& trials) {
+void SessionProgress::set_counts(const std::vector<TrialId>& trials, bool counts) {
     std::set<std::size_t> runs;
     pending_ = begun_;
     for (Step& step : steps_) {
         if (step.attempt && std::ranges::find(trials, step.attempt->trial) != trials.end()) {
-            step.attempt->counts = false;
+            step.attempt->counts = counts;
             if (step.attempt->answer) {
                 runs.insert(step.attempt->answer->run);
             }
@@ -62,6 +62,15 @@ void SessionProgress::forget(const std::vector<TrialId>& trials) {
     }
 }
 
+void SessionProgress::mark(TrialId trial, bool marked) {
+    const auto step = std::ranges::find_if(
+        steps_, [trial](const Step& one) { return one.attempt && one.attempt->trial == trial; });
+    if (step != steps_.end() && (marked ? step->attempt->counts : step->marked)) {
+        step->marked = marked;
+        set_counts({trial}, !marked);
+    }
+}
+
 SessionProgress apply(SessionProgress progress, const Attempt& attempt) {
     if (attempt.answer) {
         progress.runs_.update(*attempt.answer);
@@ -73,13 +82,13 @@ SessionProgress apply(SessionProgress progress, const Attempt& attempt) {
 }
 
 SessionProgress apply(SessionProgress progress, const Event& event) {
-    if (event.kind == EventKind::mark && event.trial && progress.counts(*event.trial)) {
-        progress.forget({*event.trial});
+    if (event.kind == EventKind::mark && event.trial) {
+        progress.mark(*event.trial, event.key != kUndone);
     }
     if (event.kind == EventKind::redo && event.part) {
         const std::vector<TrialId> trials = progress.counting(*event.part);
         progress.steps_.push_back({.attempt = {}, .part = *event.part});
-        progress.forget(trials);
+        progress.set_counts(trials, false);
     }
     return progress;
 }

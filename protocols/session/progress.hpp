@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "protocols/session/adaptive_runs.hpp"
@@ -22,12 +23,15 @@ struct Attempt {
     friend bool operator==(const Attempt&, const Attempt&) = default;
 };
 
+/// The key of a mark that takes back the one before of the same trial.
+inline constexpr std::string_view kUndone = "undone";
+
 /// What a session knows of itself: what is left to run, what its rules were told, which answers count. It
 /// follows from attempts and events alone, in their order: the running session, its resumption from a
 /// database and those who check one apply() the same.
 ///
 /// A mark, and a part that begins again, make the session what it would be if these answers had never
-/// counted. Other events change nothing.
+/// counted; a mark taken back, what it would be without the mark. Other events change nothing.
 class SessionProgress {
 public:
     SessionProgress() = default;  ///< of no trial
@@ -53,9 +57,11 @@ private:
     struct Step {
         std::optional<Attempt> attempt{};
         std::size_t part = 0;
+        bool marked = false;  ///< it counted until somebody said that it does not
     };
     void take(const Step& step);
-    void forget(const std::vector<TrialId>& trials);
+    void mark(TrialId trial, bool marked);
+    void set_counts(const std::vector<TrialId>& trials, bool counts);
 
     PendingTrials begun_;  ///< before the first trial
     PendingTrials pending_;

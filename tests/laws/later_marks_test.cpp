@@ -74,6 +74,21 @@ public:
     std::vector<std::string> heads{};
 };
 
+/// As if the session had been stopped after seven trials.
+void stop_after_seven(const std::string& file) {
+    data::Database database(file, data::Access::write);
+    database.execute("PRAGMA foreign_keys = OFF");
+    for (const std::string table :
+         {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
+        database.execute(("DELETE FROM " + table + " WHERE trial_id > 7").c_str());
+    }
+    database.execute(
+        "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE trial_id = "
+        "7);DELETE FROM trial WHERE trial_id > 7; UPDATE session SET finished = 0, "
+        "finished_utc = NULL, seal = NULL, seal_events = NULL, newest_seal = (SELECT seal FROM "
+        "trial WHERE trial_id = 7)");
+}
+
 }  // namespace
 
 TEST_CASE("marks and notes made later are under the seal, with operator and time",
@@ -177,20 +192,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     said(run);
     const std::string event = "SELECT text FROM event WHERE event_kind = 'participant'";
     CHECK(rows(file, event) == "text\nhandedness 80\n");
-    // As if it had been stopped after seven trials.
-    {
-        data::Database database(file, data::Access::write);
-        database.execute("PRAGMA foreign_keys = OFF");
-        for (const std::string table :
-             {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
-            database.execute(("DELETE FROM " + table + " WHERE trial_id > 7").c_str());
-        }
-        database.execute(
-            "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE trial_id = "
-            "7);DELETE FROM trial WHERE trial_id > 7; UPDATE session SET finished = 0, "
-            "finished_utc = NULL, seal = NULL, seal_events = NULL, newest_seal = (SELECT seal FROM "
-            "trial WHERE trial_id = 7)");
-    }
+    stop_after_seven(file);
     const std::string seventh = verified_head(file);
     const std::string marked = head_in(said({"mark", file, "3", "--invalid", "bell"}));
     CHECK(marked != seventh);
@@ -198,6 +200,56 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     said(run);
     CHECK(verified_head(file) != marked);
     CHECK(rows(file, "SELECT count(*) FROM trial") == "count(*)\n11\n");
+}
+
+TEST_CASE("a mark taken back counts again, as if it had never been made", "[verify][merge][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const std::string marked = folder.file("marked.sqlite");
+    const std::vector<std::string> run{
+        "run", "shape_friction_demo", "--participant", "P1", "--db", file, "--device", "sim"};
+    said(run);
+    stop_after_seven(file);
+    const std::string trials = "SELECT * FROM analysis_trial ORDER BY trial_id";
+    const std::string before = rows(file, trials);
+    said({"mark", file, "3", "--invalid", "bell"});
+    CHECK(rows(file, "SELECT counts, exclusion FROM analysis_trial WHERE trial_id = 3") ==
+          "counts,exclusion\n0,marked\n");
+    data::Database(file, data::Access::write).checkpoint();
+    std::filesystem::copy_file(file, marked);
+
+    const std::string head =
+        head_in(said({"mark", file, "3", "--undo", "it was trial 4", "--operator", "Ada"}));
+    CHECK(verified_head(file) == head);
+    CHECK(rows(file, trials) == before);
+    CHECK(rows(file, "SELECT text, key, operator FROM event WHERE event_kind = 'mark'") ==
+          "text,key,operator\nbell,,\nit was trial 4,undone,Ada\n");
+    const Finished twice = palpate_command({"mark", file, "3", "--undo", "again"});
+    CHECK(twice.code == 2);
+    CHECK_THAT(twice.error, ContainsSubstring("trial 3 counts: there is no mark to take back"));
+    CHECK(palpate_command({"mark", file, "3"}).code == 2);
+    CHECK(verified_head(file) == head);
+    // A later file has the mark and its undoing; an edit that only loses the mark is seen.
+    const std::string all = folder.file("all.sqlite");
+    said({"merge", all, file, marked});
+    CHECK(verified_head(all) == head);
+    {
+        data::Database edited(marked, data::Access::write);
+        edited.execute("UPDATE trial SET invalid_reason = NULL WHERE trial_id = 3");
+    }
+    CHECK(palpate_command({"verify", marked}).code == 1);
+
+    // It is not run again; and once another answer stands in its place, a mark stays.
+    said(run);
+    CHECK(rows(file, "SELECT count(*), sum(counts) FROM analysis_trial") ==
+          "count(*),sum(counts)\n10,10\n");
+    stop_after_seven(file);
+    said({"mark", file, "3", "--invalid", "bell"});
+    said(run);
+    const Finished late = palpate_command({"mark", file, "3", "--undo", "no bell"});
+    CHECK(late.code == 2);
+    CHECK_THAT(late.error, ContainsSubstring("took its place and counts"));
+    verified_head(file);
 }
 
 TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", "[verify][law]") {

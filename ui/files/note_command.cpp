@@ -23,7 +23,8 @@ struct NoteOptions {
 struct MarkOptions {
     std::string database;
     std::int64_t trial = 0;
-    std::string reason;
+    std::string reason;           ///< empty: the mark is taken back
+    std::string undo;             ///< why
     std::string operator_name{};  ///< empty: nobody is named
 };
 
@@ -91,21 +92,31 @@ int note(const NoteOptions& options) {
 void declare_mark(CommandWords& words, MarkOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TRIAL", options.trial, "Its trial_id, as in analysis_trial").required();
-    words.add("--invalid", options.reason, "Why it does not count").required().kept_text();
+    words.add("--invalid", options.reason, "Why it does not count").kept_text();
+    words.add("--undo", options.undo, "Why an earlier mark of it is taken back: it counts again")
+        .kept_text();
     words.add("--operator", options.operator_name, "Who says so").kept_text();
 }
 
 int mark(const MarkOptions& options) {
-    require_text(options.reason, "the reason of --invalid");
+    if (options.reason.empty() == options.undo.empty()) {
+        throw std::invalid_argument("give --invalid REASON, or --undo REASON to take a mark back");
+    }
+    const bool undo = !options.undo.empty();
+    require_text(undo ? options.undo : options.reason,
+                 undo ? "the reason of --undo" : "the reason of --invalid");
     data::Database database = open_there(options.database);
     const data::Marked marked =
-        data::mark_invalid(database, options.trial, options.reason, options.operator_name);
-    say("Trial {} does not count any more; its answer is kept. {}\nSeal {}: note it in the lab "
-        "book.\n",
-        options.trial,
-        marked.finished ? "Its session is finished: it is not run again."
-                        : "It is run again when its session is resumed.",
-        marked.head);
+        undo ? data::undo_mark(database, options.trial, options.undo, options.operator_name)
+             : data::mark_invalid(database, options.trial, options.reason, options.operator_name);
+    if (undo) {
+        say("Trial {} counts again; that it was marked is kept.\n", options.trial);
+    } else {
+        say("Trial {} does not count any more; its answer is kept. {}\n", options.trial,
+            marked.finished ? "Its session is finished: it is not run again."
+                            : "It is run again when its session is resumed.");
+    }
+    say("Seal {}: note it in the lab book.\n", marked.head);
     return 0;
 }
 
@@ -118,7 +129,7 @@ Command note_command() {
 
 Command mark_command() {
     return make_command<MarkOptions>(
-        "mark", "Say that the answer of a trial does not count; it is kept, with the reason",
+        "mark", "Say that the answer of a trial does not count, or take that back; both are kept",
         declare_mark, mark);
 }
 
