@@ -215,6 +215,8 @@ std::string summary_text(Database& database) {
     }
     const std::string versions = versions_text(versions_of(database));
     text += versions.empty() ? "" : versions + '\n';
+    const std::string withdrawn = withdrawn_text(database, true);
+    text += withdrawn.empty() ? "" : withdrawn + '\n';
     return text + fmt::format("Data: {}\n", database.file());
 }
 

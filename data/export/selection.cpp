@@ -96,7 +96,7 @@ void Selection::choose(const std::string& kind) {
         .prepare(
             "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN "
             "participant USING (participant_id) WHERE ?1 IN ('all', session_kind) AND consent IS "
-            "NOT 0")
+            "NOT 0 AND withdrawn_reason IS NULL")
         .bind(1, std::string_view(kind))
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {

@@ -58,6 +58,9 @@ const std::vector<ExportColumn>& computed_columns() {
          "(SELECT trial_number FROM numbered WHERE numbered.trial_id = event.trial_id)"},
         {"mark_undone", "integer", "1", "of a mark: 1 takes the one before of its trial back",
          "iif(event.event_kind = 'mark', event.key IS 'undone', NULL)", false, kYesNo},
+        {"event_value", "text", "",
+         "of key; fault, go on: the cause; device, operator: the new one",
+         "iif(event.key IS 'is really', NULL, event.value)", true},
         {"event_text", "text", "", "what palpate noted itself",
          "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
          " 'interrupted'), event.text, NULL)"},
@@ -151,8 +154,8 @@ std::vector<ExportTable> made_tables() {
     return {
         table("participants", "one row a participant", " GROUP BY participant.participant_id",
               subject,
-              "subject handedness handedness_score sessions participant.consent"
-              " participant.consent_utc"),
+              "subject handedness handedness_score participant.handedness_utc sessions"
+              " participant.consent participant.consent_utc"),
         table("participant_details", "what else was asked of participants",
               " JOIN participant_detail USING (participant_id) GROUP BY"
               " participant_detail.participant_id, participant_detail.key",
@@ -193,7 +196,7 @@ std::vector<ExportTable> made_tables() {
             session + ", event.event_id",
             keys +
                 "event_number trial_number=event_trial event.event_kind mark_undone text=event_text"
-                " words=event.text since_first_ns=event_since_first_ns event.*"),
+                " words=event.text since_first_ns=event_since_first_ns value=event_value event.*"),
     };
 }
 

@@ -70,6 +70,13 @@ std::string flow_html(const Study& study, const Rows& rows) {
         left.emplace_back("nobody is left out by a rule of the protocol");
     }
     std::vector<std::string> silent;
+    for (const WithdrawnSession& one : withdrawn_sessions(study.database())) {
+        if (one.kind == study.options().kind &&
+            one.study == study.name().substr(0, study.name().find('@'))) {
+            silent.push_back(fmt::format("less session {} of person {}: withdrawn", one.number,
+                                         study.person(one.subject)));
+        }
+    }
     const auto people = static_cast<std::int64_t>(rows.cells.size());
     const std::int64_t counting = people_with(rows, "counting");
     add_gone(silent, people - counting, "without an answer that counts");

@@ -140,8 +140,9 @@ void Study::choose() {
     words_ = options_.kind == "real" ? "" : " --kind " + options_.kind;
     words_ += options_.study.empty() ? "" : " --study " + options_.study;
     versions_ = versions_of(*database_);
-    if (!versions_.empty()) {
-        seen_ = name_.find('@') == std::string::npos ? " --versions together" : " --versions apart";
+    if (!versions_.empty() || !withdrawn_sessions(*database_).empty()) {
+        seen_ = name_.find('@') == std::string::npos && !versions_.empty() ? " --versions together"
+                                                                           : " --versions apart";
         words_ += seen_;
     }
     Statement text = database_->prepare(

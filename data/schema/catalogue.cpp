@@ -42,8 +42,10 @@ CREATE TABLE participant (
                          CHECK (length(participant_code) BETWEEN 1 AND 64
                                 AND participant_code NOT GLOB '*[^A-Za-z0-9_-]*'),
     handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- [details] Edinburgh score: -100 left, 100 right
+    handedness_utc TEXT,                            -- [details] when that was noted
     consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it {0 = no; 1 = yes}
     consent_utc TEXT,                               -- [details] when that was noted
+    destroyed_utc TEXT,                             -- [file] when what was noted of them was destroyed, on request
     subject     INTEGER NOT NULL UNIQUE             -- [file] the number in exports: drawn, and never changed
                     CHECK (subject BETWEEN 1 AND 9999999999)
 ) STRICT;
@@ -55,6 +57,7 @@ CREATE TABLE participant_detail (
     key            TEXT NOT NULL                    -- what was asked, e.g. age
                        CHECK (length(key) BETWEEN 1 AND 64 AND key NOT GLOB '*[^a-z0-9_]*'),
     value          TEXT NOT NULL,                   -- the answer, as given
+    noted_utc      TEXT NOT NULL,                   -- when it was noted
     PRIMARY KEY (participant_id, key)
 ) STRICT;
 )sql";
@@ -86,6 +89,9 @@ CREATE TABLE session (
     seal              TEXT CHECK (length(seal) = 64),  -- [file] hash over all of its results when it was finished
     seal_events       INTEGER,                      -- [file] how many of its events came before that
     newest_seal       TEXT CHECK (length(newest_seal) = 64),  -- [file] of its last trial, its last event or its end
+    run_code          TEXT,                         -- [file] the pseudonym under which it was run and its orders drawn; NULL: participant_code
+    run_number        INTEGER CHECK (run_number >= 1),  -- [file] its session_number then; NULL: the same
+    withdrawn_reason  TEXT CHECK (length(withdrawn_reason) > 0),  -- [file] why analyses and exports leave it out; NULL: they do not
     UNIQUE (study_id, participant_id, session_number)
 ) STRICT;
 
@@ -284,8 +290,9 @@ CREATE TABLE event (
     part          INTEGER CHECK (part >= 0),        -- redo: 0 practice, else 1 + plan.block
     count         INTEGER CHECK (count >= 0),       -- ticks lost; redo: answers; gave up, reconnect: tries in vain
     duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause; masking: without noise
-    key           TEXT,                             -- [details] provenance, participant: what; mark: undone, it takes the one before back
-    value         TEXT                              -- [details] of key; fault, go on: the cause; stop: by what; device, operator: the new one
+    key           TEXT,                             -- [details] provenance, participant: what; mark: undone, it takes the one before back; that of no trial is of the session
+    noted_utc     TEXT,                             -- [details] participant, as a session begins: when it had been noted
+    value         TEXT                              -- [details] of key; fault, go on: the cause; stop: by what; device, operator: the new one; participant, is really: whose the session is
 ) STRICT;
 )sql";
 

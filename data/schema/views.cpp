@@ -53,10 +53,13 @@ SELECT study.study_name AS study_name,
        trial.outcome AS outcome,
        trial.fault_cause AS fault_cause,
        trial.invalid_reason AS invalid_reason,
-       iif(trial.invalid_reason IS NOT NULL
-               AND EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event.event_kind = 'mark'),
-           'marked', trial.invalid_reason) AS exclusion,  -- why the answer does not count; marked: somebody said so
-       response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
+       CASE WHEN session.withdrawn_reason IS NOT NULL THEN 'withdrawn'
+            WHEN trial.invalid_reason IS NOT NULL
+                 AND EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event.event_kind = 'mark')
+            THEN 'marked' ELSE trial.invalid_reason
+       END AS exclusion,  -- why the answer does not count; marked: somebody said so; withdrawn: of its session
+       response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AND session.withdrawn_reason IS NULL
+           AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
        trial.first_contact_s AS first_contact_s,
        trial.done_s AS done_s,
        trial.done_uncertainty_s AS done_uncertainty_s,
@@ -116,7 +119,8 @@ SELECT trial.trial_id AS trial_id,
        presentation.curvature_per_m AS curvature_per_m,
        presentation.friction AS friction,
        trial.outcome AS outcome,
-       response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
+       response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AND session.withdrawn_reason IS NULL
+           AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
        presentation.done_s AS done_s,
        presentation.first_contact_s AS first_contact_s,
        presentation.start_x_m AS start_x_m,
@@ -190,6 +194,7 @@ SELECT session.session_id AS session_id,
        participant.participant_code AS participant_code,
        session.session_number AS session_number,
        session.session_kind AS session_kind,
+       session.withdrawn_reason AS withdrawn_reason,
        session.finished AS finished,
        (SELECT count(*) FROM plan WHERE plan.session_id = session.session_id) AS planned,  -- trials of the plan
        count(response.trial_id) AS answered,        -- attempts with an answer, invalid ones too

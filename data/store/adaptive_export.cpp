@@ -10,7 +10,8 @@ namespace palpate::data {
 
 ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run) {
     Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, participant_code, session_number, seed, secret "
+        "SELECT protocol_toml, protocol_sha256, coalesce(run_code, participant_code), "
+        "coalesce(run_number, session_number), seed, secret "
         "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
         "session.session_id = ?1");
     const bool there = row.bind(1, session).step();

@@ -54,7 +54,8 @@ void write_step(Database& database, std::int64_t trial, const protocols::Adaptiv
 
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, participant_code, session_number, seed, secret "
+        "SELECT protocol_toml, protocol_sha256, coalesce(run_code, participant_code), "
+        "coalesce(run_number, session_number), seed, secret "
         "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
         "session.session_id = ?1");
     row.bind(1, session).step();

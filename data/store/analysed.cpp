@@ -19,6 +19,12 @@ FROM session JOIN main.study USING (study_id)
 WHERE EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id)
 GROUP BY study_id, session_kind)sql";
 
+constexpr std::string_view kWithdrawn =
+    "SELECT participant_code, printf('sub-%010d', subject), session_number, study_name, "
+    "session_kind, withdrawn_reason FROM main.session JOIN main.study USING (study_id) JOIN "
+    "main.participant USING (participant_id) WHERE withdrawn_reason IS NOT NULL ORDER BY subject, "
+    "study_name, session_number";
+
 bool any(Database& database, const std::string& sql) {
     return database.prepare(fmt::format("SELECT 1 FROM ({}) LIMIT 1", sql)).step();
 }
@@ -38,11 +44,20 @@ void look_through(Database& database) {
 }  // namespace
 
 void analyse(Database& database, Versions versions, const std::string& study) {
+    database.execute("PRAGMA temp_store = MEMORY");
+    const bool withdrawn = any(database, std::string(kWithdrawn));
+    if (withdrawn) {
+        database.execute(
+            "CREATE TEMP VIEW session AS SELECT * FROM main.session WHERE withdrawn_reason IS "
+            "NULL");
+    }
     if (versions == Versions::together ||
         !any(database, fmt::format("SELECT 1 FROM ({}) WHERE several", kVersions))) {
+        if (withdrawn) {
+            look_through(database);
+        }
         return;
     }
-    database.execute("PRAGMA temp_store = MEMORY");
     database.execute(
         fmt::format("CREATE TEMP TABLE study AS SELECT study_id, iif(study_id IN (SELECT study_id "
                     "FROM ({}) WHERE several), study_name || '@' || substr(protocol_sha256, 1, 8), "
@@ -60,6 +75,25 @@ void analyse(Database& database, Versions versions, const std::string& study) {
         })) {
         throw std::invalid_argument(several_studies(database, names));
     }
+}
+
+std::vector<WithdrawnSession> withdrawn_sessions(Database& database) {
+    Statement row = database.prepare(kWithdrawn);
+    std::vector<WithdrawnSession> all;
+    while (row.step()) {
+        all.push_back(
+            {row.text(0), row.text(1), row.integer(2), row.text(3), row.text(4), row.text(5)});
+    }
+    return all;
+}
+
+std::string withdrawn_text(Database& database, bool codes) {
+    std::string text;
+    for (const WithdrawnSession& one : withdrawn_sessions(database)) {
+        text += fmt::format("    {} session {} of {} ({}): {}\n", codes ? one.code : one.subject,
+                            one.number, one.study, one.kind, one.reason);
+    }
+    return text.empty() ? text : "  Sessions that were withdrawn are left out:\n" + text;
 }
 
 std::string several_studies(Database& database, const std::set<std::string>& studies) {

@@ -14,9 +14,9 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kNotOfSession[] = {"session_id",  "study_id",   "participant_id",
-                                              "finished",    "seal",       "finished_utc",
-                                              "seal_events", "newest_seal"};
+constexpr std::string_view kNotOfSession[] = {
+    "session_id",  "study_id",    "participant_id", "finished", "seal",       "finished_utc",
+    "seal_events", "newest_seal", "session_number", "run_code", "run_number", "withdrawn_reason"};
 constexpr std::string_view kNotOfTrial[] = {"event_id", "session_id", "seal", "trial_id"};
 
 /// "table;column:type:length:value;..." of the row that `row` is at.
@@ -53,7 +53,8 @@ std::string lines_of(Database& database,
 std::string first_head(Database& database, std::int64_t session) {
     std::string text = lines_of(
         database, "session",
-        "SELECT session.*, protocol_sha256, participant_code FROM session JOIN study USING "
+        "SELECT session.*, protocol_sha256, coalesce(run_code, participant_code) AS run_as, "
+        "coalesce(run_number, session_number) AS run_as_number FROM session JOIN study USING "
         "(study_id) JOIN participant USING (participant_id) WHERE session.session_id = ?1",
         session, kNotOfSession);
     for (const char* table : {"session_provenance", "plan", "picture", "adaptive_plan"}) {
@@ -122,6 +123,16 @@ std::string session_head(Database& database, std::int64_t session, const std::st
                  session, {}));
 }
 
+/// The reason of the last mark of a trial or a session; none where that takes one back.
+std::optional<std::string> last_mark(Database& database, std::string_view whose, std::int64_t id) {
+    Statement row = database.prepare(fmt::format(
+        "SELECT text, key FROM event WHERE {} AND event_kind = 'mark' ORDER BY event_id DESC "
+        "LIMIT 1",
+        whose));
+    const bool marked = row.bind(1, id).step() && row.text(1) != protocols::kUndone;
+    return marked ? std::optional(row.text(0)) : std::nullopt;
+}
+
 /// What the next link begins with.
 std::string head_now(Database& database, std::int64_t session) {
     const std::string head = chain_head(database, session);
@@ -154,12 +165,13 @@ void keep_events(Database& database,
         .run();
 }
 
-/// Follows the links of a session in their order, and notes where one does not follow.
+/// Follows the links of a session in their order, and notes where one does not follow, or makes all anew.
 class ChainWalk {
 public:
-    ChainWalk(Database& database, std::int64_t session)
+    ChainWalk(Database& database, std::int64_t session, bool anew)
         : database_(database),
           session_(session),
+          anew_(anew),
           tables_(tables_of_trials(database)),
           head_(first_head(database, session)),
           events_(database.prepare("SELECT event.event_id, seal, event_kind, coalesce(trial_id, 0) "
@@ -182,18 +194,21 @@ public:
                 continue;
             }
             events_until(trial.integer(2));
-            link(id, "trial.seal", trial.text(1), trial_head(database_, tables_, id, head_));
+            link("trial", id,
+                 {id, "trial.seal", trial.text(1), trial_head(database_, tables_, id, head_)});
         }
         Statement end = database_.prepare(
             "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1");
         end.bind(1, session_).step();
         if (!end.null(0)) {
             events_until(end.integer(1));
-            link(0, "session.seal", end.text(0), session_head(database_, session_, head_));
+            link("session", session_,
+                 {0, "session.seal", end.text(0), session_head(database_, session_, head_)});
         } else if (end.integer(2) != 0) {
             breaks_.push_back({0, "session.seal", "NULL", "the head after the last trial"});
         }
         events_until(std::nullopt);
+        check_repairs();
         if (links_ > 0 ? end.text(3) != head_ : !end.null(3)) {
             breaks_.push_back({0, "session.newest_seal", end.null(3) ? "NULL" : end.text(3),
                                links_ > 0 ? head_ : "NULL"});
@@ -202,14 +217,13 @@ public:
     }
 
 private:
-    void link(std::int64_t trial,
-              const std::string& what,
-              const std::string& stored,
-              const std::string& recomputed) {
-        if (stored != recomputed) {
-            breaks_.push_back({trial, what, stored, recomputed});
+    void link(std::string_view table, std::int64_t row, const ChainBreak& at) {
+        if (anew_) {
+            keep_head(database_, table, row, session_, at.recomputed);
+        } else if (at.stored != at.recomputed) {
+            breaks_.push_back(at);
         }
-        head_ = stored;
+        head_ = anew_ ? at.recomputed : at.stored;
         ++links_;
     }
 
@@ -218,8 +232,9 @@ private:
         while ((!count || seen_ < *count) && events_.step()) {
             ++seen_;
             const std::string what = fmt::format("event.seal ({} {})", events_.text(2), seen_);
-            link(events_.integer(3), what, events_.null(1) ? "NULL" : events_.text(1),
-                 event_head(database_, events_.integer(0), head_));
+            link("event", events_.integer(0),
+                 {events_.integer(3), what, events_.null(1) ? "NULL" : events_.text(1),
+                  event_head(database_, events_.integer(0), head_)});
         }
     }
 
@@ -231,8 +246,34 @@ private:
         }
     }
 
+    /// Whose session it is and whether analyses leave it out, against the events that say so.
+    void check_repairs() {
+        Statement row = database_.prepare(
+            "SELECT participant_code, session_number, run_code IS NULL AND run_number IS NULL, "
+            "coalesce(withdrawn_reason, 'NULL') FROM session JOIN participant USING "
+            "(participant_id) WHERE session_id = ?1");
+        row.bind(1, session_).step();
+        Statement moved = database_.prepare(
+            "SELECT value, count FROM event WHERE session_id = ?1 AND event_kind = 'participant' "
+            "AND key = ?2 ORDER BY event_id DESC LIMIT 1");
+        const bool said = moved.bind(1, session_).bind(2, kIsReally).step();
+        if (said ? moved.text(0) != row.text(0) || moved.integer(1) != row.integer(1)
+                 : row.integer(2) == 0) {
+            breaks_.push_back(
+                {0, "session.participant_id", fmt::format("{} {}", row.text(0), row.integer(1)),
+                 said ? fmt::format("{} {}, as an event says", moved.text(0), moved.integer(1))
+                      : "as it was run: no event says otherwise"});
+        }
+        const std::string withdrawn = withdrawal(database_, session_).value_or("NULL");
+        if (withdrawn != row.text(3)) {
+            breaks_.push_back(
+                {0, "session.withdrawn_reason", row.text(3), withdrawn + ", as its events say"});
+        }
+    }
+
     Database& database_;
     std::int64_t session_;
+    bool anew_;
     std::vector<std::string> tables_;
     std::string head_;
     Statement events_;
@@ -262,7 +303,8 @@ void chain_session(Database& database, std::int64_t session) {
 std::string add_event(Database& database,
                       std::int64_t session,
                       const protocols::Event& event,
-                      std::string_view operator_name) {
+                      std::string_view operator_name,
+                      std::string_view noted_utc) {
     const std::string before = head_now(database, session);
     const auto said = [](std::string_view text) {
         return text.empty() ? std::nullopt : std::optional(text);
@@ -284,6 +326,7 @@ std::string add_event(Database& database,
                                 .set("duration_s", event.duration_s)
                                 .set("key", said(event.key))
                                 .set("value", said(event.value))
+                                .set("noted_utc", said(noted_utc))
                                 .insert(database);
     begun.reset();
     std::string head = event_head(database, id, before);
@@ -323,26 +366,15 @@ std::string undo_mark(Database& database,
 }
 
 std::optional<std::string> mark_reason(Database& database, std::int64_t trial) {
-    Statement row = database.prepare(
-        "SELECT text, key FROM event WHERE trial_id = ?1 AND event_kind = 'mark' ORDER BY event_id "
-        "DESC LIMIT 1");
-    const bool marked = row.bind(1, trial).step() && row.text(1) != protocols::kUndone;
-    return marked ? std::optional(row.text(0)) : std::nullopt;
+    return last_mark(database, "trial_id = ?1", trial);
+}
+
+std::optional<std::string> withdrawal(Database& database, std::int64_t session) {
+    return last_mark(database, "session_id = ?1 AND trial_id IS NULL", session);
 }
 
 void chain_anew(Database& database, std::int64_t session) {
-    std::vector<std::int64_t> events;
-    Statement row =
-        database.prepare("SELECT event_id FROM event WHERE session_id = ?1 ORDER BY event_id");
-    row.bind(1, session);
-    while (row.step()) {
-        events.push_back(row.integer(0));
-    }
-    std::string head = first_head(database, session);
-    for (const std::int64_t event : events) {
-        head = event_head(database, event, head);
-        keep_head(database, "event", event, session, head);
-    }
+    (void)ChainWalk(database, session, true).all();
 }
 
 std::string chain_head(Database& database, std::int64_t session) {
@@ -353,7 +385,7 @@ std::string chain_head(Database& database, std::int64_t session) {
 }
 
 std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
-    return ChainWalk(database, session).all();
+    return ChainWalk(database, session, false).all();
 }
 
 }  // namespace palpate::data

@@ -15,12 +15,12 @@
 /// last links could be taken away.
 ///
 /// The first link hashes what a session is before its first trial: its row without `finished` and the like,
-/// protocol hash and participant's pseudonym, provenance, plan and pictures. Each next one hashes the head
+/// protocol hash and the pseudonym under which it was run, provenance, plan and pictures. Each next one hashes the head
 /// before it and: of a trial its row and its rows in every other table (of a trace chunk's data their SHA-256);
 /// of an event its row, with position and attempt of its trial; of the end what was set then.
 /// Row numbers are in none of them: files may be merged. NULLs neither: a later schema may have more columns.
 /// What is noted later (`mark`, `note`, `participant`) is an event; trial.invalid goes in as it was at the end of
-/// the trial, and must be what the mark says.
+/// the trial, and must be what the mark says. The same holds of whose session it is and of withdrawn_reason.
 namespace palpate::data {
 
 /// Writes the head of a trial that has just got its outcome. In the caller's transaction, as its last words.
@@ -30,11 +30,13 @@ void chain_session(Database& database, std::int64_t session);
 
 /// Adds an event, now, and its head. In the caller's transaction.
 /// @param operator_name  who noted it; empty: nobody is named
+/// @param noted_utc      of what had been noted before; empty: it is noted now
 /// @return the new head
 std::string add_event(Database& database,
                       std::int64_t session,
                       const protocols::Event& event,
-                      std::string_view operator_name = {});
+                      std::string_view operator_name = {},
+                      std::string_view noted_utc = {});
 
 /// The answer of `trial` does not count for this reason: its row and an event say so. In the caller's
 /// transaction. @return the new head
@@ -54,8 +56,16 @@ std::string undo_mark(Database& database,
 /// The reason that a mark noted of a trial; none: it has no mark, or its last one was taken back.
 [[nodiscard]] std::optional<std::string> mark_reason(Database& database, std::int64_t trial);
 
-/// Links the events of a session that is planned anew, before its first trial, to what the session is now. In
-/// the caller's transaction.
+/// Why a session is left out, as its last mark without a trial says; none: it is not.
+[[nodiscard]] std::optional<std::string> withdrawal(Database& database, std::int64_t session);
+
+/// The key of a note of a participant: the session is not of whom it was run as, but of `value`, by the number `count`.
+inline constexpr std::string_view kIsReally = "is really";
+/// The key of the mark of a session whose data were destroyed on request; its value is the newest seal by then.
+inline constexpr std::string_view kDestroyed = "destroyed";
+
+/// Makes all links of a session anew, by what it is now: where it is planned again before its first trial, or something
+/// of it was destroyed. In the caller's transaction.
 void chain_anew(Database& database, std::int64_t session);
 
 /// The newest head of a session; empty: it has none yet.

@@ -34,7 +34,8 @@ LevelOrders orders_of(Database& database,
         "SELECT session.session_id, participant_code, EXISTS (SELECT 1 FROM trial WHERE "
         "trial.session_id = session.session_id) FROM session JOIN study USING (study_id) JOIN "
         "participant USING (participant_id) WHERE study_name = ?1 AND participant_code <> ?2 AND "
-        "session_kind = 'real' ORDER BY participant_code, session_number");
+        "session_kind = 'real' AND withdrawn_reason IS NULL ORDER BY participant_code, "
+        "session_number");
     other.bind(1, study).bind(2, key.participant);
     std::string last;
     while (other.step()) {

@@ -51,13 +51,16 @@ std::optional<std::string> similar_participant(Database& database, std::string_v
 std::optional<Participant> find_participant(Database& database, std::string_view code) {
     Statement row = database.prepare(
         "SELECT participant_id, handedness, consent, coalesce(consent_utc, ''), (SELECT count(*) "
-        "FROM session WHERE session.participant_id = participant.participant_id), subject FROM "
+        "FROM session WHERE session.participant_id = participant.participant_id), subject, "
+        "coalesce(destroyed_utc, '') FROM "
         "participant WHERE participant_code = ?1");
     if (!row.bind(1, code).step()) {
         return std::nullopt;
     }
-    Participant found{
-        .consent_utc = row.text(3), .sessions = row.integer(4), .subject = row.integer(5)};
+    Participant found{.consent_utc = row.text(3),
+                      .destroyed_utc = row.text(6),
+                      .sessions = row.integer(4),
+                      .subject = row.integer(5)};
     if (!row.null(1)) {
         found.notes.handedness = row.integer(1);
     }
@@ -110,17 +113,20 @@ void note_participant(Database& database,
     Transaction all(database);
     participant_row(database, code, own_secret(database));
     if (notes.handedness) {
-        database.prepare("UPDATE participant SET handedness = ?2 WHERE participant_code = ?1")
+        database
+            .prepare(
+                "UPDATE participant SET handedness = ?2, handedness_utc = ?3 WHERE "
+                "participant_code = ?1")
             .bind(1, code)
             .bind(2, *notes.handedness)
+            .bind(3, database.utc_now())
             .run();
         tell_sessions(database, code, noted_handedness(*notes.handedness), operator_name);
     }
     if (notes.consent) {
         database
             .prepare(
-                "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1 "
-                "AND consent IS NOT ?2")
+                "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1")
             .bind(1, code)
             .bind(2, std::int64_t{*notes.consent ? 1 : 0})
             .bind(3, database.utc_now())
@@ -128,11 +134,11 @@ void note_participant(Database& database,
         tell_sessions(database, code, noted_consent(*notes.consent), operator_name);
     }
     Statement detail = database.prepare(
-        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3 FROM participant WHERE "
+        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
         "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
-        "excluded.value");
+        "excluded.value, noted_utc = excluded.noted_utc");
     for (const auto& [key, value] : notes.details) {
-        detail.bind(1, code).bind(2, key).bind(3, value).run();
+        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, database.utc_now()).run();
         tell_sessions(database, code, noted(key), operator_name);
     }
     all.commit();
@@ -140,19 +146,19 @@ void note_participant(Database& database,
 
 void note_at_beginning(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT handedness, consent FROM participant JOIN session USING (participant_id) WHERE "
-        "session.session_id = ?1");
+        "SELECT handedness, consent, coalesce(handedness_utc, ''), coalesce(consent_utc, '') FROM "
+        "participant JOIN session USING (participant_id) WHERE session.session_id = ?1");
     row.bind(1, session).step();
-    std::vector<protocols::Event> events;
+    std::vector<std::pair<protocols::Event, std::string>> events;
     if (!row.null(0)) {
-        events.push_back(noted_handedness(row.integer(0)));
+        events.emplace_back(noted_handedness(row.integer(0)), row.text(2));
     }
     if (!row.null(1)) {
-        events.push_back(noted_consent(row.integer(1) != 0));
+        events.emplace_back(noted_consent(row.integer(1) != 0), row.text(3));
     }
     row.reset();
-    for (const protocols::Event& event : events) {
-        add_event(database, session, event);
+    for (const auto& [event, utc] : events) {
+        add_event(database, session, event, {}, utc);
     }
 }
 
@@ -160,13 +166,19 @@ std::vector<NoteBreak> note_breaks(Database& database) {
     // A session's last word on each is what was noted last: a note goes to all sessions that are there.
     Statement row = database.prepare(
         "SELECT DISTINCT participant_code, key, stored, value FROM (SELECT participant_code, key, "
-        "value,"
-        " iif(key = 'handedness', CAST(handedness AS TEXT), iif(consent, 'yes', 'no')) AS stored,"
-        " row_number() OVER (PARTITION BY session_id, key ORDER BY event_id DESC) AS back FROM "
-        "event"
-        " JOIN session USING (session_id) JOIN participant USING (participant_id)"
-        " WHERE event_kind = 'participant' AND value IS NOT NULL)"
-        " WHERE back = 1 AND stored IS NOT value ORDER BY 1, 2");
+        "value, coalesce(noted_utc, at_utc) AS word_utc, iif(key = 'handedness', CAST(handedness "
+        "AS "
+        "TEXT), iif(consent, 'yes', 'no')) AS stored, iif(key = 'handedness', handedness_utc, "
+        "consent_utc) AS stored_utc, row_number() OVER (PARTITION BY session_id, key ORDER BY "
+        "event_id DESC) AS back FROM event JOIN session USING (session_id) JOIN participant USING "
+        "(participant_id) WHERE event_kind = 'participant' AND key IN ('handedness', 'consent') "
+        "AND "
+        "value IS NOT NULL AND event_id > (SELECT coalesce(max(moved.event_id), 0) FROM event AS "
+        "moved WHERE moved.session_id = session.session_id AND moved.event_kind = 'participant' "
+        "AND "
+        "moved.key = ?1)) WHERE back = 1 AND stored IS NOT value AND NOT coalesce(stored_utc > "
+        "word_utc, 0) ORDER BY 1, 2");
+    row.bind(1, kIsReally);
     std::vector<NoteBreak> breaks;
     while (row.step()) {
         breaks.push_back({.what = fmt::format("participant {} {}", row.text(0), row.text(1)),

@@ -26,6 +26,7 @@ struct ParticipantNotes {
 struct Participant {
     ParticipantNotes notes{};
     std::string consent_utc;    ///< when consent was noted; empty: it was not
+    std::string destroyed_utc;  ///< when all that was noted was destroyed; empty: it was not
     std::int64_t sessions = 0;  ///< begun, of any study
     std::int64_t subject = 0;   ///< the number in exports
 };
@@ -40,7 +41,7 @@ struct Participant {
                                                              std::string_view code);
 
 /// Registers the participant if need be and notes what is given. What was noted before and is not
-/// given stays; the time of a consent is that of its last change. Each of the participant's sessions gets an
+/// given stays; each has the time when it was last noted. Each of the participant's sessions gets an
 /// event of each note: "handedness 80", "consent yes", and of a detail its key alone (events go where details
 /// do not).
 void note_participant(Database& database,
@@ -52,7 +53,8 @@ void note_participant(Database& database,
 /// contradicts its chain. In the caller's transaction.
 void note_at_beginning(Database& database, std::int64_t session);
 
-/// Where what is noted of a participant is not what the events of their sessions say.
+/// Where what is noted of a participant is not what the events of their sessions say: those since the session is
+/// theirs, unless it was noted after them, in a file that was merged.
 struct NoteBreak {
     std::string what;    ///< "participant P01 handedness"
     std::string stored;  ///< in the participant's row

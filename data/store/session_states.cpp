@@ -15,10 +15,11 @@ std::optional<SessionState> state_of(Statement& row) {
                         row.text(5)};
 }
 
+/// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or are of no use.
 constexpr const char* kStates =
-    "SELECT session_number, seed, finished, secret, EXISTS (SELECT 1 FROM trial WHERE "
-    "trial.session_id = session.session_id), session_kind FROM session JOIN study USING (study_id) "
-    "JOIN "
+    "SELECT session_number, seed, finished OR withdrawn_reason IS NOT NULL OR run_code IS NOT "
+    "NULL, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
+    "session_kind FROM session JOIN study USING (study_id) JOIN "
     "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2";
 
 }  // namespace

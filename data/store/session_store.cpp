@@ -130,6 +130,7 @@ std::int64_t create(Database& database,
 struct Existing {
     std::int64_t id = 0;
     std::string protocol_hash, plan_hash, kind, seed, operator_name;
+    bool over = false;  ///< withdrawn, or run under another code or number
     bool finished = false;
 };
 
@@ -183,7 +184,9 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
         "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, "
-        "finished, coalesce(operator, '') FROM session JOIN study USING (study_id) JOIN "
+        "finished, coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL "
+        "FROM "
+        "session JOIN study USING (study_id) JOIN "
         "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND "
         "session_number = ?3");
     row.bind(1, spec.protocol.id)
@@ -198,6 +201,7 @@ std::optional<Existing> existing_session(Database& database, const SessionSpec& 
                     .kind = row.text(3),
                     .seed = row.text(4),
                     .operator_name = row.text(6),
+                    .over = row.integer(7) != 0,
                     .finished = row.integer(5) != 0};
 }
 
@@ -207,6 +211,9 @@ void require_same(const Database& database, const Existing& there, const Session
                                      spec.key.session, spec.key.participant, spec.protocol.id, what,
                                      remedy));
     };
+    if (there.over) {
+        refuse("was withdrawn, or run under another code", "begin a new session with --session");
+    }
     if (there.protocol_hash != spec.protocol_hash) {
         refuse("was begun with another version of the protocol",
                "run the version it was begun with, or begin a new session with --session");
@@ -241,9 +248,10 @@ void require_same_device(Database& database, const Existing& there, const Sessio
 /// row of the counterbalance, seed, kind or version of the protocol), it is planned anew. Its events stay.
 /// @return whether it was
 bool planned_anew(Database& database, const Existing& there, const SessionSpec& spec) {
-    const bool same = there.protocol_hash == spec.protocol_hash &&
-                      there.plan_hash == spec.plan.hash &&
-                      there.seed == std::to_string(spec.seed) && there.kind == to_string(spec.kind);
+    const bool same =
+        there.over ||
+        (there.protocol_hash == spec.protocol_hash && there.plan_hash == spec.plan.hash &&
+         there.seed == std::to_string(spec.seed) && there.kind == to_string(spec.kind));
     Statement trial = database.prepare("SELECT 1 FROM trial WHERE session_id = ?1 LIMIT 1");
     trial.bind(1, there.id);
     if (same || trial.step()) {

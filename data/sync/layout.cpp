@@ -68,10 +68,15 @@ Layout read_layout(Database& database) {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
     const std::set<std::string> at_end{"finished", "finished_utc", "seal", "seal_events"};
+    const std::set<std::string> repaired{"session_number", "run_code", "run_number",
+                                         "withdrawn_reason"};
     layout.session =
         without(database, "session", {"session_id", "study_id", "participant_id", "newest_seal"});
-    layout.session_end = layout.session;
-    std::erase_if(layout.session.columns, [&](const auto& c) { return at_end.contains(c); });
+    layout.session_end = layout.session_repairs = layout.session;
+    std::erase_if(layout.session.columns,
+                  [&](const auto& c) { return at_end.contains(c) || repaired.contains(c); });
+    std::erase_if(layout.session_repairs.columns,
+                  [&](const auto& c) { return !repaired.contains(c); });
     std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });
     layout.trial = without(database, "trial", {"trial_id", "session_id", "invalid_reason"});
     layout.event = without(database, "event", {"event_id", "session_id", "trial_id"});

@@ -29,9 +29,10 @@ struct Layout {
     std::vector<OwnedTable> of_file;  ///< trace_column: nobody's, the same in every file; secret
     OwnedTable
         session;  ///< set before the first trial: without session_id, study_id, participant_id, newest_seal
-    OwnedTable session_end;  ///< set when it finished
-    OwnedTable trial;        ///< without trial_id, session_id, invalid_reason
-    OwnedTable event;        ///< without event_id, session_id, trial_id
+    OwnedTable session_end;      ///< set when it finished
+    OwnedTable session_repairs;  ///< set by events later: whose it is, whether it is left out
+    OwnedTable trial;            ///< without trial_id, session_id, invalid_reason
+    OwnedTable event;            ///< without event_id, session_id, trial_id
 };
 
 /// @throws StoreError if a table refers to one that this cannot follow

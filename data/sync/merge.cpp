@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
+#include "data/store/destruction.hpp"
 #include "data/sync/people_merge.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
@@ -27,22 +28,35 @@ struct Input {
 
 using Versions = std::vector<SessionVersion>;
 
+/// A session, as it is to be in the file.
+struct Merging {
+    const SessionVersion* last = nullptr;
+    const SessionVersion* own = nullptr;  ///< as the file has it; none: it does not
+};
+
 std::string called(const SessionVersion& session) {
     return fmt::format("{}, participant {}, session {} ({})", session.study_name,
                        session.participant, session.number, session.uuid);
 }
 
-/// The version that all others became; none if two of them differ, which is a conflict.
-const SessionVersion* last_of(const Versions& versions, std::vector<MergeConflict>& conflicts) {
+/// The version that all others became; none if two of them differ, which is a conflict unless one is preferred.
+const SessionVersion* last_of(const Versions& versions,
+                              const std::string& prefer,
+                              std::vector<MergeConflict>& conflicts) {
     const SessionVersion* last = &versions.front();
     for (const SessionVersion& version : versions) {
         if (became(version, *last)) {
             continue;
         }
         if (!became(*last, version)) {
+            const auto preferred = std::ranges::find(versions, prefer, &SessionVersion::file);
+            if (preferred != versions.end()) {
+                return &*preferred;
+            }
             conflicts.push_back({.what = called(version) + ": what was recorded differs",
                                  .first = last->file,
-                                 .second = version.file});
+                                 .second = version.file,
+                                 .remedy = kPreferRemedy});
             return nullptr;
         }
         last = &version;
@@ -51,21 +65,25 @@ const SessionVersion* last_of(const Versions& versions, std::vector<MergeConflic
 }
 
 /// One study, participant and number can only be one session.
-std::set<std::string> doubled(const std::map<std::string, Versions>& all,
+std::set<std::string> doubled(const std::vector<Merging>& all,
                               std::vector<MergeConflict>& conflicts) {
     std::map<std::string, const SessionVersion*> first;
     std::set<std::string> found;
-    for (const auto& [uuid, versions] : all) {
-        const SessionVersion& one = versions.front();
+    for (const Merging& each : all) {
+        const SessionVersion& one = *each.last;
         const auto [there, is_new] =
             first.emplace(fmt::format("{} {} {}", one.study, one.participant, one.number), &one);
         if (!is_new) {
-            found.insert(uuid);
+            found.insert(one.uuid);
             found.insert(there->second->uuid);
-            conflicts.push_back({.what = fmt::format("{}: another session of the same number is {}",
-                                                     called(one), there->second->uuid),
-                                 .first = there->second->file,
-                                 .second = one.file});
+            conflicts.push_back(
+                {.what = fmt::format("{}: another session of the same number is {}", called(one),
+                                     there->second->uuid),
+                 .first = there->second->file,
+                 .second = one.file,
+                 .remedy = fmt::format("where one was run under a wrong code: palpate participant "
+                                       "FILE {} --is-really CODE",
+                                       one.participant)});
         }
     }
     return found;
@@ -80,18 +98,50 @@ bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts)
                                  ": it is damaged or was changed since it was recorded; palpate "
                                  "verify says where",
                          .first = session.file,
-                         .second = {}});
+                         .second = {},
+                         .remedy = "give a copy from before that"});
     return false;
 }
 
 /// By study, participant and number: shards of one simulation become what it is in one file, row by row.
-std::set<std::pair<std::string, std::string>> in_order(const std::map<std::string, Versions>& all) {
-    std::set<std::pair<std::string, std::string>> order;
+std::vector<Merging> in_order(const std::map<std::string, Versions>& all,
+                              const Database& out,
+                              const std::string& prefer,
+                              std::vector<MergeConflict>& conflicts) {
+    std::vector<Merging> order;
     for (const auto& [uuid, versions] : all) {
-        const SessionVersion& one = versions.front();
-        order.emplace(fmt::format("{} {} {:06}", one.study, one.participant, one.number), uuid);
+        const SessionVersion& first = versions.front();
+        if (const SessionVersion* last = last_of(versions, prefer, conflicts)) {
+            order.push_back({last, first.database == &out ? &first : nullptr});
+        }
     }
+    std::ranges::stable_sort(order, {}, [](const Merging& one) {
+        return fmt::format("{} {} {:06}", one.last->study, one.last->participant, one.last->number);
+    });
     return order;
+}
+
+/// Sessions that change whose they are free their numbers first, for each other.
+void free_numbers(Database& out, const std::vector<Merging>& order) {
+    for (const Merging& one : order) {
+        if (one.own != nullptr) {
+            out.prepare(
+                   "UPDATE session SET session_number = 1000000 + session_id WHERE session_id = ?1")
+                .bind(1, one.own->id)
+                .run();
+        }
+    }
+}
+
+void bring(const Merging& one, Database& out, const Layout& layout, MergeReport& report) {
+    if (one.own == nullptr) {
+        add_session(*one.last, out, layout);
+        ++report.added;
+        return;
+    }
+    const bool goes_on = became(*one.own, *one.last) && !one.last->destroyed;
+    (goes_on ? extend_session : replace_session)(*one.last, *one.own, out, layout);
+    ++report.extended;
 }
 
 std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& files) {
@@ -104,61 +154,61 @@ std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& fil
 
 }  // namespace
 
-MergeReport merge_files(const std::string& file, const std::vector<std::string>& files) {
+MergeReport merge_files(const std::string& file,
+                        const std::vector<std::string>& files,
+                        const std::string& prefer) {
     const auto inputs = open_all(files);  // before anything is made
     std::error_code unknown;
     const bool is_new = !std::filesystem::exists(file, unknown);
     Database out(file, Access::write);
     MergeReport report;
-    Transaction all_or_nothing(out);
-    out.execute("PRAGMA defer_foreign_keys = ON");
-    if (is_new) {
-        out.execute("DELETE FROM secret");  // it has those of the others
-    }
-    const Layout layout = read_layout(out);
+    bool destroyed = false;
+    {
+        Transaction all_or_nothing(out);
+        out.execute("PRAGMA defer_foreign_keys = ON");
+        if (is_new) {
+            out.execute("DELETE FROM secret");  // it has those of the others
+        }
+        const Layout layout = read_layout(out);
 
-    PeopleMerge people;
-    std::map<std::string, Versions> all;
-    std::map<std::string, const SessionVersion*> there;
-    const auto collect = [&](Database& database, const std::string& name) {
-        people.read(database, name);
-        for (SessionVersion& version : session_versions(database, layout, name)) {
-            all[version.uuid].push_back(std::move(version));
+        PeopleMerge people(prefer);
+        std::map<std::string, Versions> all;
+        const auto collect = [&](Database& database, const std::string& name) {
+            people.read(database, name);
+            for (SessionVersion& version : session_versions(database, layout, name)) {
+                all[version.uuid].push_back(std::move(version));
+            }
+        };
+        collect(out, file);
+        for (const auto& input : inputs) {
+            collect(input->database, input->name);
         }
-    };
-    collect(out, file);
-    for (const auto& input : inputs) {
-        collect(input->database, input->name);
-    }
-    people.number();
-    report.conflicts = people.conflicts();
-    people.write(out);
-    const std::set<std::string> twice = doubled(all, report.conflicts);
-    for (const auto& [order, uuid] : in_order(all)) {
-        const Versions& versions = all.at(uuid);
-        const SessionVersion* last = last_of(versions, report.conflicts);
-        const SessionVersion* own = versions.front().database == &out ? &versions.front() : nullptr;
-        if (last == nullptr || twice.contains(uuid) ||
-            people.in_conflict().contains(last->participant)) {
-            continue;
+        people.number();
+        report.conflicts = people.conflicts();
+        report.notices = people.notices();
+        people.write(out);
+        std::vector<Merging> order = in_order(all, out, prefer, report.conflicts);
+        const std::set<std::string> twice = doubled(order, report.conflicts);
+        std::erase_if(order, [&](const Merging& one) {
+            return twice.contains(one.last->uuid) ||
+                   people.in_conflict().contains(one.last->participant);
+        });
+        report.same = std::erase_if(order, [](const Merging& one) {
+            return one.own == one.last || (one.own != nullptr && became(*one.last, *one.own));
+        });
+        std::erase_if(order,
+                      [&](const Merging& one) { return !whole(*one.last, report.conflicts); });
+        free_numbers(out, order);
+        for (const Merging& one : order) {
+            bring(one, out, layout, report);
+            destroyed = destroyed || one.last->destroyed;
         }
-        if (own == last || (own != nullptr && became(*last, *own))) {
-            ++report.same;
-        } else if (!whole(*last, report.conflicts)) {
-            continue;
-        } else if (own != nullptr) {
-            extend_session(*last, *own, out, layout);
-            ++report.extended;
-        } else {
-            add_session(*last, out, layout);
-            ++report.added;
+        for (const auto& input : inputs) {
+            copy_shared(input->database, out, layout, input->name);
         }
+        all_or_nothing.commit();
     }
-    for (const auto& input : inputs) {
-        copy_shared(input->database, out, layout, input->name);
-    }
-    all_or_nothing.commit();
-    out.checkpoint();
+    destroyed ? empty_free_pages(out) : out.checkpoint();
     return report;
 }
 

@@ -13,6 +13,7 @@ struct MergeReport {
     std::size_t extended = 0;  ///< sessions that went on since
     std::size_t same = 0;      ///< sessions that the file had as they are
     std::vector<MergeConflict> conflicts;
+    std::vector<std::string> notices;  ///< what was settled: of two notes the newest is kept
 };
 
 /// Brings the sessions of `inputs` into `file` (made if it is not there), in one transaction.
@@ -21,14 +22,17 @@ struct MergeReport {
 /// the same files again changes nothing, and the order of the files does not matter but for row ids: of a
 /// session that several files hold, the one that the others became is kept (see became()). Nothing is
 /// merged, and a conflict is listed, of
-/// - a session of one uuid that two files tell differently;
+/// - a session of one uuid that two files tell differently, unless one of them is `prefer`;
 /// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by hand;
 /// - two sessions that are the same study, participant and number under two uuids;
-/// - all that `inputs` have of a participant whose handedness, consent or details two files tell differently.
+/// - all that `inputs` have of a participant of whom two files tell differently what was noted at one time, unless one is
+///   `prefer`; of notes of several times the newest is kept, and a notice says so.
+/// What a participant had destroyed in one file is destroyed in `file` too.
 /// Sessions keep the secrets with which they were drawn; of a person with two numbers for exports the lesser is
 /// kept, and two people with one number are a conflict. What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
-                                      const std::vector<std::string>& inputs);
+                                      const std::vector<std::string>& inputs,
+                                      const std::string& prefer = {});
 
 }  // namespace palpate::data

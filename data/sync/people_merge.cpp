@@ -1,5 +1,7 @@
 #include "data/sync/people_merge.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace palpate::data {
@@ -7,7 +9,7 @@ namespace {
 
 constexpr const char* kHandedness = "handedness";
 constexpr const char* kConsent = "consent";
-constexpr const char* kConsentTime = "consent_utc";
+constexpr const char* kDestroyedTime = "destroyed_utc";
 constexpr const char* kSubject = "subject";
 constexpr std::string_view kDetail = "detail ";
 
@@ -15,43 +17,61 @@ constexpr std::string_view kDetail = "detail ";
 
 void PeopleMerge::say(const std::string& code, const std::string& key, const Said& said) {
     Person& person = people_[code];
-    const auto [there, is_new] = person.emplace(key, said);
-    if (is_new || there->second.value == said.value) {
+    const auto [at, is_new] = person.emplace(key, said);
+    Said& there = at->second;
+    if (is_new) {
         return;
     }
-    // The same answer noted twice: when it was noted first. A number drawn twice: the lesser.
-    if (key == kConsentTime || key == kSubject) {
-        if (said.value < there->second.value) {
-            there->second = said;
-        }
+    if (key == kSubject) {  // a number drawn twice: the lesser
+        there = said.value < there.value ? said : there;
         return;
     }
-    in_conflict_.insert(code);
-    conflicts_.push_back({.what = fmt::format("participant {}: {} is {} and {}", code, key,
-                                              there->second.value, said.value),
-                          .first = there->second.file,
-                          .second = said.file});
+    if (there.value == said.value || key == kDestroyedTime) {
+        there.utc = std::max(there.utc, said.utc);
+        return;
+    }
+    if (there.utc == said.utc && there.file != prefer_ && said.file != prefer_) {
+        in_conflict_.insert(code);
+        conflicts_.push_back({.what = fmt::format("participant {}: {} is {} and {}, noted at one "
+                                                  "time",
+                                                  code, key, there.value, said.value),
+                              .first = there.file,
+                              .second = said.file,
+                              .remedy = kPreferRemedy});
+        return;
+    }
+    const bool newer = there.utc == said.utc ? said.file == prefer_ : there.utc < said.utc;
+    const Said& now = newer ? said : there;
+    const Said& before = newer ? there : said;
+    notices_.push_back(fmt::format(
+        "participant {}: {} is {} (noted {} in {}), no longer {} ({} in "
+        "{})",
+        code, key, now.value, now.utc, now.file, before.value, before.utc, before.file));
+    there = Said(now);
 }
 
 void PeopleMerge::read(Database& database, const std::string& file) {
     Statement row = database.prepare(
-        "SELECT participant_code, handedness, consent, consent_utc, printf('%010d', subject) FROM "
-        "participant");
+        "SELECT participant_code, handedness, coalesce(handedness_utc, ''), consent, "
+        "coalesce(consent_utc, ''), printf('%010d', subject), '', iif(destroyed_utc IS NULL, NULL, "
+        "'yes'), destroyed_utc FROM participant");
     while (row.step()) {
         const std::string code = row.text(0);
         people_[code];
-        int column = 0;
-        for (const char* key : {kHandedness, kConsent, kConsentTime, kSubject}) {
-            if (!row.null(++column)) {
-                say(code, key, {row.text(column), file});
+        int column = 1;
+        for (const char* key : {kHandedness, kConsent, kSubject, kDestroyedTime}) {
+            if (!row.null(column)) {
+                say(code, key, {row.text(column), file, row.text(column + 1)});
             }
+            column += 2;
         }
     }
     Statement detail = database.prepare(
-        "SELECT participant_code, key, value FROM participant_detail JOIN participant USING "
-        "(participant_id)");
+        "SELECT participant_code, key, value, noted_utc FROM participant_detail JOIN participant "
+        "USING (participant_id)");
     while (detail.step()) {
-        say(detail.text(0), std::string(kDetail) + detail.text(1), {detail.text(2), file});
+        say(detail.text(0), std::string(kDetail) + detail.text(1),
+            {detail.text(2), file, detail.text(3)});
     }
 }
 
@@ -67,9 +87,18 @@ void PeopleMerge::number() {
                                      "{} in exports",
                                      there->second.first, code, said.value),
                  .first = there->second.second,
-                 .second = said.file});
+                 .second = said.file,
+                 .remedy = "one of them has to be registered anew in a file of its own"});
         }
     }
+}
+
+/// It was noted since somebody had all destroyed, if they had.
+bool PeopleMerge::stays(const Person& person, const std::string& key) {
+    const auto said = person.find(key);
+    const auto destroyed = person.find(kDestroyedTime);
+    return said != person.end() && (destroyed == person.end() || key == kConsent ||
+                                    said->second.utc > destroyed->second.utc);
 }
 
 void PeopleMerge::write(Database& out) const {
@@ -77,32 +106,40 @@ void PeopleMerge::write(Database& out) const {
         "INSERT INTO participant (participant_code, subject) VALUES (?1, CAST(?2 AS INTEGER)) ON "
         "CONFLICT (participant_code) DO NOTHING");
     Statement note = out.prepare(
-        "UPDATE participant SET handedness = CAST(?2 AS INTEGER), consent = CAST(?3 AS INTEGER), "
-        "consent_utc = ?4, subject = CAST(?5 AS INTEGER) WHERE participant_code = ?1");
+        "UPDATE participant SET handedness = CAST(?2 AS INTEGER), handedness_utc = ?3, consent = "
+        "CAST(?4 AS INTEGER), consent_utc = ?5, destroyed_utc = ?6, subject = CAST(?7 AS INTEGER) "
+        "WHERE participant_code = ?1");
+    Statement gone = out.prepare(
+        "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
+        "participant WHERE participant_code = ?1)");
     Statement detail = out.prepare(
-        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3 FROM participant WHERE "
-        "participant_code = ?1 ON CONFLICT (participant_id, key) DO NOTHING");
+        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
+        "participant_code = ?1");
     for (const auto& [code, person] : people_) {
         if (in_conflict_.contains(code)) {
             continue;
         }
-        add.bind(1, std::string_view(code))
-            .bind(2, std::string_view(person.at(kSubject).value))
-            .run();
-        note.bind(1, std::string_view(code));
-        int parameter = 1;
-        for (const char* key : {kHandedness, kConsent, kConsentTime, kSubject}) {
-            const auto said = person.find(key);
-            ++parameter;
-            said == person.end() ? note.bind_null(parameter)
-                                 : note.bind(parameter, std::string_view(said->second.value));
+        const std::string& subject = person.at(kSubject).value;
+        add.bind(1, std::string_view(code)).bind(2, std::string_view(subject)).run();
+        note.bind(1, std::string_view(code)).bind(7, std::string_view(subject));
+        int parameter = 2;
+        for (const char* key : {kHandedness, kConsent}) {
+            const bool known = stays(person, key);
+            note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
+                .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
+            parameter += 2;
         }
-        note.run();
+        const auto destroyed = person.find(kDestroyedTime);
+        note.bind(6,
+                  destroyed == person.end() ? std::nullopt : std::optional(destroyed->second.utc))
+            .run();
+        gone.bind(1, std::string_view(code)).run();
         for (const auto& [key, said] : person) {
-            if (key.starts_with(kDetail)) {
+            if (key.starts_with(kDetail) && stays(person, key)) {
                 detail.bind(1, std::string_view(code))
                     .bind(2, std::string_view(key).substr(kDetail.size()))
                     .bind(3, std::string_view(said.value))
+                    .bind(4, std::string_view(said.utc))
                     .run();
             }
         }

@@ -89,6 +89,7 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
     PostgresTable session = owned(database, layout.session, of_session, "");
     session.columns.insert(session.columns.end(), {{"protocol_sha256", "text"},
                                                    {"participant_code", "text"},
+                                                   {"session_number", "bigint"},
                                                    {"began_sha256", "text"},
                                                    {"file_schema", "bigint"}});
     tables.push_back(session);

@@ -53,6 +53,9 @@ public:
         push_people();
         for (const SessionVersion& session : session_versions(database_, layout_, file)) {
             ++report_.sessions;
+            if (declined(session)) {
+                continue;
+            }
             if (!same_head(session) || !same_events(session)) {
                 continue;
             }
@@ -75,6 +78,25 @@ private:
         report_.conflicts.push_back(fmt::format("{}, participant {}, session {} ({}): {}",
                                                 session.study_name, session.participant,
                                                 session.number, session.uuid, what));
+    }
+
+    /// Nothing of who does not consent goes on; what is there only an administrator can delete.
+    [[nodiscard]] bool declined(const SessionVersion& session) {
+        Statement row = database_.prepare(
+            "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0");
+        if (!row.bind(1, std::string_view(session.participant)).step()) {
+            return false;
+        }
+        ++report_.declined;
+        if (!server_
+                 .rows("SELECT 1 FROM palpate.session WHERE session_uuid = $1::uuid",
+                       PostgresRow().text(session.uuid))
+                 .empty()) {
+            conflict(session,
+                     "they do not consent, and the server has it: an administrator "
+                     "deletes the rows of this session_uuid");
+        }
+        return true;
     }
 
     [[nodiscard]] bool schema_is_whole() {
@@ -153,7 +175,8 @@ private:
         one_at_a_time();
         Statement note = database_.prepare(
             "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
-            "WHERE handedness IS NOT NULL UNION ALL SELECT participant_code, 'consent', "
+            "WHERE handedness IS NOT NULL AND consent IS NOT 0 UNION ALL SELECT participant_code, "
+            "'consent', "
             "CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
         while (note.step()) {
             const auto found = there.find(note.text(0) + ' ' + note.text(1));
@@ -174,12 +197,14 @@ private:
         const auto there = server_.rows(
             "SELECT session_uuid, began_sha256, file_schema FROM palpate.session WHERE "
             "session_uuid = $1::uuid OR (protocol_sha256 = $2 AND participant_code = $3 AND "
-            "session_number = $4)",
+            "session_number = $4 AND NOT $5::boolean AND NOT EXISTS (SELECT FROM palpate.event AS "
+            "moved WHERE moved.session_uuid = session.session_uuid AND moved.key = 'is really'))",
             PostgresRow()
                 .text(session.uuid)
                 .text(session.study)
-                .text(session.participant)
-                .integer(session.number));
+                .text(session.run_code)
+                .integer(session.run_number)
+                .text(session.participant == session.run_code ? "false" : "true"));
         for (const auto& row : there) {
             if (*row[0] != session.uuid) {
                 conflict(session, "the server has it under the uuid " + *row[0]);
@@ -206,7 +231,8 @@ private:
         row.text(session.uuid);
         add_values(line, row);
         row.text(session.study)
-            .text(session.participant)
+            .text(session.run_code)
+            .integer(session.run_number)
             .text(session.head)
             .integer(kSchemaVersion);
         send("session", row);

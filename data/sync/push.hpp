@@ -9,6 +9,7 @@ namespace palpate::data {
 
 struct PushReport {
     std::size_t sessions = 0;  ///< looked at
+    std::size_t declined = 0;  ///< of these: left out, of people who do not consent
     std::int64_t rows = 0;     ///< added
     std::vector<std::string>
         conflicts;  ///< what the server says differently: nothing of it was added
@@ -22,7 +23,9 @@ struct PushReport {
 /// Makes the schema `palpate` if it is not there and the user may. In conflict are a session whose beginning, an
 /// attempt or an event that the server has otherwise, a study, participant and number that are there under
 /// another uuid, a participant's handedness or consent, and a session whose chain of hashes does not hold
-/// (data/store/chain.hpp): damaged, or edited by hand.
+/// (data/store/chain.hpp): damaged, or edited by hand. Of who does not consent nothing but that is added; a session of
+/// theirs that is there is a conflict. The server has each session as it was run: whose it is really, and that it was
+/// withdrawn, its events say.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
 /// @throws PostgresError if the server fails: what was added stays
 [[nodiscard]] PushReport push_file(const std::string& file, const std::string& url);

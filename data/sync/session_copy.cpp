@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
+#include "data/store/destruction.hpp"
 #include "data/store/secret.hpp"
 
 namespace palpate::data {
@@ -53,14 +54,15 @@ std::int64_t copy_session_row(const SessionVersion& from, Database& out, const L
     row.bind(1, from.id).step();
     std::string places;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
-        places += fmt::format(", ?{}", i + 3);
+        places += fmt::format(", ?{}", i + 4);
     }
     Statement add = out.prepare(
-        fmt::format("INSERT INTO session (study_id, participant_id, {}) VALUES (?1, (SELECT "
-                    "participant_id FROM participant WHERE participant_code = ?2){})",
+        fmt::format("INSERT INTO session (study_id, participant_id, session_number, {}) VALUES "
+                    "(?1, (SELECT participant_id FROM participant WHERE participant_code = ?2), "
+                    "?3{})",
                     table.list(), places));
-    add.bind(1, study).bind(2, std::string_view(from.participant));
-    bind_row(row, add, 3);
+    add.bind(1, study).bind(2, std::string_view(from.participant)).bind(3, from.number);
+    bind_row(row, add, 4);
     add.run();
     return out.last_row();
 }
@@ -144,7 +146,9 @@ void copy_end(const SessionVersion& from,
               Database& out,
               const Layout& layout,
               std::int64_t session) {
-    const OwnedTable& end = layout.session_end;
+    OwnedTable end = layout.session_end;
+    end.columns.insert(end.columns.end(), layout.session_repairs.columns.begin(),
+                       layout.session_repairs.columns.end());
     Statement row = from.database->prepare(
         fmt::format("SELECT {} FROM session WHERE session_id = ?1", end.list()));
     row.bind(1, from.id).step();
@@ -157,9 +161,12 @@ void copy_end(const SessionVersion& from,
     bind_row(row, write, 2);
     write.run();
     const std::string head = chain_head(*from.database, from.id);
-    out.prepare("UPDATE session SET newest_seal = nullif(?2, '') WHERE session_id = ?1")
+    out.prepare(
+           "UPDATE session SET newest_seal = nullif(?2, ''), participant_id = (SELECT "
+           "participant_id FROM participant WHERE participant_code = ?3) WHERE session_id = ?1")
         .bind(1, session)
         .bind(2, std::string_view(head))
+        .bind(3, std::string_view(from.participant))
         .run();
 }
 
@@ -192,6 +199,15 @@ void extend_session(const SessionVersion& from,
     }
     copy_events(from, out, layout, own.id, trials, own.events.size());
     copy_end(from, out, layout, own.id);
+}
+
+void replace_session(const SessionVersion& from,
+                     const SessionVersion& own,
+                     Database& out,
+                     const Layout& layout) {
+    clear_session(out, own.id);
+    out.prepare("DELETE FROM session WHERE session_id = ?1").bind(1, own.id).run();
+    add_session(from, out, layout);
 }
 
 void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file) {

@@ -14,6 +14,12 @@ void extend_session(const SessionVersion& from,
                     Database& out,
                     const Layout& layout);
 
+/// The same where `own` did not become `from`: it goes, and its rows get other ids.
+void replace_session(const SessionVersion& from,
+                     const SessionVersion& own,
+                     Database& out,
+                     const Layout& layout);
+
 /// Copies what is nobody's in a file (Layout::of_file): how traces are written, secrets.
 /// @throws StoreError where `out` says otherwise
 void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
+#include "data/store/chain.hpp"
 
 namespace palpate::data {
 namespace {
@@ -101,8 +102,9 @@ std::string session_row(Database& database, const OwnedTable& part, std::int64_t
 }
 
 std::string head_of(Database& database, const Layout& layout, const SessionVersion& session) {
-    std::string head = session.study + ' ' + session.participant + ' ' +
-                       session_row(database, layout.session, session.id);
+    std::string head =
+        fmt::format("{} {} {} ", session.study, session.run_code, session.run_number) +
+        session_row(database, layout.session, session.id);
     for (const OwnedTable& table : layout.of_session) {
         head += rows_of(database, table, "session_id", session.id);
     }
@@ -126,8 +128,11 @@ std::vector<SessionVersion> session_versions(Database& database,
     std::vector<SessionVersion> all;
     Statement row = database.prepare(
         "SELECT session.session_id, uuid, protocol_sha256, study_name, participant_code, "
-        "session_number, finished FROM session JOIN study USING (study_id) JOIN participant USING "
-        "(participant_id) ORDER BY session.session_id");
+        "session_number, finished, coalesce(run_code, participant_code), coalesce(run_number, "
+        "session_number), EXISTS (SELECT 1 FROM event WHERE event.session_id = session.session_id "
+        "AND event_kind = 'mark' AND key = ?1) FROM session JOIN study USING (study_id) JOIN "
+        "participant USING (participant_id) ORDER BY session.session_id");
+    row.bind(1, kDestroyed);
     while (row.step()) {
         SessionVersion& session = all.emplace_back();
         session.file = file;
@@ -139,6 +144,9 @@ std::vector<SessionVersion> session_versions(Database& database,
         session.participant = row.text(4);
         session.number = row.integer(5);
         session.finished = row.integer(6) != 0;
+        session.run_code = row.text(7);
+        session.run_number = row.integer(8);
+        session.destroyed = row.integer(9) != 0;
         session.end = sha256_hex(session_row(database, layout.session_end, session.id));
         session.head = head_of(database, layout, session);
         session.trials = trials_of(database, layout, session.id);
@@ -148,6 +156,9 @@ std::vector<SessionVersion> session_versions(Database& database,
 }
 
 bool became(const SessionVersion& earlier, const SessionVersion& later) {
+    if (earlier.destroyed || later.destroyed) {
+        return later.destroyed;
+    }
     if (earlier.head != later.head || earlier.trials.size() > later.trials.size() ||
         earlier.events.size() > later.events.size() ||
         (earlier.finished && earlier.end != later.end)) {

@@ -26,9 +26,12 @@ struct SessionVersion {
     std::string uuid;
     std::string study;  ///< SHA-256 of the protocol
     std::string study_name;
-    std::string participant;  ///< code
+    std::string participant;  ///< code: whose it is, by that number
     std::int64_t number = 0;
-    std::string head;  ///< hash of all that is set before the first trial
+    std::string run_code;  ///< as it was run
+    std::int64_t run_number = 0;
+    bool destroyed = false;  ///< on request: all that is left is that it was
+    std::string head;        ///< hash of all that is set before the first trial
     bool finished = false;
     std::string end;                   ///< hash of what was set when it finished
     std::vector<TrialVersion> trials;  ///< in the order in which they were run
@@ -42,7 +45,8 @@ struct SessionVersion {
 
 /// Whether `later` is what `earlier` was or has become: the same beginning, the same trials and events as
 /// far as `earlier` has them. Of those a running trial may have gone on, an answer may have been marked not
-/// to count, and the session may have finished; nothing else changes in a session that goes on. A partial
+/// to count, the session may have become another's or been withdrawn, and it may have finished; nothing else changes
+/// in a session that goes on. Any version may have been destroyed. A partial
 /// order: two files can hold two sessions of one uuid of which neither became the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
 

@@ -14,6 +14,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/destruction.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/trial_device.hpp"
 #include "data/trace/replay.hpp"
@@ -44,8 +45,7 @@ bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& fin
 /// @return false if it is no number of 64 bits
 bool read_key(const StoredRow& session, SessionFrame& frame, Findings& findings) {
     frame.protocol_hash = session.text("protocol_sha256");
-    frame.key = {session.text("participant_code"),
-                 static_cast<std::size_t>(session.integer("session_number")),
+    frame.key = {session.text("run_as"), static_cast<std::size_t>(session.integer("run_as_number")),
                  session.text("secret")};
     frame.simulated = session.text("session_kind") == "simulated";
     frame.replayed = session.text("device").starts_with("replay of ");
@@ -229,6 +229,19 @@ void check_chain(Database& database,
     findings.look_at({});
 }
 
+/// Of a session that was destroyed nothing is left but the mark that says so.
+void check_destroyed(Database& database, std::int64_t session, Findings& findings) {
+    for (const char* table : {"event", "trial", "plan", "picture", "session_provenance"}) {
+        const auto rows = rows_of(
+            database, fmt::format("SELECT 1 FROM {} WHERE session_id = ?1", table), session);
+        const std::size_t wanted = std::string_view(table) == "event" ? 1 : 0;
+        if (rows.size() != wanted) {
+            findings.differs(table, counted(rows.size(), "row"),
+                             fmt::format("{}: a mark says that the session was destroyed", wanted));
+        }
+    }
+}
+
 }  // namespace
 
 SessionReport check_session(Database& database, const StoredRow& session) {
@@ -240,7 +253,11 @@ SessionReport check_session(Database& database, const StoredRow& session) {
                          .finished = session.integer("finished") != 0};
     Findings findings(report.findings);
     try {
-        check_all(database, session, report, findings);
+        if (is_destroyed(database, report.id)) {
+            check_destroyed(database, report.id, findings);
+        } else {
+            check_all(database, session, report, findings);
+        }
         check_chain(database, report.id, report, findings);
     } catch (const std::exception& e) {  // a damaged file: what could be read is in the report
         findings.differs("session", e.what(), "nothing more of this session can be read");

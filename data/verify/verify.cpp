@@ -167,8 +167,9 @@ void try_to(Findings& findings, const char* what, const Check& check) {
 }
 
 constexpr const char* kSessions =
-    "SELECT session.*, study_name, study_title, protocol_sha256, protocol_toml, participant_code "
-    "FROM "
+    "SELECT session.*, study_name, study_title, protocol_sha256, protocol_toml, participant_code, "
+    "coalesce(run_code, participant_code) AS run_as, coalesce(run_number, session_number) AS "
+    "run_as_number FROM "
     "session LEFT JOIN study USING (study_id) LEFT JOIN participant USING (participant_id) ORDER "
     "BY session.session_id";
 

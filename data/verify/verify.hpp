@@ -21,13 +21,15 @@ namespace palpate::data {
 ///
 /// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows, marks and notes made later
 ///   included, that was not followed by making all later heads again; that what is noted of a participant's
-///   handedness and consent is what events of their sessions say.
+///   handedness and consent is what events of their sessions say; of a session that was destroyed on request, that
+///   nothing but the mark that says so is left.
 ///
 /// What cannot be noticed here, because nothing else in the file says it:
 /// - whatever was made again consistently, heads too: compare the last head with the one in the lab book;
 /// - the last trials, marks or notes of a session removed, and session.head set back to the head before them; a
 ///   whole session removed. The lab book shows the first;
-/// - a detail of a participant; handedness and consent of somebody without a session, or noted before them;
+/// - a detail of a participant; handedness and consent of somebody without a session, or noted before them, or
+///   edited together with the time when they were noted;
 /// - the sign of zero, a bit of an unused page of the file.
 /// Whoever can write the file can also write it consistently: a seal against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);

@@ -225,8 +225,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "what one file knows of a participant fills what the other does not, and a contradiction is a "
-    "conflict",
+    "what one file knows of a participant fills what the other does not, of two notes the newest "
+    "is kept, and of one time they are a conflict",
     "[merge][law]") {
     const TemporaryFolder folder;
     const Rig a(folder.file("a.sqlite"), "P01", 1);
@@ -249,10 +249,22 @@ TEST_CASE(
     const auto notes = GENERATE(data::ParticipantNotes{.handedness = -80},
                                 data::ParticipantNotes{.details = {{"age", "31"}}});
     note(b, notes);
+    const MergeReport newest =
+        data::merge_files(folder.file("newest.sqlite"), {b.file(), a.file()});
+    CHECK(newest.conflicts.empty());
+    CHECK(newest.notices.size() == 1);
+    CHECK(newest.added == 2);
+    for (const Rig* rig : {&a, &b}) {
+        Database one(rig->file(), Access::write);
+        one.execute(
+            "UPDATE participant SET handedness_utc = '2026'; UPDATE participant_detail SET "
+            "noted_utc = '2026'");
+    }
     const std::string none = folder.file("none.sqlite");
     const MergeReport report = data::merge_files(none, {b.file(), a.file()});
     CHECK(report.conflicts.size() == 1);
     CHECK(report.added == 0);
+    CHECK(data::merge_files(none, {b.file(), a.file()}, b.file()).added == 2);
 }
 
 TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {

@@ -35,7 +35,8 @@ private:
 
 /// Columns that nothing else in the file says (data/verify/verify.hpp).
 inline const std::set<std::string> kSilent{"participant.handedness", "participant.consent",
-                                           "participant.consent_utc"};
+                                           "participant.handedness_utc", "participant.consent_utc",
+                                           "participant.destroyed_utc"};
 
 inline std::vector<std::string> result_columns(data::Database& database,
                                                const std::vector<std::string>& tables) {

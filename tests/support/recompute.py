@@ -183,7 +183,9 @@ def main(file, samples, document):
     for r in db.execute("SELECT * FROM event ORDER BY event_id"):
         kinds[r["session_id"]].append(r["event_kind"])
         if r["event_kind"] == "mark":
-            marked.add(r["trial_id"])
+            (marked.discard if r["key"] == "undone" else marked.add)(r["trial_id"])
+    counts = lambda t: int(t["trial_id"] in responses and t["invalid_reason"] is None
+                           and sessions[t["session_id"]]["withdrawn_reason"] is None)
     for view in db.execute("SELECT * FROM analysis_trial ORDER BY trial_id").fetchall():
         t = trials[view["trial_id"]]
         session, answer = sessions[t["session_id"]], responses.get(t["trial_id"], defaultdict(lambda: None))
@@ -207,7 +209,7 @@ def main(file, samples, document):
                 "before_vertex_s": one["before"] / session["rate_hz"], "after_vertex_s": one["after"] / session["rate_hz"],
                 "felt_object": p["felt_object"], "friction": p["friction"], "curvature_per_m": p["curvature_per_m"], "done_s": p["done_s"],
                 "participant_code": people[session["participant_id"]]["participant_code"], "phase": plan["phase"], "outcome": t["outcome"],
-                "counts": int(t["trial_id"] in responses and t["invalid_reason"] is None)})
+                "counts": counts(t)})
             outline = tomllib.loads(studies[session["study_id"]]["protocol_toml"]).get("outline")
             if p["curvature_per_m"] is not None and outline:
                 share = covered(one["touch"], outline, p["curvature_per_m"])
@@ -235,8 +237,8 @@ def main(file, samples, document):
             "comparison_mu_s": compared["mu_s"], "answer_code": answer["answer_code"], "confidence": answer["confidence"],
             "comparison_chosen": int(answer["answer_code"] + 1 == rule["comparison_interval"])
                 if felt_2["felt_object"] and answer["answer_code"] is not None else None,
-            "exclusion": "marked" if t["trial_id"] in marked else t["invalid_reason"],
-            "counts": int(t["trial_id"] in responses and t["invalid_reason"] is None),
+            "exclusion": "withdrawn" if session["withdrawn_reason"] else "marked" if t["trial_id"] in marked else t["invalid_reason"],
+            "counts": counts(t),
             "rule_outcome": step["rule_outcome"], "state_sha256": step["state_sha256"],
             "estimate": next(iter(json.loads(step["estimates"] or "{}").values()), {"mean": None})["mean"]}
         if step["rule_outcome"] is not None:
@@ -262,8 +264,7 @@ def main(file, samples, document):
     confused = Counter((studies[sessions[t["session_id"]]["study_id"]]["study_name"], sessions[t["session_id"]]["session_kind"],
                         plans[t["session_id"], t["plan_position"]]["friction"], plans[t["session_id"], t["plan_position"]]["planned_object"],
                         responses[t["trial_id"]]["chosen_object"])
-                       for t in trials.values() if t["trial_id"] in responses and t["invalid_reason"] is None
-                       and plans[t["session_id"], t["plan_position"]]["phase"] == "main" and responses[t["trial_id"]]["chosen_object"])
+                       for t in trials.values() if counts(t) and plans[t["session_id"], t["plan_position"]]["phase"] == "main" and responses[t["trial_id"]]["chosen_object"])
     expect("confusion", {"n": {tuple(r)[:5]: r["n"] for r in db.execute("SELECT * FROM confusion")}}, {"n": dict(confused)})
 
     time = lambda text: datetime.datetime.fromisoformat(text.replace("Z", "+00:00"))
@@ -277,6 +278,7 @@ def main(file, samples, document):
         expect(f"session_health {s['session_id']}", view, {
             "study_name": studies[s["study_id"]]["study_name"], "participant_code": people[s["participant_id"]]["participant_code"],
             "session_number": s["session_number"], "session_kind": s["session_kind"], "finished": s["finished"],
+            "withdrawn_reason": s["withdrawn_reason"],
             "planned": sum(k[0] == s["session_id"] for k in plans), "answered": sum(t["trial_id"] in responses for t in mine),
             "invalid_answers": sum(t["invalid_reason"] is not None for t in mine), "faulted": outcomes["faulted"],
             "unanswered": outcomes["unanswered"],

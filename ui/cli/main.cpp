@@ -23,10 +23,11 @@ namespace palpate::ui {
 Command demo_command(), new_command(), check_command(), run_command(), stop_command(),
     simulate_command(), power_command(), sequence_command(), summary_command(), fit_command(),
     stats_command(), audit_command(), report_command(), analysis_command(), participant_command(),
-    note_command(), mark_command(), verify_command(), sql_command(), extension_command(),
-    trace_command(), export_command(), merge_command(), push_command(), calibrate_command(),
-    commission_command(), doctor_command(), emulator_command(), render_command(), closest_command(),
-    deform_command(), figures_command(), procedure_command(), screenshots_command();
+    note_command(), mark_command(), session_command(), verify_command(), sql_command(),
+    extension_command(), trace_command(), export_command(), merge_command(), push_command(),
+    calibrate_command(), commission_command(), doctor_command(), emulator_command(),
+    render_command(), closest_command(), deform_command(), figures_command(), procedure_command(),
+    screenshots_command();
 Command words_command(std::vector<Command> (*all)());
 
 }  // namespace palpate::ui
@@ -36,41 +37,18 @@ namespace {
 using namespace palpate::ui;
 
 std::vector<Command> all_commands() {
-    return {demo_command(),
-            new_command(),
-            check_command(),
-            run_command(),
-            stop_command(),
-            simulate_command(),
-            power_command(),
-            sequence_command(),
-            summary_command(),
-            fit_command(),
-            stats_command(),
-            audit_command(),
-            report_command(),
-            analysis_command(),
-            participant_command(),
-            note_command(),
-            mark_command(),
-            verify_command(),
-            sql_command(),
-            extension_command(),
-            trace_command(),
-            export_command(),
-            merge_command(),
-            push_command(),
-            calibrate_command(),
-            commission_command(),
-            doctor_command(),
-            emulator_command(),
-            render_command(),
-            closest_command(),
-            deform_command(),
-            figures_command(),
-            procedure_command(),
-            screenshots_command(),
-            words_command(all_commands)};
+    return {demo_command(),      new_command(),         check_command(),
+            run_command(),       stop_command(),        simulate_command(),
+            power_command(),     sequence_command(),    summary_command(),
+            fit_command(),       stats_command(),       audit_command(),
+            report_command(),    analysis_command(),    participant_command(),
+            note_command(),      mark_command(),        session_command(),
+            verify_command(),    sql_command(),         extension_command(),
+            trace_command(),     export_command(),      merge_command(),
+            push_command(),      calibrate_command(),   commission_command(),
+            doctor_command(),    emulator_command(),    render_command(),
+            closest_command(),   deform_command(),      figures_command(),
+            procedure_command(), screenshots_command(), words_command(all_commands)};
 }
 
 /// Everybody can list the words of a command (ps): the address of a server may hold a password.

@@ -1,6 +1,6 @@
 #include "data/inference/audit.hpp"
-#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -40,9 +40,7 @@ void declare(CommandWords& words, AuditWords& options) {
 
 int run(const AuditWords& words) {
     data::Database database(words.database, data::Access::read);
-    data::analyse(database,
-                  words.versions == "together" ? data::Versions::together : data::Versions::apart,
-                  words.study);
+    analyse(database, words.versions, words.study, false);
     say("{}", data::audit_text(
                   database, {.kind = words.kind, .study = words.study},
                   {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share}));

@@ -2,6 +2,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/export/export.hpp"
+#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -52,6 +53,8 @@ int run(const ExportWords& options) {
     if (done.without_consent > 0) {
         say("{} left out: no consent.\n", counted(done.without_consent, "participant"));
     }
+    data::Database database(options.database, data::Access::read);
+    say("{}", data::withdrawn_text(database, options.keep_codes));
     return 0;
 }
 

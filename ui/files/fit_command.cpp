@@ -16,6 +16,7 @@
 #include "data/plot/svg_figure.hpp"
 #include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -185,9 +186,7 @@ int fit_identifications(const FitWords& words, bool database) {
     data::TrialTable table;
     if (database) {
         data::Database file(words.file, data::Access::read);
-        data::analyse(
-            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
-            words.study);
+        analyse(file, words.versions, words.study, words.keep_codes);
         table = data::stored_trials(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
         options.items = data::item_values(file, table.study);
@@ -287,9 +286,7 @@ int run(const FitWords& words) {
     data::StoredAnswers answers;
     if (database) {
         data::Database file(words.file, data::Access::read);
-        data::analyse(
-            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
-            words.study);
+        analyse(file, words.versions, words.study, words.keep_codes);
         answers = data::stored_answers(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {

@@ -17,6 +17,7 @@ struct MergeOptions {
     std::string database;             ///< made if it is not there
     std::vector<std::string> inputs;  ///< read only
     std::int64_t expect = 0;          ///< shards of a simulation; 0: any files
+    std::string prefer;               ///< of the files; empty: none
 };
 
 void declare(CommandWords& words, MergeOptions& options) {
@@ -27,6 +28,10 @@ void declare(CommandWords& words, MergeOptions& options) {
              "The files are all so many shards of palpate simulate, by their names; where one is "
              "missing nothing is merged")
         .within(1, 100'000);
+    words.add(
+        "--prefer", options.prefer,
+        "FILE, one of them: it is right where two files say different things of a session, or "
+        "of a participant at one time");
 }
 
 /// @throws std::invalid_argument with the numbers of those that are not there, as sbatch takes them
@@ -54,16 +59,25 @@ int run(const MergeOptions& options) {
     if (options.expect > 0) {
         expect_shards(options.inputs, static_cast<std::size_t>(options.expect));
     }
-    const data::MergeReport done = data::merge_files(options.database, options.inputs);
+    if (!options.prefer.empty() && options.prefer != options.database &&
+        std::ranges::find(options.inputs, options.prefer) == options.inputs.end()) {
+        throw std::invalid_argument(fmt::format(
+            "--prefer {}: it is none of the files that are brought together", options.prefer));
+    }
+    const data::MergeReport done =
+        data::merge_files(options.database, options.inputs, options.prefer);
     say("{}: {} new, {} went on, {} as before.\n", options.database, counted(done.added, "session"),
         done.extended, done.same);
+    for (const std::string& notice : done.notices) {
+        say("{}\n", plain(notice));
+    }
     for (const data::MergeConflict& conflict : done.conflicts) {
         say_to(stderr,
                fmt::format("conflict: {}\n  in {}\n", plain(conflict.what), conflict.first));
         if (!conflict.second.empty()) {
             say_to(stderr, fmt::format("  in {}\n", conflict.second));
         }
-        say_to(stderr, "  not merged\n");
+        say_to(stderr, fmt::format("  not merged; {}\n", conflict.remedy));
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
 }

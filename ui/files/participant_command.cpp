@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
+#include "data/store/destruction.hpp"
 #include "data/store/people.hpp"
+#include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/session_choice.hpp"
 
@@ -20,6 +24,12 @@ struct ParticipantOptions {
     bool another = false;                    ///< although a code in the file is much like this one
     std::vector<std::string> details;        ///< KEY=VALUE
     std::string operator_name{};             ///< empty: nobody is named
+    std::string really;                      ///< whose their sessions are
+    std::optional<std::size_t> session;      ///< of these the one of this number
+    std::string study;                       ///< of these those of this study
+    std::string destroy;                     ///< details, everything; empty: nothing
+    std::string reason;
+    bool yes = false;  ///< nothing is asked
 };
 
 std::pair<std::string, std::string> detail_of(const std::string& word) {
@@ -38,6 +48,9 @@ void print(const std::string& id, const data::Participant& person) {
     say("participant  {}\n", id);
     say("sessions     {}\n", person.sessions);
     say("in exports   sub-{:010}\n", person.subject);
+    if (!person.destroyed_utc.empty()) {
+        say("destroyed    on request, {}\n", person.destroyed_utc);
+    }
     say("handedness   {}\n",
         person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
     say("consent      {}\n",
@@ -64,6 +77,81 @@ void declare(CommandWords& words, ParticipantOptions& options) {
     words.add("--set", options.details, "KEY=VALUE, e.g. age=31; once for each")
         .again_for_each()
         .kept_text();
+    words.add("--is-really", options.really,
+              "ID of whose the sessions are that were run under this one; back again is the undo");
+    words.add("--session", options.session, "With --is-really: the session of this number alone")
+        .above_zero()
+        .needs("--is-really");
+    words.add("--study", options.study, "With --is-really: the sessions of this study alone")
+        .needs("--is-really");
+    words
+        .add("--destroy", options.destroy,
+             "On the participant's request: details (handedness and what else was asked), or "
+             "everything, answers and ticks too. It cannot be undone")
+        .among({"details", "everything"})
+        .excludes("--is-really");
+    words.add("--reason", options.reason, "Why, of --is-really and --destroy").kept_text();
+    words.add("--yes", options.yes, "With --destroy: the code is not asked for again")
+        .needs("--destroy");
+}
+
+/// The sessions that were run under a wrong code become another's.
+int give_away(data::Database& database, const ParticipantOptions& options) {
+    check_participant(options.really, "--is-really");
+    if (options.reason.empty()) {
+        throw std::invalid_argument("--is-really: give --reason TEXT as well: it is kept");
+    }
+    auto sessions = data::sessions_of(database, options.participant, options.session);
+    std::erase_if(sessions, [&](const data::SessionRow& row) {
+        return !options.study.empty() && row.study != options.study;
+    });
+    if (sessions.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{}: {} has no such session", options.database, options.participant));
+    }
+    for (auto session = sessions.rbegin(); session != sessions.rend(); ++session) {
+        const data::MovedSession moved = data::move_session(database, session->id, options.really,
+                                                            options.reason, options.operator_name);
+        say("Session {} of {}, study {}, is session {} of {}.{}\nSeal {}: note it in the lab "
+            "book.\n",
+            session->number, options.participant, plain(session->study), moved.number,
+            options.really,
+            moved.finished ? ""
+                           : " It is not finished, and goes on only under the code under which it "
+                             "was begun.",
+            moved.head);
+    }
+    return 0;
+}
+
+int destroy(data::Database& database, const ParticipantOptions& options) {
+    const auto person = data::find_participant(database, options.participant);
+    if (!person) {
+        throw std::invalid_argument(
+            fmt::format("{}: nobody is called {}", options.database, options.participant));
+    }
+    const bool everything = options.destroy == "everything";
+    if (!options.yes &&
+        typed_after(fmt::format(
+            "{} of {}{} will be destroyed in {}. It cannot be undone. Type the "
+            "code: ",
+            everything ? "Everything" : "The details", options.participant,
+            everything ? fmt::format(", {} too,", counted(person->sessions, "session")) : "",
+            options.database)) != options.participant) {
+        throw std::runtime_error(
+            "nothing was destroyed: the code was not typed; --yes goes on "
+            "without it");
+    }
+    data::destroy_participant(
+        database, options.participant,
+        everything ? data::Destroy::everything : data::Destroy::details,
+        options.reason.empty() ? "destroyed on request of the participant" : options.reason,
+        options.operator_name);
+    say("Destroyed in this file: {}. Copies, exports, servers and backups are not.\n",
+        everything ? "all but that each session was, when, and its last seal"
+                   : "handedness and details");
+    print(options.participant, data::find_participant(database, options.participant).value());
+    return 0;
 }
 
 int run(const ParticipantOptions& options) {
@@ -79,6 +167,12 @@ int run(const ParticipantOptions& options) {
         const data::Database there(options.database, data::Access::read);
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
+    if (!options.really.empty()) {
+        return give_away(database, options);
+    }
+    if (!options.destroy.empty()) {
+        return destroy(database, options);
+    }
     const bool known = data::find_participant(database, options.participant).has_value();
     if (!known) {
         check_known(database, options.participant, options.registers && options.another);

@@ -33,6 +33,9 @@ int run(const PushOptions& options) {
     const data::PushReport done = data::push_file(options.database, options.url);
     say("{}: {}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
         counted(done.rows, "row"));
+    if (done.declined > 0) {
+        say("{} left out: no consent.\n", counted(done.declined, "session"));
+    }
     for (const std::string& conflict : done.conflicts) {
         say_to(stderr, fmt::format("conflict: {}; not pushed\n", plain(conflict)));
     }

@@ -6,8 +6,8 @@
 #include "engine/base/files.hpp"
 #include "data/page/study_page.hpp"
 #include "data/page/trial_page.hpp"
-#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"
 
@@ -69,9 +69,7 @@ void declare(CommandWords& words, ReportWords& options) {
 int run(const ReportWords& words) {
     require_writable(words.output, "<!DOCTYPE");
     data::Database database(words.database, data::Access::read);
-    data::analyse(database,
-                  words.versions == "together" ? data::Versions::together : data::Versions::apart,
-                  words.study);
+    analyse(database, words.versions, words.study, words.keep_codes);
     const std::string page =
         words.trial
             ? data::trial_page(

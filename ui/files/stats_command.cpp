@@ -7,8 +7,8 @@
 
 #include "engine/base/files.hpp"
 #include "data/inference/stats_report.hpp"
-#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -102,9 +102,7 @@ int run(const StatsWords& words) {
     data::TrialTable table;
     if (data::is_database(words.file)) {
         data::Database file(words.file, data::Access::read);
-        data::analyse(
-            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
-            words.study);
+        analyse(file, words.versions, words.study, words.keep_codes);
         table = data::stored_trials(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {

@@ -1,0 +1,147 @@
+#include "data/store/destruction.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "data/store/chain.hpp"
+#include "data/store/people.hpp"
+#include "data/store/session_lock.hpp"
+
+namespace palpate::data {
+namespace {
+
+std::vector<std::string> tables_with(Database& database, std::string_view column) {
+    Statement row = database.prepare(
+        "SELECT s.name FROM sqlite_schema AS s, pragma_table_info(s.name) AS c WHERE s.type = "
+        "'table' AND c.name = ?1 AND s.name <> 'session' ORDER BY s.name = 'trial'");
+    row.bind(1, column);
+    std::vector<std::string> names;
+    while (row.step()) {
+        names.push_back(row.text(0));
+    }
+    return names;
+}
+
+/// The events that noted a score lose it; all later links are made again.
+void destroy_scores(Database& database,
+                    std::int64_t session,
+                    std::string_view reason,
+                    std::string_view operator_name) {
+    const std::string before = chain_head(database, session);
+    database
+        .prepare(
+            "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
+            "'participant' AND key = 'handedness'")
+        .bind(1, session)
+        .run();
+    chain_anew(database, session);
+    add_event(database, session,
+              {.kind = protocols::EventKind::participant,
+               .text = std::string(reason),
+               .key = std::string(kDestroyed),
+               .value = before},
+              operator_name);
+}
+
+/// Where it was run as somebody else, nothing that says so is left: it is theirs.
+void destroy_session(Database& database,
+                     std::int64_t session,
+                     std::string_view reason,
+                     std::string_view operator_name) {
+    const std::string before = chain_head(database, session);
+    clear_session(database, session);
+    database
+        .prepare(
+            "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = "
+            "NULL, "
+            "newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, "
+            "withdrawn_reason = ?2 WHERE session_id = ?1")
+        .bind(1, session)
+        .bind(2, reason)
+        .run();
+    add_event(database, session,
+              {.kind = protocols::EventKind::mark,
+               .text = std::string(reason),
+               .key = std::string(kDestroyed),
+               .value = before},
+              operator_name);
+}
+
+}  // namespace
+
+void destroy_participant(Database& database,
+                         std::string_view code,
+                         Destroy what,
+                         std::string_view reason,
+                         std::string_view operator_name) {
+    {
+        Transaction all(database);
+        database.execute("PRAGMA defer_foreign_keys = ON");
+        if (!find_participant(database, code)) {
+            throw std::invalid_argument(
+                fmt::format("{}: nobody is called {}", database.file(), code));
+        }
+        const std::vector<SessionRow> sessions = sessions_of(database, code, std::nullopt);
+        for (const SessionRow& session : sessions) {
+            if (SessionLock::held(database, session.id)) {
+                throw std::invalid_argument(
+                    fmt::format("{}: session {} of {} runs now: end it first", database.file(),
+                                session.number, code));
+            }
+        }
+        database
+            .prepare(
+                "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
+                "participant WHERE participant_code = ?1)")
+            .bind(1, code)
+            .run();
+        const bool everything = what == Destroy::everything;
+        database
+            .prepare(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
+                                 "destroyed_utc = ?2{} WHERE participant_code = ?1",
+                                 everything ? ", consent = 0, consent_utc = ?2" : ""))
+            .bind(1, code)
+            .bind(2, database.utc_now())
+            .run();
+        for (const SessionRow& session : sessions) {
+            if (is_destroyed(database, session.id)) {
+                continue;
+            }
+            (everything ? destroy_session : destroy_scores)(database, session.id, reason,
+                                                            operator_name);
+        }
+        all.commit();
+    }
+    empty_free_pages(database);
+}
+
+void clear_session(Database& database, std::int64_t session) {
+    for (const std::string& table : tables_with(database, "trial_id")) {
+        database
+            .prepare(fmt::format("DELETE FROM {} WHERE trial_id IN (SELECT trial_id FROM trial "
+                                 "WHERE session_id = ?1)",
+                                 table))
+            .bind(1, session)
+            .run();
+    }
+    for (const std::string& table : tables_with(database, "session_id")) {
+        database.prepare(fmt::format("DELETE FROM {} WHERE session_id = ?1", table))
+            .bind(1, session)
+            .run();
+    }
+}
+
+bool is_destroyed(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2");
+    return row.bind(1, session).bind(2, kDestroyed).step();
+}
+
+void empty_free_pages(Database& database) {
+    database.execute("VACUUM");
+    database.checkpoint();
+}
+
+}  // namespace palpate::data

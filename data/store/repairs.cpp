@@ -1,0 +1,153 @@
+#include "data/store/repairs.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/session/progress.hpp"
+#include "data/store/chain.hpp"
+#include "data/store/destruction.hpp"
+#include "data/store/people.hpp"
+#include "data/store/session_lock.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// "P03's session 1"
+std::string called(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT participant_code, session_number FROM session JOIN participant USING "
+        "(participant_id) WHERE session_id = ?1");
+    row.bind(1, session).step();
+    return fmt::format("session {} of {}", row.integer(1), row.text(0));
+}
+
+[[noreturn]] void refuse(Database& database, std::int64_t session, std::string_view why) {
+    throw std::invalid_argument(
+        fmt::format("{}: {} {}", database.file(), called(database, session), why));
+}
+
+void refuse_running(Database& database, std::int64_t session) {
+    if (SessionLock::held(database, session)) {
+        refuse(database, session, "runs now, and would not know of it: end it first");
+    }
+}
+
+/// A mark of the session as a whole.
+std::string mark_session(Database& database,
+                         std::int64_t session,
+                         std::string_view reason,
+                         std::string_view key,
+                         std::string_view operator_name) {
+    database.prepare("UPDATE session SET withdrawn_reason = ?2 WHERE session_id = ?1")
+        .bind(1, session)
+        .bind(2, key.empty() ? std::optional(reason) : std::nullopt)
+        .run();
+    return add_event(
+        database, session,
+        {.kind = protocols::EventKind::mark, .text = std::string(reason), .key = std::string(key)},
+        operator_name);
+}
+
+/// The wished number if the participant has no session of it, in any version of the study; else the next one.
+std::int64_t free_number(Database& database,
+                         std::int64_t session,
+                         std::string_view code,
+                         std::int64_t wished) {
+    Statement row = database.prepare(
+        "SELECT coalesce(max(session_number), 0), coalesce(sum(session_number = ?3), 0) FROM "
+        "session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
+        "participant_code = ?2 AND study_name = (SELECT study_name FROM study JOIN session AS own "
+        "USING (study_id) WHERE own.session_id = ?1)");
+    row.bind(1, session).bind(2, code).bind(3, wished).step();
+    return row.integer(1) == 0 ? wished : row.integer(0) + 1;
+}
+
+}  // namespace
+
+std::string withdraw_session(Database& database,
+                             std::int64_t session,
+                             std::string_view reason,
+                             std::string_view operator_name) {
+    Transaction all(database);
+    if (const auto before = withdrawal(database, session)) {
+        refuse(database, session, "is withdrawn already: " + *before);
+    }
+    refuse_running(database, session);
+    std::string head = mark_session(database, session, reason, {}, operator_name);
+    all.commit();
+    return head;
+}
+
+std::string undo_withdrawal(Database& database,
+                            std::int64_t session,
+                            std::string_view reason,
+                            std::string_view operator_name) {
+    Transaction all(database);
+    if (is_destroyed(database, session)) {
+        refuse(database, session, "was destroyed: nothing is left that could be analysed");
+    }
+    if (!withdrawal(database, session)) {
+        refuse(database, session, "is not withdrawn: there is nothing to take back");
+    }
+    refuse_running(database, session);
+    std::string head = mark_session(database, session, reason, protocols::kUndone, operator_name);
+    all.commit();
+    return head;
+}
+
+MovedSession move_session(Database& database,
+                          std::int64_t session,
+                          std::string_view code,
+                          std::string_view reason,
+                          std::string_view operator_name) {
+    Transaction all(database);
+    Statement row = database.prepare(
+        "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
+        "session_number), finished FROM session JOIN participant USING (participant_id) WHERE "
+        "session_id = ?1");
+    row.bind(1, session).step();
+    const std::string run_code = row.text(1);
+    const std::int64_t run_number = row.integer(2);
+    MovedSession moved;
+    moved.finished = row.integer(3) != 0;
+    if (row.text(0) == code) {
+        refuse(database, session, "is theirs already");
+    }
+    row.reset();
+    if (!find_participant(database, code)) {
+        throw std::invalid_argument(fmt::format(
+            "{}: nobody is called {}: palpate participant FILE {} --new registers them first",
+            database.file(), code, code));
+    }
+    if (is_destroyed(database, session)) {
+        refuse(database, session, "was destroyed");
+    }
+    refuse_running(database, session);
+    moved.number = free_number(database, session, code, run_number);
+    const bool as_run = code == run_code && moved.number == run_number;
+    database
+        .prepare(
+            "UPDATE session SET participant_id = (SELECT participant_id FROM participant WHERE "
+            "participant_code = ?2), session_number = ?3, run_code = ?4, run_number = ?5 WHERE "
+            "session_id = ?1")
+        .bind(1, session)
+        .bind(2, code)
+        .bind(3, moved.number)
+        .bind(4, as_run ? std::nullopt : std::optional<std::string_view>(run_code))
+        .bind(5, as_run ? std::nullopt : std::optional(run_number))
+        .run();
+    moved.head = add_event(database, session,
+                           {.kind = protocols::EventKind::participant,
+                            .text = std::string(reason),
+                            .count = moved.number,
+                            .key = std::string(kIsReally),
+                            .value = std::string(code)},
+                           operator_name);
+    note_at_beginning(database, session);
+    moved.head = chain_head(database, session);
+    all.commit();
+    return moved;
+}
+
+}  // namespace palpate::data
