@@ -201,6 +201,15 @@ TEST_CASE(
     CHECK(eventually([&] { return hand.pixels(stopped.window()) == before; }));
     CHECK(stopped.session().ask("SELECT count(*) FROM trial") == begun);
 
+    // One that hangs is said to, and stops when it goes on.
+    stopped.session().program().signal(SIGSTOP);
+    const tests::Finished hung = tests::palpate_command({"stop", desk.file});
+    CHECK(hung.code == 1);
+    CHECK_THAT(hung.error, ContainsSubstring("1 session did not answer"));
+    stopped.session().program().signal(SIGCONT);
+    stopped.goes_on();
+    CHECK(stopped.session().ask("SELECT count(*) FROM trial") == begun);
+
     // A button that is gone: no force, whatever anybody presses, until it is there again.
     stopped.ends("stop button gone", "stopped", [&] { button.unplug(); });
     hand.chord("p");

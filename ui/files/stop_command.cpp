@@ -30,6 +30,14 @@ int run(const StopOptions& options) {
     if (stopped.sessions > 0) {
         say("No force any more in {}:\n{}Ctrl+Shift+P at the participant's screen goes on.\n",
             counted(stopped.sessions, "session"), stopped.labels);
+    }
+    if (stopped.silent > 0) {
+        throw std::runtime_error(
+            fmt::format("{} did not answer in 2 s, which hangs or is stopped: use the switch of "
+                        "its motors. It gives no force when it goes on",
+                        counted(stopped.silent, "session")));
+    }
+    if (stopped.sessions > 0) {
         return 0;
     }
     if (options.database && stopped.refused > 0) {

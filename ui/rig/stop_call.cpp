@@ -1,8 +1,11 @@
 #include "ui/rig/stop_call.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,6 +17,8 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
+
+#include "engine/base/clock.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -112,26 +117,37 @@ std::vector<std::string> all_names() {
     return names;
 }
 
-/// @return whether somebody listens there
-bool call(const std::string& name, int file, Stopped& stopped) {
-    const Descriptor line(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const auto [address, length] = address_of(name);
-    if (connect(line.get(), reinterpret_cast<const sockaddr*>(&address), length) != 0) {  // NOLINT
-        return false;
-    }
-    send_right(line.get(), file);
-    std::string label;
-    std::array<char, 512> piece{};
-    while (readable(line.get(), kAnswerMs)) {
-        const ssize_t got = read(line.get(), piece.data(), piece.size());
-        if (got <= 0) {
-            break;
+/// Calls all before it hears any: one that hangs keeps nobody else's force on.
+Stopped call(const std::vector<std::string>& names, int file) {
+    std::vector<std::unique_ptr<Descriptor>> lines;
+    for (const std::string& name : names) {
+        auto line = std::make_unique<Descriptor>(
+            socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+        const auto [address, length] = address_of(name);
+        const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
+        if (connect(line->get(), at, length) == 0) {
+            send_right(line->get(), file);
+            lines.push_back(std::move(line));
         }
-        label.append(piece.data(), static_cast<std::size_t>(got));
     }
-    (label.empty() ? stopped.refused : stopped.sessions) += 1;
-    stopped.labels += label;
-    return true;
+    Stopped stopped;
+    const std::int64_t end = monotonic_ns() + kAnswerMs * kMillisecond;
+    for (const auto& line : lines) {
+        std::string label;
+        std::array<char, 512> piece{};
+        ssize_t got = -1;
+        while (got != 0) {
+            const std::int64_t left = (end - monotonic_ns()) / kMillisecond;
+            if (!readable(line->get(), static_cast<int>(std::max<std::int64_t>(left, 0)))) {
+                break;
+            }
+            got = std::max<ssize_t>(read(line->get(), piece.data(), piece.size()), 0);
+            label.append(piece.data(), static_cast<std::size_t>(got));
+        }
+        (!label.empty() ? stopped.sessions : got == 0 ? stopped.refused : stopped.silent) += 1;
+        stopped.labels += label;
+    }
+    return stopped;
 }
 
 }  // namespace
@@ -189,21 +205,17 @@ void StopCall::answer(int caller) const noexcept {
 }
 
 Stopped stop_sessions(const std::optional<std::string>& database) {
-    Stopped stopped;
     if (!database) {
-        for (const std::string& name : all_names()) {
-            call(name, -1, stopped);
-        }
-        return stopped;
+        return call(all_names(), -1);
     }
     const Descriptor file(open(database->c_str(), O_RDWR | O_CLOEXEC));
-    struct stat there {};
-    if (stat(database->c_str(), &there) == 0) {
+    std::vector<std::string> names;
+    if (struct stat there{}; stat(database->c_str(), &there) == 0) {
         for (int k = 0; k < kSessions; ++k) {
-            call(name_of(there, k), file.get(), stopped);
+            names.push_back(name_of(there, k));
         }
     }
-    return stopped;
+    return call(names, file.get());
 }
 
 }  // namespace palpate::ui

@@ -47,6 +47,7 @@ struct Stopped {
     std::size_t sessions = 0;
     std::string labels{};  ///< a line each
     std::size_t refused = 0;
+    std::size_t silent = 0;  ///< hang, and did not answer within 2 s
 };
 [[nodiscard]] Stopped stop_sessions(const std::optional<std::string>& database);
 
