@@ -15,13 +15,6 @@
 namespace palpate::data {
 namespace {
 
-/// What mkdir would have given: mkdtemp makes folders for the owner alone.
-mode_t usual_rights() {
-    const mode_t mask = umask(0);
-    umask(mask);
-    return static_cast<mode_t>((S_IRWXU | S_IRWXG | S_IRWXO) & ~mask);
-}
-
 void require_synced(const std::filesystem::path& what) {
     if (!sync_to_disk(what)) {
         throw std::runtime_error(fmt::format("{} could not be written to the disk: {}; is it full?",
@@ -43,12 +36,14 @@ NewFolder::NewFolder(std::filesystem::path place) : place_(std::move(place)) {
         throw std::invalid_argument(fmt::format(
             "\"{}\" is there already: give -o the name of a new folder", place_.string()));
     }
-    std::string name = place_.string() + ".part-XXXXXX";
+    remove_leftovers(folder_of(place_));
+    std::string name = place_.string() + std::string(kPartName) + "XXXXXX";
     if (mkdtemp(name.data()) == nullptr) {
         throw std::runtime_error(fmt::format(
             "cannot make a folder beside {}: is its parent there and writable?", place_.string()));
     }
     building_ = name;
+    held_.emplace(building_);
 }
 
 NewFolder::~NewFolder() {
@@ -60,11 +55,14 @@ NewFolder::~NewFolder() {
 
 void NewFolder::keep(bool own) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(building_)) {
+        if (own) {  // also where it is copied to
+            chmod(entry.path().c_str(), S_IRUSR | S_IWUSR | (entry.is_directory() ? S_IXUSR : 0U));
+        }
         require_synced(entry.path());
     }
     require_synced(building_);
     if (!own) {
-        chmod(building_.c_str(), usual_rights());
+        chmod(building_.c_str(), usual_rights(S_IRWXU | S_IRWXG | S_IRWXO));
     }
     std::error_code failed;
     std::filesystem::rename(building_, place_, failed);

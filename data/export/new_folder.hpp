@@ -1,6 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "engine/base/files.hpp"
 
 namespace palpate::data {
 
@@ -17,12 +20,13 @@ public:
 
     /// Where to write until keep().
     [[nodiscard]] const std::filesystem::path& path() const { return building_; }
-    /// @param own  nobody but its owner may look inside
+    /// @param own  nobody but its owner may look inside, nor into its files where they are copied to
     void keep(bool own = false);
 
 private:
     std::filesystem::path place_;
     std::filesystem::path building_;
+    std::optional<Held> held_;
 };
 
 }  // namespace palpate::data

@@ -40,7 +40,8 @@ CREATE TABLE participant (
     participant_id   INTEGER PRIMARY KEY,           -- [file] of this file alone; people are known by participant_code
     participant_code TEXT NOT NULL UNIQUE           -- [file] the pseudonym
                          CHECK (length(participant_code) BETWEEN 1 AND 64
-                                AND participant_code NOT GLOB '*[^A-Za-z0-9_-]*'),
+                                AND participant_code NOT GLOB '*[^A-Za-z0-9_-]*'
+                                AND participant_code GLOB '[A-Za-z0-9]*'),
     handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- [details] Edinburgh score: -100 left, 100 right
     handedness_utc TEXT,                            -- [details] when that was noted
     consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it {0 = no; 1 = yes}

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -9,8 +10,11 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "engine/base/remark.hpp"
 
 namespace palpate {
 bool sync_to_disk(const std::filesystem::path& what) {
@@ -52,14 +56,21 @@ int write_all(int fd, std::string_view text) {
 
 /// Beside a file that is made whole there; a pipe or a terminal is written itself.
 struct Part {
-    explicit Part(const std::filesystem::path& file) {
+    explicit Part(const std::filesystem::path& file, Rights rights = Rights::usual) {
         struct stat there {};
         special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode);
-        name = special ? file.string() : fmt::format("{}.{}.part", file.string(), ::getpid());
-        constexpr mode_t kMode = 0666;
-        // A pipe that nobody reads is an error, not a long wait.
-        fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
-                    kMode);
+        if (special) {  // a pipe that nobody reads is an error, not a long wait
+            name = file.string();
+            fd = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+        } else {  // new, by a name that nobody can guess: whoever may write here cannot lay a link there
+            name = file.string() + std::string(kPartName) + "XXXXXX";
+            fd = ::mkostemp(name.data(), O_CLOEXEC);
+            ::flock(fd, LOCK_EX | LOCK_NB);
+            constexpr mode_t kEverybody = 0666;
+            if (rights == Rights::usual) {
+                static_cast<void>(::fchmod(fd, usual_rights(kEverybody)));
+            }
+        }
         if (fd < 0) {
             fail(file.string(), errno);
         }
@@ -68,6 +79,14 @@ struct Part {
     std::string name;
     int fd = -1;
 };
+
+/// "NAME.palpate-part-aB3dE6"
+bool is_part(std::string_view name) {
+    constexpr std::size_t kLetters = 6;
+    const std::size_t at = name.rfind(kPartName);
+    return at != std::string_view::npos && at > 0 &&
+           name.size() == at + kPartName.size() + kLetters;
+}
 
 /// How every text of this one's kind begins.
 std::string_view beginning_of(std::string_view text) {
@@ -104,6 +123,44 @@ void require_own_kind(const std::filesystem::path& file, std::string_view text) 
 
 }  // namespace
 
+mode_t usual_rights(mode_t wanted) {
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    return wanted & ~mask;
+}
+
+Held::Held(const std::filesystem::path& part)
+    : fd_(::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
+    ::flock(fd_, LOCK_EX | LOCK_NB);  // some network disks cannot: then nothing is removed either
+}
+
+Held::~Held() {
+    ::close(fd_);
+}
+
+void remove_leftovers(const std::filesystem::path& folder) {
+    std::error_code unknown;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, unknown)) {
+        if (!is_part(entry.path().filename().string())) {
+            continue;
+        }
+        const int fd = ::open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        struct stat there {};
+        const bool left = fd >= 0 && ::fstat(fd, &there) == 0 && there.st_uid == ::geteuid() &&
+                          (S_ISREG(there.st_mode) || S_ISDIR(there.st_mode)) &&
+                          ::flock(fd, LOCK_EX | LOCK_NB) == 0;
+        if (left) {
+            std::error_code failed;
+            std::filesystem::remove_all(entry.path(), failed);
+            remark(fmt::format("{}: a palpate that was killed left it half made; {}",
+                               entry.path().string(),
+                               failed ? "it cannot be removed: " + failed.message()
+                                      : std::string("it is removed")));
+        }
+        ::close(fd);
+    }
+}
+
 std::string first_line(const std::filesystem::path& file) {
     std::ifstream in(file);
     std::string line;
@@ -116,6 +173,7 @@ void require_writable(const std::filesystem::path& file, std::string_view text) 
         return;
     }
     require_own_kind(file, text);
+    remove_leftovers(folder_of(file));
     const Part part(file);
     ::close(part.fd);
     if (!part.special) {
@@ -123,7 +181,7 @@ void require_writable(const std::filesystem::path& file, std::string_view text) 
     }
 }
 
-void write_whole(const std::filesystem::path& file, std::string_view text) {
+void write_whole(const std::filesystem::path& file, std::string_view text, Rights rights) {
     if (file.empty()) {
         std::fflush(stdout);
         if (const int error = write_all(STDOUT_FILENO, text)) {
@@ -132,7 +190,7 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
         return;
     }
     require_own_kind(file, text);
-    const Part part(file);
+    const Part part(file, rights);
     const auto& [special, name, fd] = part;
     const std::string target = file.string();
     ::fcntl(fd, F_SETFL, O_WRONLY);
@@ -155,9 +213,9 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
     }
 }
 
-void write_new(const std::filesystem::path& file, std::string_view text) {
-    constexpr mode_t kMode = 0666;
-    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+void write_new(const std::filesystem::path& file, std::string_view text, Rights rights) {
+    const mode_t mode = rights == Rights::own ? 0600 : 0666;
+    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (fd < 0 && errno == EEXIST) {
         throw std::invalid_argument(fmt::format(
             "{} is there already, and stays as it is: give another name", file.string()));
@@ -177,6 +235,14 @@ void write_new(const std::filesystem::path& file, std::string_view text) {
         fail(file.string(), error);
     }
     static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
+}
+
+void write_whole(const std::filesystem::path& file, std::string_view text) {
+    write_whole(file, text, Rights::usual);
+}
+
+void write_new(const std::filesystem::path& file, std::string_view text) {
+    write_new(file, text, Rights::usual);
 }
 
 void make_folder(const std::filesystem::path& folder) {

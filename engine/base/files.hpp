@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+
+#include <sys/types.h>
 
 namespace palpate {
 
@@ -17,12 +20,39 @@ namespace palpate {
 /// The first line of a file; empty if it cannot be read.
 [[nodiscard]] std::string first_line(const std::filesystem::path& file);
 
-/// Before long work: whether write_whole() could write it now. @throws as that
+/// Who may read what is written.
+enum class Rights : std::uint8_t {
+    usual,  ///< whom the umask lets
+    own,    ///< its owner alone: it can tell who somebody is
+};
+
+/// What is made under another name beside its place has this and six letters behind the place's name.
+inline constexpr std::string_view kPartName = ".palpate-part-";
+
+/// `wanted` without what the umask takes away.
+[[nodiscard]] mode_t usual_rights(mode_t wanted);
+
+/// Holds what is half made, for as long as this lives: what nobody holds was left behind.
+class Held {
+public:
+    explicit Held(const std::filesystem::path& part);
+    Held(const Held&) = delete;
+    Held& operator=(const Held&) = delete;
+    ~Held();
+
+private:
+    int fd_ = -1;
+};
+
+/// Removes from a folder what a palpate of this user that was killed left half made there, and says so.
+void remove_leftovers(const std::filesystem::path& folder);
+
+/// Before long work: whether write_whole() could write it now. Removes leftovers. @throws as write_whole()
 /// @param text the text that will be written, or how it will begin; empty: nothing is there yet
 void require_writable(const std::filesystem::path& file, std::string_view text);
 
-/// Writes the text so that the file is either whole or as it was: to a file beside it, synced, then
-/// renamed. An empty path means standard output.
+/// Writes the text so that the file is either whole or as it was: to a new file beside it, synced, then
+/// renamed: no link is followed. An empty path means standard output.
 ///
 /// What is there is written over only if it is empty or of the text's own kind, as the same command
 /// wrote it before: it begins with the same tag (<svg, <!DOCTYPE), the same head of a CSV, or the
@@ -30,13 +60,15 @@ void require_writable(const std::filesystem::path& file, std::string_view text);
 /// protocol. Pipes and terminals have no kind.
 /// @throws std::invalid_argument if a file of another kind is there, std::runtime_error if it cannot
 ///         be written; both with file, why and remedy
-void write_whole(const std::filesystem::path& file, std::string_view text);
+void write_whole(const std::filesystem::path& file, std::string_view text, Rights rights);
+void write_whole(const std::filesystem::path& file, std::string_view text);  ///< Rights::usual
 
 /// Writes a file that is not there yet, and syncs it: nobody's file is ever written over, whoever
 /// comes first.
 /// @throws std::invalid_argument if it is there or cannot be made, std::runtime_error if it did not
 ///         become whole: it is gone then
-void write_new(const std::filesystem::path& file, std::string_view text);
+void write_new(const std::filesystem::path& file, std::string_view text, Rights rights);
+void write_new(const std::filesystem::path& file, std::string_view text);  ///< Rights::usual
 
 /// Makes a folder and those around it, as far as they are not there.
 /// @throws std::invalid_argument if that cannot be done

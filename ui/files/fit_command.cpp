@@ -298,7 +298,8 @@ int run(const FitWords& words) {
         data::fit_all(source_of(words, database, answers.study), answers.all, options);
     report.versions = answers.versions;
     if (!words.svg.empty()) {
-        data::write_svg(words.svg, data::fit_figure(report));
+        write_whole(words.svg, data::svg(data::fit_figure(report)),
+                    words.keep_codes ? Rights::own : Rights::usual);
     }
     say("{}", words.json ? data::fit_json(report) : data::fit_text(report));
     return 0;

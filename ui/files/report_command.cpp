@@ -82,7 +82,7 @@ int run(const ReportWords& words) {
                                 .simulations = static_cast<std::size_t>(words.simulations),
                                 .bootstrap = static_cast<std::size_t>(words.bootstrap),
                                 .version = kVersion});
-    write_whole(words.output, page);
+    write_whole(words.output, page, words.keep_codes ? Rights::own : Rights::usual);
     say("{} ({} kB): open it in a browser, or print it\n", words.output,
         (page.size() + 999) / 1000);
     return 0;

@@ -120,8 +120,9 @@ int run(const StatsWords& words) {
                            .nodes = static_cast<int>(words.nodes),
                            .prior_scale = words.prior_scale});
     if (!words.script.empty()) {
-        write_new(trials_file, data::trials_csv(report.table));
-        write_new(words.script, data::stats_r(report, trials_file.filename().string()));
+        const Rights rights = words.keep_codes ? Rights::own : Rights::usual;
+        write_new(trials_file, data::trials_csv(report.table), rights);
+        write_new(words.script, data::stats_r(report, trials_file.filename().string()), rights);
     }
     say("{}", words.json ? data::stats_json(report) : data::stats_text(report));
     return 0;

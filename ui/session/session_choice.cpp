@@ -17,9 +17,12 @@ namespace palpate::ui {
 void check_participant(const std::string& id, std::string_view word) {
     constexpr std::string_view kAllowed =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-    if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
-        throw std::invalid_argument(fmt::format(
-            "{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", word, id));
+    if (id.empty() || id.size() > 64 || id.front() == '-' || id.front() == '_' ||
+        id.find_first_not_of(kAllowed) != std::string::npos) {
+        throw std::invalid_argument(
+            fmt::format("{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _, the first "
+                        "a letter or digit",
+                        word, id));
     }
 }
 
