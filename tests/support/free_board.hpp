@@ -104,9 +104,9 @@ inline void operate(TypedTo& operated,
 
 /// A busy machine left the board, or the program, without its turn.
 inline bool starved(const std::string& error) {
-    for (const char* said :
-         {"stopped answering", "switched its motors off", "falls silent", "runs wrong",
-          "does not answer", "too long for a force", "late too often", "became later", "is gone"}) {
+    for (const char* said : {"stopped answering", "switched its motors off", "falls silent",
+                             "runs wrong", "does not answer", "too long for a force",
+                             "late too often", "became later", "is gone", "left the workspace"}) {
         if (error.find(said) != std::string::npos) {
             return true;
         }
