@@ -3,6 +3,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
@@ -24,6 +25,7 @@ namespace {
 
 constexpr const char* kExample = PALPATE_SOURCE_DIR "/examples/gantry.toml";
 constexpr const char* kAtHome = "0,0,40";
+constexpr const char* kAtStart = "0,0,30";
 
 std::string board_words(const std::string& preset) {
     return "--open --preset '" + preset + "'";
@@ -213,14 +215,20 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     }
     INFO(typed->program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
-    board.bring(kAtHome);
-    board.bring("explore");
     bool felt = false;
+    bool explores = false;
     for (int i = 0; i < 1800 && !felt && typed->program().running(); ++i) {
         const auto window = hand.find_window("palpate: ");
         if (window.title == "palpate: explore") {
+            if (!std::exchange(explores, true)) {
+                board.bring("explore");
+            }
             felt = board.motors() != "0, 0, 0";
         } else if (window.id != 0) {
+            if (window.title == "palpate: ready") {
+                explores = false;
+                board.bring(kAtStart);
+            }
             hand.focus(window);
             hand.key(window.title == "palpate: question" ? "1" : "space");
         }

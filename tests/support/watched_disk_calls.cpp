@@ -1,8 +1,10 @@
 #undef _FORTIFY_SOURCE  // it would put functions of the same names into the headers
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 #include <fcntl.h>
@@ -27,6 +29,21 @@ auto call(const Plain& plain, const Seen& seen) {
     const std::scoped_lock lock(watch_guard);
     State* const state = watched_disk;
     return state == nullptr ? plain() : seen(*state);
+}
+
+/// Numbers the name's last six letters until `make` finds it free, as the C library draws them.
+template <class Make>
+int with_new_name(char* name, const Make& make) {
+    constexpr std::size_t kLetters = 6;
+    static std::atomic<unsigned> number = 0;
+    for (;;) {
+        const std::string letters = std::to_string(100'000 + number++ % 900'000);
+        letters.copy(name + std::strlen(name) - kLetters, kLetters);
+        const int made = make();
+        if (made >= 0 || errno != EEXIST) {
+            return made;
+        }
+    }
 }
 
 int open_file(const char* path, int flags, mode_t mode) {
@@ -291,6 +308,14 @@ int mkdir(const char* path, mode_t mode) noexcept {
 }
 int rename(const char* from, const char* to) noexcept {
     return rename_file(from, to);
+}
+int mkostemp(char* name, int flags) {
+    return with_new_name(name, [&] {
+        return open_file(name, O_RDWR | O_CREAT | O_EXCL | flags, S_IRUSR | S_IWUSR);
+    });
+}
+char* mkdtemp(char* name) noexcept {
+    return with_new_name(name, [&] { return make_folder(name, S_IRWXU); }) < 0 ? nullptr : name;
 }
 }
 #pragma GCC visibility pop
