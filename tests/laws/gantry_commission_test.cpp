@@ -3,7 +3,6 @@
 #include <fstream>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
@@ -25,7 +24,6 @@ namespace {
 
 constexpr const char* kExample = PALPATE_SOURCE_DIR "/examples/gantry.toml";
 constexpr const char* kAtHome = "0,0,40";
-constexpr const char* kAtStart = "0,0,30";
 
 std::string board_words(const std::string& preset) {
     return "--open --preset '" + preset + "'";
@@ -162,12 +160,17 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     FreeBoard board(folder, board_words(kExample));
     board.bring("friction 0.3");  // 0.5 N move it, and 1 N tell its numbers
     board.bring("weight 0.15");
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/patch_friction.toml");
+    const std::string start = "start_mm = [0, 0]";
+    text.replace(text.find(start), start.size(),
+                 start + "\nstart_radius_mm = 0");  // it sinks from there
+    tests::write(folder.file("p.toml"), text);
     const std::string db = folder.file("d.sqlite");
     const auto session = [&](const std::string& calibration) {
         return fmt::format(
-            "run patch_friction --participant P1 --db '{}' --windowed --device {} "
+            "run '{}' --participant P1 --db '{}' --windowed --device {} "
             "--calibration '{}' --kind real",
-            db, board.word(), calibration);
+            folder.file("p.toml"), db, board.word(), calibration);
     };
     const auto refused = [&](const std::string& calibration) {
         const Finished end = tests::operated(folder, board, session(calibration), kAtHome);
@@ -215,20 +218,14 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     }
     INFO(typed->program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    board.bring(kAtHome);
+    board.bring("explore");
     bool felt = false;
-    bool explores = false;
     for (int i = 0; i < 1800 && !felt && typed->program().running(); ++i) {
         const auto window = hand.find_window("palpate: ");
         if (window.title == "palpate: explore") {
-            if (!std::exchange(explores, true)) {
-                board.bring("explore");
-            }
             felt = board.motors() != "0, 0, 0";
         } else if (window.id != 0) {
-            if (window.title == "palpate: ready") {
-                explores = false;
-                board.bring(kAtStart);
-            }
             hand.focus(window);
             hand.key(window.title == "palpate: question" ? "1" : "space");
         }
