@@ -36,8 +36,8 @@ void convert(DuckDb& duck, const std::string& from, const fs::path& to, const Ty
         columns +=
             fmt::format("{}{}: {}", columns.empty() ? "" : ", ", sql_text(name), sql_text(type));
         if (type == "VARCHAR") {  // no spreadsheet opens it: the mark of csv_field() goes again
-            texts += fmt::format("{}regexp_replace(\"{}\", {}, '\\1') AS \"{}\"",
-                                 texts.empty() ? "" : ", ", name, kMarked, name);
+            texts += fmt::format("{}regexp_replace({}, {}, '\\1') AS {}", texts.empty() ? "" : ", ",
+                                 quoted_name(name), kMarked, quoted_name(name));
         }
     }
     duck.run(fmt::format(

@@ -65,8 +65,10 @@ const std::vector<ExportColumn>& computed_columns() {
          "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
          " 'interrupted'), event.text, NULL)"},
         {"event_since_first_ns", "integer", "ns",
-         "as since_first_ns of trials; empty: no attempt is within an hour of it",
-         "(SELECT since_ns FROM happened WHERE happened.event_id = event.event_id)"},
+         "as since_first_ns of trials; empty: no attempt is within an hour of it, or it was noted "
+         "from outside",
+         "iif(event.event_kind IN ('mark', 'note', 'participant'), NULL, (SELECT since_ns FROM "
+         "happened WHERE happened.event_id = event.event_id))"},
     };
     return all;
 }

@@ -377,15 +377,24 @@ const std::vector<TableManual>& catalogue() {
     return all;
 }
 
+std::vector<std::string> tables_with(std::string_view column) {
+    std::vector<std::string> names;
+    for (const TableManual& table : catalogue()) {
+        if (!table.view && find_column(fmt::format("{}.{}", table.name, column)) != nullptr) {
+            names.push_back(table.name);
+        }
+    }
+    return names;
+}
+
 const ColumnManual* find_column(std::string_view name) {
     const std::size_t dot = name.find('.');
     const auto table = std::ranges::find(catalogue(), name.substr(0, dot), &TableManual::name);
     if (table == catalogue().end() || dot == std::string_view::npos) {
         return nullptr;
     }
-    const auto column =
-        std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
-    return column == table->columns.end() ? nullptr : &*column;
+    const auto at = std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
+    return at == table->columns.end() ? nullptr : &*at;
 }
 
 }  // namespace palpate::data

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,9 @@ inline constexpr std::int64_t kSchemaVersion = 1;
 
 /// The catalogue of this program, read from schema_sql().
 [[nodiscard]] const std::vector<TableManual>& catalogue();
+
+/// Tables of the catalogue that have this column: whatever else a file has is somebody's own.
+[[nodiscard]] std::vector<std::string> tables_with(std::string_view column);
 
 /// @param name  "table.column"
 /// @return nothing if the catalogue does not have it

@@ -131,8 +131,9 @@ std::vector<TableManual> manual_of(Database& database) {
 
 }  // namespace
 
-SqlShell::SqlShell(Database& database, RowFormat format, std::FILE* out, std::FILE* error)
-    : database_(database), format_(format), out_(out), error_(error) {
+SqlShell::SqlShell(
+    Database& database, RowFormat format, std::FILE* out, std::FILE* error, SqlLimits limits)
+    : database_(database), format_(format), out_(out), error_(error), guard_(database, limits) {
     if (sample_is_hidden(database.handle())) {
         throw StoreError(fmt::format("{}: {}", database.file(), kSampleIsHidden));
     }
@@ -185,9 +186,14 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
     sqlite3* db = database_.handle();
     sqlite3_stmt* raw = nullptr;
     const char* tail = nullptr;
+    guard_.begin();
     const int code =
         sqlite3_prepare_v2(db, text.data(), static_cast<int>(text.size()), &raw, &tail);
     const Prepared prepared(raw);
+    if ((code & 0xFF) == SQLITE_AUTH) {
+        fmt::print(error_, "{}", guard_.refusal(text));
+        return false;
+    }
     if (code != SQLITE_OK) {
         const int offset = sqlite3_error_offset(db);
         complain(all,
@@ -202,10 +208,7 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         return true;  // a comment
     }
     if (sqlite3_stmt_readonly(raw) == 0) {
-        fmt::print(error_,
-                   "palpate: palpate sql only reads, and this would write: {}\n"
-                   "  To change something take a copy of the file and sqlite3.\n",
-                   plain(std::string_view(sqlite3_sql(raw)).substr(0, 60)));
+        fmt::print(error_, "{}", guard_.refusal(sqlite3_sql(raw)));
         return false;
     }
     const int columns = sqlite3_column_count(raw);
@@ -227,7 +230,14 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
     }
     if (step != SQLITE_DONE) {
         std::fflush(out_);
-        complain(all, std::string_view::npos, first_line);
+        if ((step & 0xFF) == SQLITE_INTERRUPT) {
+            fmt::print(
+                error_,
+                "palpate: this has not ended after {} steps of SQLite; --steps gives it more\n",
+                guard_.limits().steps);
+        } else {
+            complain(all, std::string_view::npos, first_line);
+        }
     }
     return step == SQLITE_DONE;
 }

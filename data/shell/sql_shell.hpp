@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "data/shell/row_printer.hpp"
+#include "data/shell/sql_guard.hpp"
 #include "data/store/database.hpp"
 
 namespace palpate::data {
@@ -14,7 +15,11 @@ namespace palpate::data {
 class SqlShell {
 public:
     /// @throws StoreError if the functions cannot be added
-    SqlShell(Database& database, RowFormat format, std::FILE* out, std::FILE* error);
+    SqlShell(Database& database,
+             RowFormat format,
+             std::FILE* out,
+             std::FILE* error,
+             SqlLimits limits = {});
 
     /// Statements, separated by semicolons, and words, each on its line. Stops at the first that fails.
     /// @param first_line  line that `text` begins in, for messages
@@ -39,6 +44,7 @@ private:
     RowFormat format_;
     std::FILE* out_;
     std::FILE* error_;
+    SqlGuard guard_;
     bool quit_ = false;
 };
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "data/schema/views.hpp"
+#include "data/store/own_schema.hpp"
 
 namespace palpate::data {
 namespace {
@@ -27,18 +27,6 @@ constexpr std::string_view kWithdrawn =
 
 bool any(Database& database, const std::string& sql) {
     return database.prepare(fmt::format("SELECT 1 FROM ({}) LIMIT 1", sql)).step();
-}
-
-/// Names of this connection come before those of the file; views of the file would not see them.
-void look_through(Database& database) {
-    std::string sql(views_sql());
-    constexpr std::string_view kMade = "CREATE VIEW ";
-    constexpr std::string_view kTemporary = "CREATE TEMP VIEW ";
-    for (std::size_t at = sql.find(kMade); at != std::string::npos;
-         at = sql.find(kMade, at + kTemporary.size())) {
-        sql.replace(at, kMade.size(), kTemporary);
-    }
-    database.execute(sql.c_str());
 }
 
 }  // namespace
@@ -65,7 +53,7 @@ void analyse(Database& database, Versions versions, const std::string& study) {
                     "main.study;CREATE UNIQUE INDEX temp.study_by_id ON study (study_id)",
                     kVersions)
             .c_str());
-    look_through(database);
+    make_own_views(database.connection());  // views of the file would not see the table
     std::set<std::string> names;
     for (const StudyVersion& one : versions_of(database)) {
         names.insert(one.study);

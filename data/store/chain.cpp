@@ -9,6 +9,7 @@
 
 #include "engine/base/sha256.hpp"
 #include "protocols/session/progress.hpp"
+#include "data/schema/catalogue.hpp"
 #include "data/store/row.hpp"
 
 namespace palpate::data {
@@ -65,16 +66,14 @@ std::string first_head(Database& database, std::int64_t session) {
     return sha256_hex(text);
 }
 
-/// Tables with rows of trials, but for events.
-std::vector<std::string> tables_of_trials(Database& database) {
-    std::vector<std::string> names;
-    Statement row = database.prepare(
-        "SELECT s.name FROM sqlite_schema AS s, pragma_table_info(s.name) AS c WHERE s.type = "
-        "'table'"
-        " AND c.name = 'trial_id' AND s.name NOT IN ('event', 'trial') ORDER BY s.name");
-    while (row.step()) {
-        names.push_back(row.text(0));
-    }
+/// Tables with rows of trials, but for events: those of the catalogue, whatever else somebody added.
+const std::vector<std::string>& tables_of_trials() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all = tables_with("trial_id");
+        std::erase_if(all, [](const auto& name) { return name == "event" || name == "trial"; });
+        std::ranges::sort(all);
+        return all;
+    }();
     return names;
 }
 
@@ -85,11 +84,7 @@ std::int64_t events_now(Database& database, std::int64_t session) {
 }
 
 /// The link of a trial whose row says how many events came before.
-/// @param tables  tables_of_trials()
-std::string trial_head(Database& database,
-                       std::span<const std::string> tables,
-                       std::int64_t trial,
-                       const std::string& before) {
+std::string trial_head(Database& database, std::int64_t trial, const std::string& before) {
     std::string text = before + '\n';
     // A mark came later: at the end of the trial its answer counted.
     const bool marked = mark_reason(database, trial).has_value();
@@ -98,7 +93,7 @@ std::string trial_head(Database& database,
         without.emplace_back("invalid_reason");
     }
     text += lines_of(database, "trial", "SELECT * FROM trial WHERE trial_id = ?1", trial, without);
-    for (const std::string& table : tables) {
+    for (const std::string& table : tables_of_trials()) {
         text +=
             lines_of(database, table,
                      fmt::format("SELECT * FROM {} WHERE trial_id = ?1 ORDER BY 1, 2, 3", table),
@@ -172,7 +167,6 @@ public:
         : database_(database),
           session_(session),
           anew_(anew),
-          tables_(tables_of_trials(database)),
           head_(first_head(database, session)),
           events_(database.prepare("SELECT event.event_id, seal, event_kind, coalesce(trial_id, 0) "
                                    "FROM event WHERE session_id = ?1 ORDER BY event_id")) {
@@ -194,8 +188,7 @@ public:
                 continue;
             }
             events_until(trial.integer(2));
-            link("trial", id,
-                 {id, "trial.seal", trial.text(1), trial_head(database_, tables_, id, head_)});
+            link("trial", id, {id, "trial.seal", trial.text(1), trial_head(database_, id, head_)});
         }
         Statement end = database_.prepare(
             "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1");
@@ -274,7 +267,6 @@ private:
     Database& database_;
     std::int64_t session_;
     bool anew_;
-    std::vector<std::string> tables_;
     std::string head_;
     Statement events_;
     std::int64_t seen_ = 0;
@@ -291,7 +283,7 @@ void chain_trial(Database& database, std::int64_t trial) {
     whose.reset();
     keep_events(database, "trial", trial, session);
     keep_head(database, "trial", trial, session,
-              trial_head(database, tables_of_trials(database), trial, head_now(database, session)));
+              trial_head(database, trial, head_now(database, session)));
 }
 
 void chain_session(Database& database, std::int64_t session) {

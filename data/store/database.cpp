@@ -1,5 +1,6 @@
 #include "data/store/database.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -18,6 +19,7 @@
 #include "engine/base/clock.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/migration.hpp"
+#include "data/store/own_schema.hpp"
 #include "data/store/uuid.hpp"
 
 namespace palpate::data {
@@ -150,12 +152,15 @@ void Database::connect(const std::string& name, int flags) {
     }
     sqlite3_extended_result_codes(connection_.handle, 1);
     sqlite3_busy_timeout(connection_.handle, wait_ms_);
-    // A file can come from anywhere: its views call no function that reaches out of SQLite, and no
-    // statement may write to SQLite's own tables.
-    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    // Until it is known to be ours, closing must not move its log.
-    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    // A file can come from anywhere: nothing in it runs, its log stays, until it is known to be ours.
+    for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+                                     {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
+                                     {SQLITE_DBCONFIG_ENABLE_FTS3_TOKENIZER, 0},
+                                     {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0},
+                                     {SQLITE_DBCONFIG_DEFENSIVE, 1},
+                                     {SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1}}) {
+        sqlite3_db_config(connection_.handle, option, on, nullptr);
+    }
 }
 
 void Database::open(Access access) {
@@ -163,6 +168,7 @@ void Database::open(Access access) {
         in_memory_ = true;
         connect(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_MEMORY);
         create();
+        sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_ENABLE_VIEW, 1, nullptr);
         execute("PRAGMA foreign_keys = ON");
         return;
     }
@@ -187,7 +193,7 @@ void Database::open(Access access) {
     if (one_byte || first_page(connection_.handle) == FirstPage::theirs) {
         not_ours(connection_.file);
     }
-    if (access == Access::read && lies_still(plain_name(connection_.file))) {
+    if (access != Access::write && lies_still(plain_name(connection_.file))) {
         connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }
     if (access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1) {
@@ -196,6 +202,7 @@ void Database::open(Access access) {
             connection_.file));
     }
     check_identity(access);
+    check_schema(access);
     sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
     if (access == Access::write) {
         keep_log();
@@ -204,13 +211,16 @@ void Database::open(Access access) {
 }
 
 Database::Identity Database::identity() {
-    Statement row = prepare(
-        "SELECT (SELECT application_id FROM pragma_application_id),"
-        " (SELECT user_version FROM pragma_user_version), (SELECT count(*) FROM sqlite_schema)");
-    row.step();
-    return {.application = row.integer(0),
-            .version = row.integer(1),
-            .blank = row.integer(0) == 0 && row.integer(1) == 0 && row.integer(2) == 0};
+    const auto number = [this](std::string_view sql) {
+        Statement row = prepare(sql);
+        row.step();
+        return row.integer(0);
+    };
+    Identity id{.application = number("PRAGMA application_id"),
+                .version = number("PRAGMA user_version")};
+    id.blank =
+        id.application == 0 && id.version == 0 && number("SELECT count(*) FROM sqlite_master") == 0;
+    return id;
 }
 
 void Database::check_identity(Access access) {
@@ -231,6 +241,28 @@ void Database::check_identity(Access access) {
             fmt::format("{}: made by another palpate (schema {}, this program knows {}); use that "
                         "one for it, or choose another file name",
                         connection_.file, id.version, kSchemaVersion));
+    }
+}
+
+void Database::check_schema(Access access) {
+    using Of = SchemaDifference::Of;
+    const std::vector<SchemaDifference> found = schema_differences(connection_);
+    const auto has = [&found](Of of) {
+        return std::ranges::find(found, of, &SchemaDifference::of) != found.end();
+    };
+    if (access == Access::write && !found.empty() && found.front().of != Of::sample) {
+        refuse_schema(connection_, found, "nothing is written into it");
+    }
+    if (access == Access::read && has(Of::table)) {
+        refuse_schema(connection_, found, "what its tables say is not believed");
+    }
+    if (has(Of::view)) {
+        make_own_views(connection_);
+    } else if (!has(Of::table)) {
+        sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_ENABLE_VIEW, 1, nullptr);
+    }
+    if (access != Access::write && !found.empty()) {
+        remark_schema(connection_, found);
     }
 }
 

@@ -12,7 +12,7 @@ struct sqlite3;
 
 namespace palpate::data {
 
-enum class Access { read, write, memory };
+enum class Access { read, write, memory, inspect };
 
 /// Whether a file begins as those of SQLite do. False where it cannot be read.
 [[nodiscard]] bool is_database(const std::string& file);
@@ -22,10 +22,14 @@ class Database {
 public:
     /// write: makes the file (mode 0600) with the current schema, or opens one; WAL, every commit
     /// synced to the disk, foreign keys on. read: never changes anything, and reads from a read-only
-    /// disk too. memory: a new one that nobody else sees, gone with this object; its name is for messages.
+    /// disk too. inspect: the same for a look at what is stored, whatever its schema. memory: a new one that nobody else sees, gone with this object; its name is for messages.
     /// The name is always that of a file: "" and ":memory:" have no meaning of their own.
+    ///
+    /// What a file brings is data, never a program: none of its triggers runs. Its schema is compared with the
+    /// catalogue. write refuses a trigger on our tables and whatever of ours is another. read refuses tables of
+    /// ours that are others; for views that are, it remarks so, makes our own and looks into none of the file's.
     /// @throws StoreError for a file that is no palpate database or has another schema (both stay
-    ///         as they are, their logs too), or one that cannot be opened
+    ///         as they are, their logs too), one that cannot be opened, or whose schema is refused
     Database(std::string file, Access access);
     Database(const Database&) = delete;
     Database& operator=(const Database&) = delete;
@@ -69,6 +73,7 @@ private:
     void open(Access access);
     void connect(const std::string& name, int flags);
     void check_identity(Access access);
+    void check_schema(Access access);
     [[nodiscard]] Identity identity();
     void create();
     void keep_log();

@@ -1,28 +1,18 @@
 #include "data/store/destruction.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_lock.hpp"
 
 namespace palpate::data {
 namespace {
-
-std::vector<std::string> tables_with(Database& database, std::string_view column) {
-    Statement row = database.prepare(
-        "SELECT s.name FROM sqlite_schema AS s, pragma_table_info(s.name) AS c WHERE s.type = "
-        "'table' AND c.name = ?1 AND s.name <> 'session' ORDER BY s.name = 'trial'");
-    row.bind(1, column);
-    std::vector<std::string> names;
-    while (row.step()) {
-        names.push_back(row.text(0));
-    }
-    return names;
-}
 
 /// The events that noted a score lose it; all later links are made again.
 void destroy_scores(Database& database,
@@ -118,7 +108,9 @@ void destroy_participant(Database& database,
 }
 
 void clear_session(Database& database, std::int64_t session) {
-    for (const std::string& table : tables_with(database, "trial_id")) {
+    std::vector<std::string> of_trials = tables_with("trial_id");
+    std::ranges::stable_partition(of_trials, [](const auto& table) { return table != "trial"; });
+    for (const std::string& table : of_trials) {
         database
             .prepare(fmt::format("DELETE FROM {} WHERE trial_id IN (SELECT trial_id FROM trial "
                                  "WHERE session_id = ?1)",
@@ -126,10 +118,12 @@ void clear_session(Database& database, std::int64_t session) {
             .bind(1, session)
             .run();
     }
-    for (const std::string& table : tables_with(database, "session_id")) {
-        database.prepare(fmt::format("DELETE FROM {} WHERE session_id = ?1", table))
-            .bind(1, session)
-            .run();
+    for (const std::string& table : tables_with("session_id")) {
+        if (table != "session") {
+            database.prepare(fmt::format("DELETE FROM {} WHERE session_id = ?1", table))
+                .bind(1, session)
+                .run();
+        }
     }
 }
 

@@ -40,7 +40,7 @@ void drop_views(const Connection& file) {
     }
     row.reset();
     for (const std::string& view : views) {
-        file.execute(fmt::format("DROP VIEW \"{}\"", view).c_str());
+        file.execute(("DROP VIEW " + quoted_name(view)).c_str());
     }
 }
 

@@ -8,6 +8,7 @@
 
 #include "engine/base/sha256.hpp"
 #include "data/store/row.hpp"
+#include "data/store/uuid.hpp"
 
 namespace palpate::data {
 namespace {
@@ -16,7 +17,64 @@ bool anybody_in(Database& database) {
     return database.prepare("SELECT 1 FROM session UNION ALL SELECT 1 FROM participant").step();
 }
 
+/// With which nothing was drawn, in the order of their digits. The demo's counts for nothing.
+std::vector<std::string> unused(Database& database) {
+    std::vector<std::string> all;
+    Statement row = database.prepare(
+        "SELECT hex FROM secret WHERE hex <> ?1 AND hex NOT IN (SELECT secret FROM session) ORDER "
+        "BY hex");
+    row.bind(1, kDemoSecret);
+    while (row.step()) {
+        all.push_back(row.text(0));
+    }
+    std::erase_if(all, [&database](const std::string& secret) {
+        Statement person = database.prepare("SELECT participant_code, subject FROM participant");
+        while (person.step()) {
+            if (drawn_with(secret, person.text(0), person.integer(1))) {
+                return true;
+            }
+        }
+        return false;
+    });
+    return all;
+}
+
+/// How many there are, without the demo's.
+std::size_t secrets_in(Database& database) {
+    Statement row = database.prepare("SELECT count(*) FROM secret WHERE hex <> ?1");
+    row.bind(1, kDemoSecret).step();
+    return static_cast<std::size_t>(row.integer(0));
+}
+
 }  // namespace
+
+bool drawn_with(std::string_view secret, std::string_view code, std::int64_t subject) {
+    constexpr int kDraws = 10;
+    int draw = 0;
+    while (draw < kDraws && subject_of(code, secret, draw) != subject) {
+        ++draw;
+    }
+    return draw < kDraws;
+}
+
+std::vector<std::string> strange_secrets(Database& database) {
+    return secrets_in(database) > 1 ? unused(database) : std::vector<std::string>();
+}
+
+void drop_unused_secrets(Database& database) {
+    const std::vector<std::string> all = unused(database);
+    if (all.size() == 1 && secrets_in(database) == 1) {
+        return;
+    }
+    for (const std::string& secret : all) {
+        database.prepare("DELETE FROM secret WHERE hex = ?1")
+            .bind(1, std::string_view(secret))
+            .run();
+    }
+    if (secrets_in(database) == 0) {
+        Row("secret").set("hex", random_secret()).insert(database);
+    }
+}
 
 std::int64_t subject_of(std::string_view code, std::string_view secret, int draw) {
     const std::string hash = sha256_hex(fmt::format(
@@ -27,6 +85,12 @@ std::int64_t subject_of(std::string_view code, std::string_view secret, int draw
 }
 
 std::string own_secret(Database& database) {
+    if (!strange_secrets(database).empty()) {
+        throw StoreError(fmt::format(
+            "{}: it has a second secret, with which nothing was drawn: somebody put it there to "
+            "know whose the next orders are; take a copy made before",
+            database.file()));
+    }
     Statement row = database.prepare("SELECT min(hex) FROM secret");
     row.step();
     if (row.null(0)) {

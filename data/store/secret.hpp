@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "data/store/database.hpp"
 
@@ -13,8 +14,12 @@ namespace palpate::data {
 /// that a session of people in the same file takes the file's own.
 inline constexpr std::string_view kDemoSecret = "ffffffffffffffffffffffffffffffff";
 
+/// Secrets beside others with which nothing was drawn, no session's order and nobody's number: palpate leaves none
+/// (merges bring those that were used), so somebody put them there, to know whose the next orders are.
+[[nodiscard]] std::vector<std::string> strange_secrets(Database& database);
+
 /// What new sessions are drawn with: the first by its digits, so that merged files agree.
-/// @throws StoreError if there is none: somebody removed it
+/// @throws StoreError if there is none, as somebody removed it, or a strange one
 [[nodiscard]] std::string own_secret(Database& database);
 
 /// @throws std::invalid_argument unless it is 32 of the digits 0 to 9 and a to f
@@ -23,6 +28,12 @@ void check_secret(std::string_view hex);
 /// Makes it the secret of a file without a session or a participant; nothing if the file has it already.
 /// @pre check_secret(). @throws std::invalid_argument if the file has another
 void set_secret(Database& database, std::string_view hex);
+
+/// Leaves those with which something was drawn, or a single one. In the caller's transaction.
+void drop_unused_secrets(Database& database);
+
+/// The number of this person was drawn with this secret.
+[[nodiscard]] bool drawn_with(std::string_view secret, std::string_view code, std::int64_t subject);
 
 /// A number for exports, 1 to 9999999999, by the first 60 bits of a hash: none is more likely by 1e-8.
 /// @param draw  0, 1, ...: another one where the one before is taken

@@ -66,6 +66,14 @@ void Connection::execute(const char* sql) const {
     }
 }
 
+std::string quoted_name(std::string_view name) {
+    std::string quoted = "\"";
+    for (const char c : name) {
+        quoted += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return quoted + '"';
+}
+
 Statement::Statement(const Connection& connection, std::string_view sql)
     : connection_(&connection) {
     {

@@ -54,6 +54,9 @@ struct Connection {
     void execute(const char* sql) const;
 };
 
+/// A name of a table or column as SQL takes it, whatever it holds: in ", each " twice.
+[[nodiscard]] std::string quoted_name(std::string_view name);
+
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if
 /// SQLite refuses it. A NaN is stored as NULL: SQLite has none.
 class Statement {

@@ -5,11 +5,11 @@
 
 #include "data/store/database.hpp"
 
-/// What belongs to what in a palpate database, read from its schema, so that files can be brought together
-/// whatever tables a later schema adds.
+/// What belongs to what in a palpate database, read from the catalogue, so that files can be brought together
+/// whatever tables a later schema adds. What somebody added to a file is theirs: it goes nowhere.
 namespace palpate::data {
 
-/// A table whose rows belong to one session, trial or participant.
+/// A table whose rows belong to one session or trial.
 struct OwnedTable {
     std::string name;
     std::vector<std::string> columns;  ///< without the owner's
@@ -23,10 +23,9 @@ struct OwnedTable {
 };
 
 struct Layout {
-    std::vector<OwnedTable> of_session;      ///< plan, picture, ...: set before the first trial
-    std::vector<OwnedTable> of_trial;        ///< response, trace_chunk, ...
-    std::vector<OwnedTable> of_participant;  ///< participant_detail
-    std::vector<OwnedTable> of_file;  ///< trace_column: nobody's, the same in every file; secret
+    std::vector<OwnedTable> of_session;  ///< plan, picture, ...: set before the first trial
+    std::vector<OwnedTable> of_trial;    ///< response, trace_chunk, ...
+    std::vector<OwnedTable> of_file;     ///< trace_column: nobody's, the same in every file; secret
     OwnedTable
         session;  ///< set before the first trial: without session_id, study_id, participant_id, newest_seal
     OwnedTable session_end;      ///< set when it finished
@@ -35,8 +34,7 @@ struct Layout {
     OwnedTable event;            ///< without event_id, session_id, trial_id
 };
 
-/// @throws StoreError if a table refers to one that this cannot follow
-[[nodiscard]] Layout read_layout(Database& database);
+[[nodiscard]] Layout catalogue_layout();
 
 /// Binds all columns of `from`'s row to `to`, the first to parameter `first`.
 void bind_row(const Statement& from, Statement& to, int first);

@@ -10,6 +10,7 @@
 
 #include "data/store/chain.hpp"
 #include "data/store/destruction.hpp"
+#include "data/store/secret.hpp"
 #include "data/sync/people_merge.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
@@ -169,7 +170,7 @@ MergeReport merge_files(const std::string& file,
         if (is_new) {
             out.execute("DELETE FROM secret");  // it has those of the others
         }
-        const Layout layout = read_layout(out);
+        const Layout layout = catalogue_layout();
 
         PeopleMerge people(prefer);
         std::map<std::string, Versions> all;
@@ -206,6 +207,7 @@ MergeReport merge_files(const std::string& file,
         for (const auto& input : inputs) {
             copy_shared(input->database, out, layout, input->name);
         }
+        drop_unused_secrets(out);
         all_or_nothing.commit();
     }
     destroyed ? empty_free_pages(out) : out.checkpoint();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,10 @@ public:
     void (*clear)(PGresult*) = needed("PQclear");
     char* (*cmd_tuples)(PGresult*) = needed("PQcmdTuples");
     PGconn* (*connect)(const char*) = needed("PQconnectdb");
+    void* (*conninfo)(PGconn*) = needed("PQconninfo");
+    PGconn* (*connect_start)(const char*) = needed("PQconnectStart");
+    int (*ssl_in_use)(PGconn*) = needed("PQsslInUse");
+    const char* (*ssl_attribute)(PGconn*, const char*) = needed("PQsslAttribute");
     void (*conninfo_free)(void*) = needed("PQconninfoFree");
     void* (*conninfo_parse)(const char*, char**) = needed("PQconninfoParse");
     int (*enter_pipeline_mode)(PGconn*) = needed("PQenterPipelineMode");
@@ -104,6 +109,51 @@ private:
     PGresult* result_;
 };
 
+struct ConninfoOption {
+    const char *keyword, *variable, *compiled, *value, *label, *shown;
+    int size;
+};
+
+/// A word of the connection as libpq has it: from the URL, a service file, a variable, or by itself.
+std::string word_of(PGconn* connection, std::string_view keyword) {
+    auto* all = static_cast<ConninfoOption*>(pq().conninfo(connection));
+    std::string value;
+    for (const ConninfoOption* one = all; one != nullptr && one->keyword != nullptr; ++one) {
+        if (one->keyword == keyword && one->value != nullptr) {
+            value = one->value;
+        }
+    }
+    pq().conninfo_free(all);
+    return value;
+}
+
+/// This machine: a socket, or an address that goes no further.
+bool stays_here(std::string_view host) {
+    return host.empty() || host.front() == '/' || host.front() == '@' || host == "localhost" ||
+           host == "::1" ||
+           (host.starts_with("127.") &&
+            host.find_first_not_of("0123456789.") == std::string_view::npos);
+}
+
+/// Looked at before a word is sent: of several hosts each.
+void require_secure(PGconn* connection) {
+    const std::string addresses = word_of(connection, "hostaddr");
+    const std::string hosts = addresses.empty() ? word_of(connection, "host") : addresses;
+    for (std::size_t at = 0; at <= hosts.size();) {
+        const std::size_t end = std::min(hosts.find(',', at), hosts.size());
+        const std::string host = hosts.substr(at, end - at);
+        const std::string mode = word_of(connection, "sslmode");
+        if (!stays_here(host) && mode != "verify-full") {
+            throw std::invalid_argument(fmt::format(
+                "{} is another machine, and with sslmode={} others can read what is sent, or "
+                "answer in "
+                "its place: give sslmode=verify-full with sslrootcert, or --insecure as well",
+                host, mode));
+        }
+        at = end + 1;
+    }
+}
+
 /// What libpq asks for, as long as the row lives.
 struct Parameters {
     std::vector<const char*> values;
@@ -147,8 +197,13 @@ PostgresRow& PostgresRow::bytes(std::span<const std::byte> value) {
     return *this;
 }
 
-Postgres::Postgres(const std::string& url) {
+Postgres::Postgres(const std::string& url, bool insecure) {
     require_url(url);
+    if (!insecure) {
+        const std::unique_ptr<PGconn, decltype(Libpq::finish)> begun(
+            pq().connect_start(url.c_str()), pq().finish);
+        require_secure(begun.get());
+    }
     connection_ = pq().connect(url.c_str());
     if (pq().status(of(connection_)) != kConnectionOk) {
         try {
@@ -162,6 +217,18 @@ Postgres::Postgres(const std::string& url) {
     pq().set_notice_processor(
         of(connection_), [](void*, const char*) {}, nullptr);
     run("SET client_min_messages = warning; SET client_encoding = 'UTF8'");
+}
+
+std::string Postgres::way() const {
+    PGconn* connection = of(connection_);
+    const char* host = pq().host(connection);
+    std::string text = host == nullptr || *host == '\0' ? "?" : host;
+    if (pq().ssl_in_use(connection) == 0) {
+        return text + ", not encrypted by TLS";
+    }
+    const char* version = pq().ssl_attribute(connection, "protocol");
+    return fmt::format("{}, over {}, the server {}", text, version == nullptr ? "TLS" : version,
+                       word_of(connection, "sslmode") == "verify-full" ? "checked" : "not checked");
 }
 
 Postgres::~Postgres() {

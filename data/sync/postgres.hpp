@@ -40,12 +40,17 @@ private:
 class Postgres {
 public:
     /// @param url  postgresql://...; TLS and all else as libpq's documentation of connection URIs says
-    /// @throws std::invalid_argument if it is no such URL, or libpq is not installed
+    /// @param insecure  beyond this machine also without sslmode=verify-full, where others can read what is sent or
+    ///                  answer in the server's place
+    /// @throws std::invalid_argument if it is no such URL, it is not secure, or libpq is not installed
     /// @throws PostgresError if nobody answers there
-    explicit Postgres(const std::string& url);
+    explicit Postgres(const std::string& url, bool insecure = false);
     Postgres(const Postgres&) = delete;
     Postgres& operator=(const Postgres&) = delete;
     ~Postgres();
+
+    /// "127.0.0.1, over TLSv1.3, the server not checked"
+    [[nodiscard]] std::string way() const;
 
     /// Several statements, all or nothing. @throws PostgresError
     void run(const std::string& sql);

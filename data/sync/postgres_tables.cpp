@@ -15,14 +15,10 @@ std::string type_of(const std::string& sqlite) {
                                : "text";
 }
 
-std::string quoted(const std::string& name) {
-    return '"' + name + '"';
-}
-
 std::string quoted(const std::vector<std::string>& names) {
     std::string list;
     for (const std::string& name : names) {
-        list += (list.empty() ? "" : ", ") + quoted(name);
+        list += (list.empty() ? "" : ", ") + quoted_name(name);
     }
     return list;
 }
@@ -53,14 +49,15 @@ PostgresTable owned(Database& database,
 
 }  // namespace
 
-Layout pushed_layout(Database& database) {
-    Layout layout = read_layout(database);
+Layout pushed_layout() {
+    Layout layout = catalogue_layout();
     std::erase(layout.session.columns, "secret");
     std::erase_if(layout.of_file, [](const OwnedTable& table) { return table.name == "secret"; });
     return layout;
 }
 
-std::vector<PostgresTable> postgres_tables(Database& database, const Layout& layout) {
+std::vector<PostgresTable> postgres_tables(const Layout& layout) {
+    Database database("the catalogue", Access::memory);  // for its keys
     const PostgresTable of_session{{}, {{"session_uuid", "uuid"}}, {"session_uuid"}};
     const PostgresTable of_trial{{},
                                  {{"session_uuid", "uuid"}, {"trial_number", "bigint"}},
@@ -114,16 +111,16 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
 std::string postgres_schema(const std::vector<PostgresTable>& tables) {
     std::string sql = "CREATE SCHEMA IF NOT EXISTS palpate;\n";
     for (const PostgresTable& table : tables) {
-        const std::string name = "palpate." + quoted(table.name);
+        const std::string name = "palpate." + quoted_name(table.name);
         std::string columns;
         std::string later;
         for (const auto& [column, type] : table.columns) {
-            columns += fmt::format("    {} {},\n", quoted(column), type);
+            columns += fmt::format("    {} {},\n", quoted_name(column), type);
             later += fmt::format("ALTER TABLE {} ADD COLUMN IF NOT EXISTS {} {};\n", name,
-                                 quoted(column), type);
+                                 quoted_name(column), type);
             later += type == "bytea"
                        ? fmt::format("ALTER TABLE {} ALTER COLUMN {} SET STORAGE EXTERNAL;\n", name,
-                                     quoted(column))
+                                     quoted_name(column))
                        : "";
         }
         sql += fmt::format("CREATE TABLE IF NOT EXISTS {} (\n{}    PRIMARY KEY ({})\n);\n{}", name,
@@ -159,7 +156,7 @@ std::string postgres_insert(const PostgresTable& table) {
         places += fmt::format("{}${}", names.size() == 1 ? "" : ", ", names.size());
     }
     return fmt::format("INSERT INTO palpate.{} ({}) VALUES ({}) ON CONFLICT DO NOTHING",
-                       quoted(table.name), quoted(names), places);
+                       quoted_name(table.name), quoted(names), places);
 }
 
 }  // namespace palpate::data

@@ -18,14 +18,14 @@ struct PostgresTable {
     std::vector<std::string> key;
 };
 
-/// read_layout() without the file's secrets: who has one can compute whose an order is.
-[[nodiscard]] Layout pushed_layout(Database& database);
+/// catalogue_layout() without the file's secrets: who has one can compute whose an order is.
+[[nodiscard]] Layout pushed_layout();
 
-/// study, participant_note, session, session_end, trial, trial_invalid, event, and every table that belongs to
-/// a session or a trial in the file, with the same columns; trial counts a session's attempts from 1.
-/// participant_detail stays in the lab. @param database  whose schema is asked
+/// study, participant_note, session, session_end, trial, trial_invalid, event, and every table of the catalogue
+/// that belongs to a session or a trial, with the same columns; trial counts a session's attempts from 1.
+/// participant_detail stays in the lab.
 /// @param layout  pushed_layout()
-[[nodiscard]] std::vector<PostgresTable> postgres_tables(Database& database, const Layout& layout);
+[[nodiscard]] std::vector<PostgresTable> postgres_tables(const Layout& layout);
 
 /// SQL that makes the schema `palpate` with these tables where they are not there, and adds columns that are
 /// not there. Chunks are not compressed again (STORAGE EXTERNAL).

@@ -1,6 +1,5 @@
 #include "data/sync/push.hpp"
 
-#include <filesystem>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -39,9 +38,10 @@ void add_values(const Statement& row, PostgresRow& to) {
 
 class Push {
 public:
-    Push(Database& database, Postgres& server)
-        : database_(database), server_(server), layout_(pushed_layout(database)) {
-        for (PostgresTable& table : postgres_tables(database, layout_)) {
+    Push(Database& database, Postgres& server, PushChoice choice)
+        : database_(database), server_(server), layout_(pushed_layout()), choice_(choice) {
+        report_.way = server.way();
+        for (PostgresTable& table : postgres_tables(layout_)) {
             insert_[table.name] = postgres_insert(table);
             tables_.push_back(std::move(table));
         }
@@ -82,6 +82,9 @@ private:
 
     /// Nothing of who does not consent goes on; what is there only an administrator can delete.
     [[nodiscard]] bool declined(const SessionVersion& session) {
+        if (choice_.including_refused) {
+            return false;
+        }
         Statement row = database_.prepare(
             "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0");
         if (!row.bind(1, std::string_view(session.participant)).step()) {
@@ -364,33 +367,23 @@ private:
     Layout layout_;
     std::vector<PostgresTable> tables_;
     std::map<std::string, std::string> insert_;
+    PushChoice choice_;
     std::set<std::string> begun_;  ///< uuids of sessions that the server has
     PushReport report_;
 };
 
 }  // namespace
 
-PushReport push_file(const std::string& file, const std::string& url) {
+PushReport push_file(const std::string& file, const std::string& url, PushChoice choice) {
     Database database(file, Access::read);
-    Postgres server(url);
+    Postgres server(url, choice.insecure);
     const Snapshot now(database);
-    return Push(database, server).run(file);
+    return Push(database, server, choice).run(file);
 }
 
 std::string push_setup() {
-    // The present schema, from a database of no session.
-    std::string folder = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr) {
-        throw StoreError("cannot make a temporary folder: is TMPDIR there and writable?");
-    }
-    std::string sql;
-    {
-        Database none(folder + "/none.sqlite", Access::write);
-        sql = "SET client_min_messages = warning;\n" +
-              postgres_schema(postgres_tables(none, pushed_layout(none))) + postgres_roles();
-    }
-    std::filesystem::remove_all(folder);
-    return sql;
+    return "SET client_min_messages = warning;\n" +
+           postgres_schema(postgres_tables(pushed_layout())) + postgres_roles();
 }
 
 }  // namespace palpate::data

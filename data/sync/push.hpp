@@ -7,16 +7,23 @@
 
 namespace palpate::data {
 
+struct PushChoice {
+    bool insecure = false;           ///< Postgres
+    bool including_refused = false;  ///< also the sessions of who is noted as not consenting
+};
+
 struct PushReport {
     std::size_t sessions = 0;  ///< looked at
     std::size_t declined = 0;  ///< of these: left out, of people who do not consent
     std::int64_t rows = 0;     ///< added
+    std::string way;           ///< Postgres::way()
     std::vector<std::string>
         conflicts;  ///< what the server says differently: nothing of it was added
 };
 
 /// Adds what the server does not have yet of a file: sessions with their plans, every attempt that ended with
-/// its chunks as they are, events, ends, studies, handedness and consent. The file is only read. An attempt
+/// its chunks as they are, events, ends, studies, handedness and consent. The file is only read. Of who is noted as
+/// not consenting nothing is sent, and nothing taken away that is there: only an administrator can. An attempt
 /// and all that belongs to it is one transaction, so that a push that was cut off left whole attempts behind,
 /// and the next one goes on. Pushing twice is pushing once.
 ///
@@ -28,7 +35,9 @@ struct PushReport {
 /// withdrawn, its events say.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
 /// @throws PostgresError if the server fails: what was added stays
-[[nodiscard]] PushReport push_file(const std::string& file, const std::string& url);
+[[nodiscard]] PushReport push_file(const std::string& file,
+                                   const std::string& url,
+                                   PushChoice choice = {});
 
 /// SQL for an administrator: postgres_schema() and postgres_roles().
 [[nodiscard]] std::string push_setup();

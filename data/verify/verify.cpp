@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <exception>
-#include <map>
 #include <string>
-#include <utility>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 
 #include "engine/base/text.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/schema/manual.hpp"
+#include "data/store/own_schema.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "data/trace/chunk.hpp"
@@ -27,10 +24,14 @@ void ask_sqlite(Database& database, Findings& findings) {
             findings.differs("integrity_check", row.text("integrity_check"), "ok");
         }
     }
-    for (const StoredRow& row : rows_of(database, "PRAGMA foreign_key_check")) {
-        findings.differs("foreign_key_check",
-                         fmt::format("{} row {}", row.text("table"), row.integer("rowid")),
-                         fmt::format("its row in {} is not there", row.text("parent")));
+    for (const TableManual& table : catalogue()) {
+        const std::string ask = fmt::format("PRAGMA foreign_key_check({})", table.name);
+        for (const StoredRow& row :
+             table.view ? std::vector<StoredRow>() : rows_of(database, ask)) {
+            findings.differs("foreign_key_check",
+                             fmt::format("{} row {}", row.text("table"), row.integer("rowid")),
+                             fmt::format("its row in {} is not there", row.text("parent")));
+        }
     }
 }
 
@@ -60,72 +61,29 @@ void check_columns(Database& database, Findings& findings) {
 /// One secret is made with the file; foreign_key_check says where a session's own is gone. The number of a
 /// person in exports was drawn with one of them.
 void check_secrets(Database& database, Findings& findings) {
-    constexpr int kDraws = 10;
     const auto secrets = rows_of(database, "SELECT hex FROM secret");
     if (secrets.empty()) {
         findings.differs("secret", "no row", "the one that was made with the file");
     }
+    if (const std::size_t strange = strange_secrets(database).size(); strange > 0) {
+        findings.differs("secret", counted(strange, "row") + " with which nothing was drawn",
+                         "the one that was made with the file, and those of merged files");
+    }
     for (const StoredRow& person :
          rows_of(database, "SELECT participant_code, subject FROM participant")) {
         const std::int64_t stored = person.integer("subject");
-        const bool drawn = std::ranges::any_of(secrets, [&](const StoredRow& secret) {
-            int draw = 0;
-            while (draw < kDraws && subject_of(person.text("participant_code"), secret.text("hex"),
-                                               draw) != stored) {
-                ++draw;
-            }
-            return draw < kDraws;
-        });
-        if (!drawn) {
+        if (std::ranges::none_of(secrets, [&](const StoredRow& secret) {
+                return drawn_with(secret.text("hex"), person.text("participant_code"), stored);
+            })) {
             findings.differs("participant.subject", fmt::format("{}", stored),
                              "a number drawn with a secret of the file");
         }
     }
 }
 
-/// SQLite's own list of what a database holds.
-using Schema = std::map<std::pair<std::string, std::string>, std::string>;  // type, name: its SQL
-
-Schema schema_of(Database& database, sqlite3* handle) {
-    sqlite3_stmt* row = nullptr;
-    if (sqlite3_prepare_v2(handle, "SELECT type, name, tbl_name, sql FROM sqlite_schema", -1, &row,
-                           nullptr) != SQLITE_OK) {
-        database.fail("reading the schema");
-    }
-    const auto text = [&row](int column) {
-        const auto* words = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
-        return std::string(words == nullptr ? "" : words);
-    };
-    Schema all;
-    while (sqlite3_step(row) == SQLITE_ROW) {
-        all[{text(0), text(1)}] = text(3).empty() ? "of " + text(2) : text(3);
-    }
-    sqlite3_finalize(row);
-    return all;
-}
-
-/// What a database that this palpate makes holds.
-Schema shipped_schema(Database& database) {
-    sqlite3* empty = nullptr;
-    sqlite3_open(":memory:", &empty);
-    const bool made = sqlite3_exec(empty, std::string(schema_sql()).c_str(), nullptr, nullptr,
-                                   nullptr) == SQLITE_OK;
-    Schema all = made ? schema_of(database, empty) : Schema{};
-    sqlite3_close(empty);
-    return all;
-}
-
-/// Tables, indexes and views word by word: without its CHECK a table takes what it should not, and a query of
-/// an edited view says something else. What somebody added is theirs.
 void check_schema(Database& database, Findings& findings) {
-    const Schema stored = schema_of(database, database.handle());
-    for (const auto& [object, sql] : shipped_schema(database)) {
-        const auto there = stored.find(object);
-        if (there == stored.end() || there->second != sql) {
-            findings.differs(object.first + ' ' + object.second,
-                             there == stored.end() ? "it is not there" : there->second,
-                             "as this palpate makes it");
-        }
+    for (const SchemaDifference& one : schema_differences(database.connection())) {
+        findings.differs(one.name, one.stored, one.wanted);
     }
 }
 
@@ -133,26 +91,6 @@ void check_schema(Database& database, Findings& findings) {
 void check_people(Database& database, Findings& findings) {
     for (const NoteBreak& at : note_breaks(database)) {
         findings.differs(at.what, at.stored, at.noted + ", as an event of the session says");
-    }
-}
-
-/// A trigger changes what a program writes, and a table called sample hides the ticks from every query.
-/// palpate makes neither.
-void check_strangers(Database& database, Findings& findings) {
-    const std::vector<TableManual> ours = schema_manual(schema_sql());
-    for (const StoredRow& row :
-         rows_of(database,
-                 "SELECT type, lower(name) AS name, lower(tbl_name) AS of FROM sqlite_schema")) {
-        const bool trigger =
-            row.text("type") == "trigger" &&
-            std::ranges::find(ours, row.text("of"), &TableManual::name) != ours.end();
-        if (trigger || row.text("name") == "sample") {
-            findings.differs(
-                row.text("type") + ' ' + row.text("name"), "it is there",
-                trigger ? fmt::format("no trigger on {}: what was written since may be its doing",
-                                      row.text("of"))
-                        : "another name: it stands before the ticks");
-        }
     }
 }
 
@@ -182,7 +120,6 @@ Verification verify(Database& database) {
     try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
     try_to(findings, "sqlite_schema", [&] { check_schema(database, findings); });
     try_to(findings, "secret", [&] { check_secrets(database, findings); });
-    try_to(findings, "sqlite_schema", [&] { check_strangers(database, findings); });
     try_to(findings, "session", [&] {
         for (const StoredRow& session : rows_of(database, kSessions)) {
             found.sessions.push_back(check_session(database, session));

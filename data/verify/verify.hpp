@@ -1,16 +1,30 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "data/store/database.hpp"
 #include "data/verify/finding.hpp"
 
 namespace palpate::data {
 
+/// What nothing else in a file says, so that verify cannot notice it.
+inline constexpr std::array<std::string_view, 5> kNotChecked{
+    "rows made again or taken away together with all later seals, a whole session taken away: "
+    "compare the newest "
+    "seals with those in the lab book",
+    "a participant's details and when consent was noted; handedness and consent of somebody "
+    "without a session, or "
+    "noted before it, or edited together with the time when they were noted",
+    "the secret of a file in which nothing was drawn yet",
+    "tables, views and plain indices that somebody added",
+    "the sign of zero, and bytes of the file that nothing uses"};
+
 /// Recomputes all that a database says and that follows from something else in it, and says what differs.
 /// Changes nothing: give a database opened to read. Sees one moment of it, also while a session runs.
 ///
-/// - SQLite's integrity_check and foreign_key_check, the table trace_column; every table, index and view of
-///   palpate's word by word, CHECKs included; that no trigger stands on a table of palpate and nothing called
-///   sample hides the ticks; that the file has its secret, and the numbers of people in exports follow from
+/// - SQLite's integrity_check and foreign_key_check, the table trace_column; the whole
+///   schema (data/store/own_schema.hpp); that the file has its secret, and the numbers of people in exports follow from
 ///   one.
 /// - The protocol's hash from its text, the plan from protocol, participant, session, seed and row of
 ///   pictures, the hashes of the objects' geometry, the calibration's hash from its text.
@@ -24,14 +38,10 @@ namespace palpate::data {
 ///   handedness and consent is what events of their sessions say; of a session that was destroyed on request, that
 ///   nothing but the mark that says so is left.
 ///
-/// What cannot be noticed here, because nothing else in the file says it:
-/// - whatever was made again consistently, heads too: compare the last head with the one in the lab book;
-/// - the last trials, marks or notes of a session removed, and session.head set back to the head before them; a
-///   whole session removed. The lab book shows the first;
-/// - a detail of a participant; handedness and consent of somebody without a session, or noted before them, or
-///   edited together with the time when they were noted;
-/// - the sign of zero, a bit of an unused page of the file.
-/// Whoever can write the file can also write it consistently: a seal against that is a head kept elsewhere.
+/// - That every secret but the file's own was used.
+///
+/// What it cannot notice says kNotChecked. Whoever can write the file can also write it consistently: a seal
+/// against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);
 
 }  // namespace palpate::data

@@ -228,3 +228,50 @@ TEST_CASE("a password in the address is not left among the words that ps shows",
     push.signal(SIGKILL);
     close(silent);
 }
+
+TEST_CASE("of a file only palpate's tables go to a server, and only who consents", "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    const Finished lab =
+        Process(
+            {"sqlite3", file,
+             "CREATE TABLE my_codes (code TEXT PRIMARY KEY, real_name TEXT);INSERT INTO my_codes "
+             "VALUES ('demo', 'Jane Doe');CREATE TABLE mine (trial_id INTEGER, x);"
+             "CREATE TABLE \"x\"\"); COMMIT; CREATE TABLE public.pwned AS SELECT current_user; "
+             "--\" (a)"})
+            .wait();
+    REQUIRE(lab.code == 0);
+    REQUIRE(palpate_command({"participant", file, "demo", "--consent", "no"}).code == 0);
+    const auto push = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), {"push", file, "--to", server->url()});
+        return palpate_command(more);
+    };
+    const auto count = [&](const std::string& what) {
+        return *Postgres(server->url()).rows("SELECT count(*) FROM " + what).at(0).at(0);
+    };
+    const Finished without = push({});
+    CAPTURE(without.out, without.error);
+    CHECK(without.code == 0);
+    CHECK_THAT(without.out, ContainsSubstring("1 session left out: no consent.") &&
+                                ContainsSubstring("not encrypted by TLS"));
+    for (const char* table : {"session", "trace_chunk", "event", "response"}) {
+        CAPTURE(table);
+        CHECK(count(std::string("palpate.") + table) == "0");
+    }
+    CHECK(count("pg_class WHERE relname IN ('pwned', 'my_codes', 'mine')") == "0");
+    CHECK(push({"--including-refused"}).code == 0);
+    CHECK(count("palpate.session") == "1");
+    const Finished again = push({});
+    CHECK(again.code == 1);
+    CHECK_THAT(again.error, ContainsSubstring("the server has it: an administrator"));
+    // Another machine: nothing is sent to it, not even the question whether it is there.
+    const Finished beyond = palpate_command(
+        {"push", file, "--to", "postgresql://rig:word@192.0.2.1/lab?sslmode=require"});
+    CHECK(beyond.code == 2);
+    CHECK_THAT(beyond.error, ContainsSubstring("192.0.2.1 is another machine") &&
+                                 ContainsSubstring("--insecure"));
+}

@@ -1,8 +1,11 @@
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include <signal.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
@@ -10,25 +13,261 @@
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 using tests::Finished;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
 namespace {
 
-/// Of a finished session.
+using Words = std::vector<std::string>;
+
+/// By another program: nothing of palpate takes part.
+std::string sqlite(const std::string& file, const std::string& sql) {
+    const Finished done =
+        tests::Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, sql}).wait();
+    CAPTURE(sql, done.error);
+    REQUIRE(done.code == 0);
+    return done.out.substr(done.out.find("off\n") + 4);  // after the word of .dbconfig
+}
+
+/// Of a finished session; a copy of it with `sql` done to it.
 class Files {
 public:
     Files() {
         REQUIRE(palpate_command({"demo", "--headless", "--db", clean}).code == 0);
         data::Database(clean, data::Access::write).checkpoint();
     }
+    [[nodiscard]] std::string with(const std::string& sql) const {
+        const std::string file = folder.file("copy.sqlite");
+        std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
+        sqlite(file, sql);
+        return file;
+    }
+    [[nodiscard]] Words run(const std::string& file, const std::string& who) const {
+        return {"run", "shape_friction_demo", "--participant", who, "--db",
+                file,  "--headless",          "--speed",       "0"};
+    }
 
     TemporaryFolder folder;
     std::string clean = folder.file("clean.sqlite");
 };
 
+const std::string kEndless =
+    "PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE tbl_name = 'trial'; INSERT INTO "
+    "sqlite_schema VALUES ('view', 'trial', 'trial', 0, 'CREATE VIEW trial AS WITH RECURSIVE r(n) "
+    "AS (SELECT 1 UNION ALL SELECT n + 1 FROM r) SELECT n AS trial_id FROM r')";
+const std::string kAllRight =
+    "PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'response.correct AS "
+    "correct', '1 AS correct') WHERE name = 'analysis_trial'";
+
 }  // namespace
+
+TEST_CASE("nothing is written beside what a file's schema would do", "[store][law]") {
+    const Files files;
+    struct Case {
+        std::string sql, name;
+    };
+    for (const Case& at : std::vector<Case>{
+             {"CREATE TRIGGER t AFTER UPDATE OF ended_utc ON trial BEGIN UPDATE trial SET "
+              "started_utc = '2001-01-01T00:00:00.000Z'; END",
+              "trigger t"},
+             {"CREATE TRIGGER \"Q\" BEFORE INSERT ON Response BEGIN SELECT RAISE(IGNORE); END",
+              "trigger Q"},
+             {kAllRight, "view analysis_trial"},
+             {"DROP VIEW fault", "view fault"},
+             {"ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5", "table response"},
+             {"CREATE TABLE mine (n REFERENCES trial (attempt))", "table mine"},
+             {"CREATE UNIQUE INDEX one ON response (correct, answer_code, trial_id)", "index one"},
+             {kEndless, "table trial"}}) {
+        const std::string file = files.with(at.sql);
+        const std::string before = sqlite(file, ".dump");
+        for (const Words& words : {files.run(file, "P02"),
+                                   Words{"note", file, "hot", "--participant", "demo"},
+                                   {"mark", file, "2", "--invalid", "bell"},
+                                   {"participant", file, "demo", "--consent", "no"},
+                                   {"participant", file, "P09", "--new"},
+                                   {"merge", file, files.clean}}) {
+            const Finished done = palpate_command(words);
+            CAPTURE(at.sql, words.front(), done.out, done.error);
+            CHECK(done.code == 2);
+            CHECK_THAT(done.error, ContainsSubstring(at.name) &&
+                                       ContainsSubstring("nothing is written into it"));
+        }
+        CHECK(sqlite(file, ".dump") == before);
+    }
+}
+
+TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[store][law]") {
+    const Files files;
+    const auto asked = [](const std::string& file) {
+        return std::vector<Words>{{"summary", file},
+                                  {"stats", file, "--kind", "simulated", "--json"},
+                                  {"sql", file, "-c", "SELECT sum(correct) FROM analysis_trial"}};
+    };
+    const std::string edited = files.with(kAllRight);
+    for (std::size_t i = 0; i < asked(edited).size(); ++i) {
+        const Finished right = palpate_command(asked(files.clean)[i]);
+        Finished done = palpate_command(asked(edited)[i]);
+        CAPTURE(asked(edited)[i].front(), done.error);
+        CHECK(done.code == 0);
+        for (std::size_t at = 0; (at = done.out.find(edited, at)) != std::string::npos;) {
+            done.out.replace(at, edited.size(), files.clean);
+        }
+        CHECK(done.out == right.out);
+        CHECK(right.error.empty());
+        CHECK_THAT(done.error, StartsWith("palpate: ") && ContainsSubstring("view analysis_trial"));
+    }
+    const std::string endless = files.with(kEndless);
+    for (const Words& words :
+         std::vector<Words>{{"summary", endless},
+                            {"verify", endless},
+                            {"stats", endless},
+                            {"fit", endless},
+                            {"audit", endless},
+                            {"trace", endless, "1"},
+                            {"report", endless, "-o", files.folder.file("r.html")},
+                            {"export", endless, "-o", files.folder.file("shared")},
+                            {"merge", files.folder.file("new.sqlite"), endless},
+                            {"sql", endless, "-c", "SELECT count(*) FROM trial"}}) {
+        Words all{tests::palpate_program()};
+        all.insert(all.end(), words.begin(), words.end());
+        const Finished done = tests::Process(all).wait(std::chrono::seconds(60));
+        CAPTURE(words.front(), done.out, done.error);
+        CHECK((done.code == 1 || done.code == 2));
+        CHECK_THAT(done.out + done.error, ContainsSubstring("table trial"));
+    }
+    // One that is planted while palpate is at work, on a table of the lab that follows ours.
+    const std::string file = files.with(
+        "CREATE TABLE mine (trial_id INTEGER REFERENCES response ON DELETE SET NULL, x)");
+    data::Database open(file, data::Access::write);
+    sqlite(file,
+           "INSERT INTO mine VALUES (1, 0);CREATE TRIGGER a AFTER DELETE ON response BEGIN UPDATE "
+           "trial SET outcome = 'aborted'; END;CREATE TRIGGER b AFTER UPDATE ON mine BEGIN UPDATE "
+           "trial SET outcome = 'aborted'; END");
+    open.execute("DELETE FROM response WHERE trial_id = 1");
+    auto row = open.prepare("SELECT count(*) FROM trial WHERE outcome = 'aborted'");
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == 0);
+}
+
+TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store][merge][law]") {
+    const Files files;
+    const std::string file = files.with(
+        "CREATE TABLE my_notes (trial_id INTEGER, remark TEXT);"
+        "CREATE TABLE \"my \"\"words\" (trial_id INTEGER PRIMARY KEY, a, b, c REFERENCES my_notes);"
+        "INSERT INTO my_notes VALUES (1, 'hm');INSERT INTO \"my \"\"words\" VALUES (1, 2, 3, NULL);"
+        "CREATE TABLE coder (session_id INTEGER, name TEXT);INSERT INTO coder VALUES (1, 'Jane');"
+        "CREATE INDEX by_outcome ON trial (outcome);CREATE VIEW theirs AS SELECT * FROM my_notes;"
+        "CREATE TRIGGER u AFTER INSERT ON my_notes BEGIN SELECT 1; END");
+    const Finished ran = palpate_command(files.run(file, "P02"));
+    CAPTURE(ran.out, ran.error);
+    CHECK(ran.code == 0);
+    CHECK(ran.error.find("schema") == std::string::npos);
+    CHECK(palpate_command({"mark", file, "2", "--invalid", "bell"}).code == 0);
+    const auto verified = [](const std::string& at) {
+        const Finished done = palpate_command({"verify", at});
+        CAPTURE(done.out, done.error);
+        CHECK(done.code == 0);
+        return done.out.substr(done.out.find('\n'));
+    };
+    const std::string seals = verified(file);
+    const std::string merged = files.folder.file("merged.sqlite");
+    const Finished together = palpate_command({"merge", merged, file});
+    CAPTURE(together.error);
+    CHECK(together.code == 0);
+    CHECK(
+        sqlite(merged, "SELECT count(*) FROM sqlite_schema WHERE name IN ('my_notes', 'coder')") ==
+        "0\n");
+    verified(merged);
+    const std::string shared = files.folder.file("shared");
+    CHECK(palpate_command({"export", file, "--kind", "all", "-o", shared}).code == 0);
+    CHECK(!std::filesystem::exists(shared + "/my_notes.csv"));
+    const Finished theirs = palpate_command({"sql", file, "--csv", "-c", "SELECT * FROM theirs"});
+    CHECK(theirs.out == "trial_id,remark\n1,hm\n");
+    sqlite(file,
+           "DROP VIEW theirs;DROP TABLE my_notes;DROP TABLE \"my \"\"words\";DROP TABLE coder");
+    CHECK(verified(file) == seals);
+}
+
+TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
+    const Files files;
+    const std::string file =
+        files.with("INSERT INTO secret VALUES ('00000000000000000000000000000000')");
+    const Finished verified = palpate_command({"verify", file});
+    CHECK(verified.code == 1);
+    CHECK_THAT(verified.out,
+               ContainsSubstring("differs  secret: stored 2 rows with which nothing"));
+    for (const Words& words :
+         {files.run(file, "P02"), Words{"participant", file, "P02", "--new"}}) {
+        const Finished done = palpate_command(words);
+        CAPTURE(words.front(), done.out, done.error);
+        CHECK(done.code == 1);
+        CHECK_THAT(done.error, ContainsSubstring("a second secret"));
+    }
+    const std::string cured =
+        files.folder.file("cured.sqlite");  // a merge takes those that were used
+    CHECK(palpate_command({"merge", cured, file}).code == 0);
+    CHECK(palpate_command({"verify", cured}).code == 0);
+    CHECK(sqlite(cured, "SELECT count(*) FROM secret WHERE hex LIKE '000%'") == "0\n");
+    // Those of merged files were all used, and new people are drawn with the first.
+    const std::string other = files.folder.file("other.sqlite");
+    for (const std::string& at : {files.clean, other}) {
+        const Finished ran = palpate_command(files.run(at, at == other ? "P01" : "P02"));
+        CAPTURE(ran.error);
+        REQUIRE(ran.code == 0);
+    }
+    const std::string merged = files.folder.file("merged.sqlite");
+    CHECK(palpate_command({"merge", merged, other, files.clean}).code == 0);
+    CHECK(palpate_command({"participant", merged, "P03", "--new"}).code == 0);
+    const Finished whole = palpate_command({"verify", merged});
+    CAPTURE(whole.out);
+    CHECK(whole.code == 0);
+    CHECK_THAT(whole.out,
+               ContainsSubstring("Not checked, since nothing else in the file says it:") &&
+                   ContainsSubstring("when consent was noted"));
+}
+
+TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]") {
+    const Files files;
+    const std::string other = files.with("SELECT 1");
+    struct Case {
+        Words words;
+        std::string said;
+    };
+    for (const Case& at : std::vector<Case>{
+             {{"ATTACH '" + other + "' AS b"}, "--attach lets it read other files too"},
+             {{"SELECT fts3_tokenizer('simple', x'4141414141414141')"}, "not authorized"},
+             {{"PRAGMA temp_store_directory = '/tmp'"}, "only reads this file"},
+             {{"SELECT zeroblob(100000000)"}, "too big"},
+             {{"WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT max(x) FROM "
+               "r",
+               "--steps", "1000000"},
+              "has not ended after 1000000 steps"}}) {
+        Words words{"sql", files.clean, "-c"};
+        words.insert(words.end(), at.words.begin(), at.words.end());
+        const Finished done = palpate_command(words);
+        CAPTURE(at.words.front(), done.out, done.error);
+        CHECK(done.code == 1);
+        CHECK_THAT(done.error, ContainsSubstring(at.said));
+    }
+    const Finished both =
+        palpate_command({"sql", files.clean, "--attach", "--csv", "-c",
+                         "ATTACH '" + other + "' AS b; SELECT count(*) FROM b.trial"});
+    CHECK(both.out == "count(*)\n10\n");
+    CHECK(
+        palpate_command({"sql", files.clean, "--csv", "-c", "SELECT char(9) || '=1+1' AS t"}).out ==
+        "t\n'\t=1+1\n");
+    CHECK(palpate_command({"sql", files.clean, "-c", "SELECT count(*) FROM sample"}).code == 0);
+    tests::Process endless(
+        {tests::palpate_program(), "sql", files.clean, "-c",
+         "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT "
+         "max(x) FROM r",
+         "--steps", "1000000000000"});
+    tests::pause(0.5);
+    endless.signal(SIGINT);
+    CHECK(endless.wait(std::chrono::seconds(60)).code == 128 + SIGINT);
+}
 
 TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go",
           "[export][law]") {

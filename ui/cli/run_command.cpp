@@ -185,7 +185,7 @@ void heed_number(const RunOptions& options, const std::string& study) {
     }
     std::size_t last = 0;
     if (std::error_code unknown; std::filesystem::exists(options.database, unknown)) {
-        data::Database there(options.database, data::Access::read);
+        data::Database there(options.database, data::Access::inspect);
         const auto state = data::latest_session(there, study, options.participant);
         last = state ? state->number : 0;
     }

@@ -30,7 +30,7 @@ struct MarkOptions {
 
 /// Only a database that is there: nothing is to be made for a wrong name.
 data::Database open_there(const std::string& file) {
-    { const data::Database there(file, data::Access::read); }
+    { const data::Database there(file, data::Access::inspect); }
     return {file, data::Access::write};
 }
 

@@ -164,7 +164,7 @@ int run(const ParticipantOptions& options) {
         notes.details.push_back(detail_of(word));
     }
     if (!options.registers) {  // nothing is to be made for a wrong name
-        const data::Database there(options.database, data::Access::read);
+        const data::Database there(options.database, data::Access::inspect);
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
     if (!options.really.empty()) {

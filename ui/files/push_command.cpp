@@ -12,13 +12,18 @@ namespace {
 
 struct PushOptions {
     std::string database;
-    std::string url;     ///< postgresql://...
+    std::string url;  ///< postgresql://...
+    data::PushChoice choice;
     bool roles = false;  ///< only print the script of the roles
 };
 
 void declare(CommandWords& words, PushOptions& options) {
     words.add("FILE", options.database, "A database; only read");
     words.add("--to", options.url, "postgresql://..., with libpq's sslmode and sslrootcert");
+    words.add("--including-refused", options.choice.including_refused,
+              "Also who is noted as not consenting; without it nothing of them is sent");
+    words.add("--insecure", options.choice.insecure,
+              "To another machine without sslmode=verify-full: others can read what is sent");
     words.add("--roles", options.roles, "Print SQL for an administrator: the schema and two roles");
 }
 
@@ -30,9 +35,10 @@ int run(const PushOptions& options) {
     if (options.database.empty() || options.url.empty()) {
         throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
     }
-    const data::PushReport done = data::push_file(options.database, options.url);
+    const data::PushReport done = data::push_file(options.database, options.url, options.choice);
     say("{}: {}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
         counted(done.rows, "row"));
+    say("Sent to {}.\n", done.way);
     if (done.declined > 0) {
         say("{} left out: no consent.\n", counted(done.declined, "session"));
     }

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -20,6 +21,8 @@ struct SqlOptions {
     std::optional<std::string> query;  ///< none: from standard input
     bool csv = false;
     bool json = false;
+    bool attach = false;
+    std::int64_t steps = data::SqlLimits{}.steps;
     std::string versions;  ///< empty: the file as it is stored
 };
 
@@ -74,10 +77,19 @@ void declare(CommandWords& words, SqlOptions& options) {
              "The file as stats, fit, audit and report see it, versions of a protocol apart or "
              "together; without the word as it is stored")
         .among({"apart", "together"});
+    words.add("--attach", options.attach, "Let ATTACH read other databases too");
+    words
+        .add("--steps", options.steps,
+             "Steps of SQLite after which a statement is ended; a million rows need some ten "
+             "million")
+        .with_default();
 }
 
 int run(const SqlOptions& options) {
-    data::Database database(options.database, data::Access::read);
+    if (options.steps < 1) {
+        throw std::invalid_argument("--steps: give a number of steps, 1 or more");
+    }
+    data::Database database(options.database, data::Access::inspect);
     if (!options.versions.empty()) {
         data::analyse(database, options.versions == "together" ? data::Versions::together
                                                                : data::Versions::apart);
@@ -85,7 +97,8 @@ int run(const SqlOptions& options) {
     const data::RowFormat format = options.csv  ? data::RowFormat::csv
                                  : options.json ? data::RowFormat::json
                                                 : data::RowFormat::table;
-    data::SqlShell shell(database, format, stdout, stderr);
+    data::SqlShell shell(database, format, stdout, stderr,
+                         {.attach = options.attach, .steps = options.steps});
     if (options.query) {
         return shell.run(*options.query) ? 0 : kExitFailure;
     }

@@ -72,6 +72,10 @@ void print_text(const std::string& file, const data::Verification& found) {
                          : counted(all, "difference") +
                                ". Take what differs from a copy made before, or leave "
                                "it out; verify changes nothing.");
+    say("Not checked, since nothing else in the file says it:\n");
+    for (const std::string_view what : data::kNotChecked) {
+        say("  {}\n", what);
+    }
 }
 
 template <class T>
@@ -111,6 +115,7 @@ void print_json(const std::string& file, const data::Verification& found) {
                                  {"differences", found.count(FindingKind::differs)},
                                  {"missing", found.count(FindingKind::missing)},
                                  {"findings", json_of(found.file)},
+                                 {"not_checked", data::kNotChecked},
                                  {"sessions", sessions}}));
 }
 
@@ -120,7 +125,7 @@ void declare(CommandWords& words, VerifyOptions& options) {
 }
 
 int run(const VerifyOptions& options) {
-    data::Database database(options.database, data::Access::read);
+    data::Database database(options.database, data::Access::inspect);
     const data::Verification found = data::verify(database);
     if (options.json) {
         print_json(options.database, found);

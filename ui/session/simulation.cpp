@@ -97,7 +97,7 @@ public:
     InOrder(const SimulationSpec& spec, data::Database& out, std::size_t first, std::size_t threads)
         : spec_(spec),
           out_(out),
-          layout_(data::read_layout(out)),
+          layout_(data::catalogue_layout()),
           next_(first),
           most_(kAhead * threads) {}
 

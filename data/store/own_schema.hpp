@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/store/statement.hpp"
+
+/// The whole schema of a file against the catalogue. A file can come from anywhere, and its schema is a program:
+/// triggers that change what is written, views that say something else, a table that is a view without an end.
+namespace palpate::data {
+
+struct SchemaDifference {
+    enum class Of : std::uint8_t {
+        table,  ///< ours is gone or another: nothing that is read from it can be trusted
+        view,   ///< ours is gone or another
+        index,  ///< ours is gone; or one on our table, or a reference to it, decides what it takes
+        trigger,  ///< on a table or view of ours
+        sample,   ///< something called sample stands before the ticks
+    };
+    Of of{};
+    std::string name;    ///< "view analysis_trial", "trigger t"
+    std::string stored;  ///< its SQL, or that it is not there
+    std::string wanted;
+};
+
+/// Every difference, tables first. What somebody added of their own is theirs and none: tables, views, triggers on
+/// these, plain indices on ours.
+[[nodiscard]] std::vector<SchemaDifference> schema_differences(const Connection& file);
+
+/// @throws WrongFile that names every difference
+[[noreturn]] void refuse_schema(const Connection& file,
+                                const std::vector<SchemaDifference>& differences,
+                                std::string_view so);
+/// Names every difference on one line, and says whose views are used.
+void remark_schema(const Connection& file, const std::vector<SchemaDifference>& differences);
+
+/// The views of the catalogue as this connection's own, before those of its file. Nothing in the file changes.
+void make_own_views(const Connection& file);
+
+}  // namespace palpate::data
