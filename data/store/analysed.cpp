@@ -42,7 +42,7 @@ void analyse(Database& database, Versions versions, const std::string& study) {
     if (versions == Versions::together ||
         !any(database, fmt::format("SELECT 1 FROM ({}) WHERE several", kVersions))) {
         if (withdrawn) {
-            look_through(database);
+            make_own_views(database.connection());
         }
         return;
     }
