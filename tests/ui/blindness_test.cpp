@@ -11,14 +11,11 @@
 
 #include <SDL.h>
 
-#include "engine/contact/closest_point.hpp"
-#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "protocols/trial/start_gate.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
@@ -165,21 +162,6 @@ TEST_CASE("where a trial may begin is the same for all conditions, and so is wha
           "[blind][gate][law]") {
     const auto [away, radius, in_space, open, refused] = ui::StartMark{};
     CHECK((glm::length(away) == 0.0 && radius == 0.0 && !in_space && open && !refused));
-    // The start is outside all objects, and nearer to one than the radius: inside of any of them nothing begins.
-    Protocol protocol = shipped();
-    protocol.apparatus.start_radius = 0.030;
-    const StartGate gate(protocol);
-    for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
-        const auto outline = outline_of(protocol, i);
-        const engine::OutlineFeet feet(*outline);
-        for (double y = 0.031; y < 0.089; y += 0.0007) {
-            const engine::Vec2 at{0.0005, y};
-            CHECK((!gate.lets_begin({at, 0.0}) || !feet.closest(at).inside));
-        }
-    }
-    CHECK(gate.lets_begin({0.0, 0.060, 0.0}));
-    CHECK_FALSE(gate.lets_begin({0.0, 0.0911, 0.0}));
-    CHECK_FALSE(gate.lets_begin({std::nan(""), 0.060, 0.0}));
 }
 
 TEST_CASE(
