@@ -275,3 +275,46 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
     CHECK_THAT(beyond.error, ContainsSubstring("192.0.2.1 is another machine") &&
                                  ContainsSubstring("--insecure"));
 }
+
+TEST_CASE("what is repaired after a push reaches the server as events, and nothing twice",
+          "[push][repair][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    const auto does = [&](std::vector<std::string> words) {
+        words.insert(words.begin() + 1, file);
+        const Finished done = palpate_command(words);
+        CAPTURE(words, done.out, done.error);
+        REQUIRE(done.code == 0);
+    };
+    const auto push = [&] {
+        return palpate_command({"push", file, "--to", server->url()});
+    };
+    const auto one = [&](const std::string& what) {
+        return *Postgres(server->url()).rows("SELECT " + what).at(0).at(0);
+    };
+    // Reasons stand in the events' words.
+    const std::string said =
+        "count(*) FROM palpate.event WHERE text IN ('fell ill', 'another one did')";
+    CHECK(push().code == 0);
+    does({"session", "demo", "1", "--withdraw", "fell ill"});
+    CHECK(push().code == 0);
+    CHECK(one(said) == "1");
+    CHECK(one("count(*) FROM palpate.session") == "1");
+    does({"session", "demo", "1", "--undo", "another one did"});
+    does({"participant", "other", "--consent", "yes"});
+    does({"participant", "demo", "--is-really", "other"});
+    CHECK(push().code == 0);
+    CHECK(one("count(*) FROM palpate.session") == "1");
+    CHECK(one("participant_code FROM palpate.session") ==
+          "demo");  // as it began: events say the rest
+    CHECK(one(said) == "2");
+    CHECK(one("value FROM palpate.event WHERE key = 'is really'") == "other");
+    does({"participant", "other", "--destroy", "everything"});
+    const Finished destroyed = push();
+    CHECK(destroyed.code == 1);
+    CHECK_THAT(destroyed.error, ContainsSubstring("the server has it: an administrator deletes"));
+}
