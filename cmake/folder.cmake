@@ -1,6 +1,6 @@
 # Several files of a target compiled as one: half of what a file costs is what its neighbours say as well. A file's
 # batch comes from its name, and a new file moves no other into another's batch; names in the anonymous namespaces of a
-# batch differ. Builds for developers and sanitizers compile every file alone, so that none lives on another's includes.
+# batch differ. Builds for developers compile every file alone, so that none lives on another's includes.
 function(palpate_in_batches target)
     if(NOT PALPATE_BATCHES)
         return()
