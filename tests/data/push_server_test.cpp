@@ -305,15 +305,15 @@ TEST_CASE("what is repaired after a push reaches the server as events, and nothi
     CHECK(one(said) == "1");
     CHECK(one("count(*) FROM palpate.session") == "1");
     does({"session", "demo", "1", "--undo", "another one did"});
-    does({"participant", "other", "--consent", "yes"});
-    does({"participant", "demo", "--is-really", "other"});
+    does({"participant", "other", "--new", "--consent", "yes"});
+    does({"participant", "demo", "--is-really", "other", "--reason", "wrong code"});
     CHECK(push().code == 0);
     CHECK(one("count(*) FROM palpate.session") == "1");
     CHECK(one("participant_code FROM palpate.session") ==
           "demo");  // as it began: events say the rest
     CHECK(one(said) == "2");
     CHECK(one("value FROM palpate.event WHERE key = 'is really'") == "other");
-    does({"participant", "other", "--destroy", "everything"});
+    does({"participant", "other", "--destroy", "everything", "--yes", "--reason", "asked"});
     const Finished destroyed = push();
     CHECK(destroyed.code == 1);
     CHECK_THAT(destroyed.error, ContainsSubstring("the server has it: an administrator deletes"));

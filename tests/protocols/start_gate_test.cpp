@@ -58,8 +58,8 @@ TEST_CASE("inside of any object of the study no trial begins, however wide the g
     tests::Random random(5);
     int inside = 0;
     for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
-        for (int k = 0; k < 200; ++k) {
-            const engine::Vec3 place = near(gate, random, 0.5 * gate.radius());
+        for (int k = 0; k < 300; ++k) {
+            const engine::Vec3 place = near(gate, random, gate.radius());
             const bool in_object =
                 protocol.surface ? engine::SurfaceFeet(surface_of(protocol, protocol.objects[i]))
                                        .closest(place)
