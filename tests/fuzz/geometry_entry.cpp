@@ -163,7 +163,7 @@ void feel_surface(Source& source) {
 
 }  // namespace
 
-void feel_geometry(Bytes bytes) {
+void geometry(Bytes bytes) {
     Source source(bytes);
     try {
         if (source.below(4) == 0) {
