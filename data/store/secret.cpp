@@ -121,8 +121,15 @@ void set_secret(Database& database, std::string_view hex) {
                         database.file()));
     }
     database.execute("DELETE FROM secret");
-    Row("secret").set("hex", hex).insert(database);
+    keep_secret(database, hex);
     all.commit();
+}
+
+void keep_secret(Database& database, std::string_view hex) {
+    if (hex != kDemoSecret && !anybody_in(database)) {
+        database.execute("DELETE FROM secret");
+    }
+    Row("secret").set("hex", hex).insert(database, "ON CONFLICT DO NOTHING");
 }
 
 std::int64_t participant_row(Database& database, std::string_view code, std::string_view secret) {

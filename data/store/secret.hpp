@@ -29,6 +29,10 @@ void check_secret(std::string_view hex);
 /// @pre check_secret(). @throws std::invalid_argument if the file has another
 void set_secret(Database& database, std::string_view hex);
 
+/// Keeps what something is about to be drawn with: instead of a file's own while nothing is drawn with that, unless
+/// everybody knows it (the demo's). In the caller's transaction.
+void keep_secret(Database& database, std::string_view hex);
+
 /// Leaves those with which something was drawn, or a single one. In the caller's transaction.
 void drop_unused_secrets(Database& database);
 

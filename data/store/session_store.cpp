@@ -93,9 +93,9 @@ std::int64_t create(Database& database,
                     const SessionSpec& spec,
                     std::optional<std::int64_t> instead = {}) {
     const std::int64_t study = study_row(database, spec);
+    keep_secret(database, spec.key.secret);
     const std::int64_t participant =
         participant_row(database, spec.key.participant, spec.key.secret);
-    Row("secret").set("hex", spec.key.secret).insert(database, "ON CONFLICT DO NOTHING");
     Row row("session");
     row.set("study_id", study)
         .set("participant_id", participant)

@@ -10,7 +10,6 @@
 
 #include "data/store/chain.hpp"
 #include "data/store/people.hpp"
-#include "data/store/secret.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/process.hpp"
@@ -30,7 +29,6 @@ public:
         spec_ = session_spec(protocol, std::move(participant), number);
         spec_.kind = data::RunKind::real;
         data::Database database(file_, data::Access::write);
-        data::set_secret(database, spec_.key.secret);
         session_ = data::open_session(database, spec_).id;
     }
 
