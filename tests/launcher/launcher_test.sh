@@ -120,6 +120,23 @@ holds 'and goes on to the program' [ "$code" = 42 ]
 holds 'lists that know the packages are not fetched again' lacks "$calls" 'apt-get update'
 holds 'a plain command asks for no test package' lacks "$err" catch2
 
+for answer in '' n; do
+    new_machine 0
+    lacking libfmt-dev
+    printf '%s\n' "$answer" | script -qec "PATH='$machine/bin' '$tree/palpate' demo" /dev/null >"$machine/out" 2>&1
+    code=$?
+    out=$(cat "$machine/out")
+    calls=$(cat "$machine/calls")
+    holds 'root at a terminal is asked' has "$out" 'install them now, as root? [Y/n]'
+    if [ "$answer" = n ]; then
+        holds 'who says no has nothing installed' lacks "$calls" apt-get
+        holds 'and leaves with 3' [ "$code" = 3 ]
+    else
+        holds 'who says yes, has it' has "$calls" "$install libfmt-dev"
+        holds 'and goes on, asked once' [ "$(grep -c 'Y/n' "$machine/out")$code" = 142 ]
+    fi
+done
+
 new_machine 0
 lacking libfmt-dev
 cp "$machine/known" "$machine/mirror"
