@@ -211,6 +211,7 @@ void Database::open(Access access) {
 }
 
 Database::Identity Database::identity() {
+    const Snapshot of_one_moment(*this);  // another program may be making the file
     const auto number = [this](std::string_view sql) {
         Statement row = prepare(sql);
         row.step();
