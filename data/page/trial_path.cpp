@@ -227,6 +227,11 @@ std::vector<TickRecord> stick_events(const TrialTrace& trace) {
     return events;
 }
 
+bool has_friction(const TrialTrace& trace) {
+    return std::ranges::any_of(trace.felt_ticks(),
+                               [](const TickRecord& tick) { return tick.mu > 0.0; });
+}
+
 void add_path(PageWriter& page, const Study& study, const TrialTrace& trace) {
     PageFigure figure{.id = "path" + trace.place,
                       .title = "Where hand and god-object went" + trace.title,
@@ -236,7 +241,8 @@ void add_path(PageWriter& page, const Study& study, const TrialTrace& trace) {
         "segment) ELSE '{0} ' || segment END AS touched,\n       count(*) AS ticks, count(*) / "
         "(SELECT rate_hz FROM session JOIN trial USING (session_id) WHERE trial_id = {1}) AS "
         "time_s,\n       sum(mode = 'stuck') AS stuck_ticks, sum(mode IN ('slip', 'transition')) "
-        "AS sliding_ticks,\n       sum(sticks) AS stick_events, avg(iif(mode = 'free', NULL, "
+        "AS sliding_ticks,\n       iif(max(mu) > 0, sum(sticks), NULL) AS stick_events, "
+        "avg(iif(mode = 'free', NULL, "
         "rendered_normal_n)) AS normal_force_n\nFROM (SELECT *, mode = 'stuck' AND lag(mode) OVER "
         "(ORDER BY tick) IN ('slip', 'transition') AS sticks\n      FROM sample WHERE {2})\nGROUP "
         "BY touched ORDER BY touched",
@@ -252,11 +258,14 @@ void add_path(PageWriter& page, const Study& study, const TrialTrace& trace) {
     }
     figure.caption = fmt::format(
         "From 1, the first tick, to 2, {}. The thick line is where the god-object was in contact, "
-        "and so what was covered; {} (a sliding god-object stuck again). {}",
+        "and so what was covered; {}. {}",
         !trace.felt                 ? "the last one before it was cut off"
         : trace.fault_cause.empty() ? "done"
                                     : "when the force went off",
-        counted(stick_events(trace).size(), "dot is a stick event", "dots are stick events"),
+        has_friction(trace)
+            ? counted(stick_events(trace).size(), "dot is a stick event", "dots are stick events") +
+                  " (a sliding god-object stuck again)"
+            : std::string("without friction nothing sticks"),
         where);
     page.figure(figure);
     const Rows events = study.ask(fmt::format(

@@ -255,12 +255,12 @@ void add_strips(PageWriter& page, const Study& study, const TrialTrace& trace) {
     figure.caption = fmt::format(
         "All {} ticks{}: zoom by dragging along the time or with the buttons, a double click shows "
         "all again. Drawn in steps of 1 um, 1 mN, 0.1 mm/s and 0.1 us; printed, the least and the "
-        "largest value of each of 400 stretches. Triangles: stick events. The table has a row a "
+        "largest value of each of 400 stretches. {}The table has a row a "
         "second; every number of every tick: palpate sql {} --csv -c \"SELECT * FROM sample WHERE "
         "{}\", or palpate export --traces.",
         times.size(),
         lost == 0 ? "" : fmt::format("; {} more were lost on their way to the disk", lost),
-        study.file(), of);
+        has_friction(trace) ? "Triangles: stick events. " : "", study.file(), of);
     page.figure(figure);
 }
 

@@ -38,6 +38,8 @@ struct TrialTrace {
 
 /// Times that a sliding god-object stuck again, as presentation.stick_events counts them.
 [[nodiscard]] std::vector<engine::TickRecord> stick_events(const TrialTrace& trace);
+/// Something may stick: a tick in contact had friction.
+[[nodiscard]] bool has_friction(const TrialTrace& trace);
 
 /// Where hand and god-object went on the object.
 void add_path(PageWriter& page, const Study& study, const TrialTrace& trace);

@@ -56,7 +56,7 @@ std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum, boo
         {"strokes_after_vertex", sum.strokes_after_vertex},
         {"reversals", sum.reversals},
         {"vertex_ticks", sum.vertex_ticks},
-        {"stick_events", sum.stick_events},
+        {"stick_events", std::monostate()},
         {"speed_p10_m_per_s", sum.speed.p10},
         {"speed_p50_m_per_s", sum.speed.p50},
         {"speed_p90_m_per_s", sum.speed.p90},
@@ -76,6 +76,9 @@ std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum, boo
         values.back().value = *sum.first_contact_s;
     }
     for (SummaryValue& one : values) {
+        if (sum.sticks && one.column == "stick_events") {
+            one.value = sum.stick_events;
+        }
         if (!force && std::ranges::find(kOfForce, one.column) != std::end(kOfForce)) {
             one.value = std::monostate();
         }

@@ -65,7 +65,7 @@ Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
     contact.force += rubbed.force * tangent;
     contact.tangential_force += rubbed.force;
     contact.mu = rubbed.mu;
-    contact.mode = rubbed.slid ? Mode::slip : Mode::stuck;
+    contact.mode = rubbed.slid || !(spec_.friction.mu_s > 0.0) ? Mode::slip : Mode::stuck;
     return contact;
 }
 

@@ -35,10 +35,11 @@ const SceneSpec& checked(const SceneSpec& spec);
 /// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
 inline constexpr double kRelaxed = 1e-3;
 
-/// What a tick in contact did: `slipped`, the GO moved; theta, the Stribeck state before the tick.
+/// What a tick in contact did: `slipped`, the GO moved; theta, the Stribeck state before the tick. Without friction
+/// nothing sticks: a god-object that rests under a resting hand slips at speed 0.
 template <bool HasFriction>
 [[nodiscard]] Mode mode_of(bool slipped, double theta, const Friction& friction) noexcept {
-    return !slipped                                                         ? Mode::stuck
+    return !slipped && friction.mu_s > 0.0                                  ? Mode::stuck
          : HasFriction && theta > kRelaxed && friction.mu_s > friction.mu_d ? Mode::transition
                                                                             : Mode::slip;
 }

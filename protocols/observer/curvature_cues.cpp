@@ -68,7 +68,9 @@ bool CurvatureCues::sliding(const engine::TickRecord& tick, std::size_t chord) n
     const bool forward = velocity_ > 0.0;
     velocity_ += kSmoothing * (moved - velocity_);
     kept_ = (velocity_ > 0.0) == forward ? kept_ + std::fabs(moved) : 0.0;
-    return kept_ >= kSettled && tick.mode != engine::Mode::stuck;
+    const bool rests = tick.mode == engine::Mode::stuck || tick.go == last_go_;
+    last_go_ = tick.go;
+    return kept_ >= kSettled && !rests;
 }
 
 void CurvatureCues::add(const engine::TickRecord& tick) noexcept {

@@ -4,7 +4,17 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/felt_scene.hpp"
+
 namespace palpate::protocols {
+
+TrialMeter::TrialMeter(double stiffness, const engine::SceneView& scene)
+    : ledger_(stiffness), exploration_(scene), in_space_(scene.space != nullptr) {
+    const engine::SceneSpec* spec = scene.plane != nullptr ? &scene.plane->spec()
+                                  : scene.space != nullptr ? &scene.space->spec().contact
+                                                           : nullptr;
+    sum_.sticks = spec == nullptr || spec->friction.mu_s > 0.0;
+}
 
 void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
     for (const engine::TickRecord& tick : ticks) {
@@ -86,6 +96,7 @@ TrialSummary together(const TrialSummary& a, const TrialSummary& b) {
           &TrialSummary::contact_episodes}) {
         all.*member += b.*member;
     }
+    all.sticks = a.sticks || b.sticks;
     all.path_length_m += b.path_length_m;
     all.energy_j += b.energy_j;
     all.max_normal_force_n = std::max(a.max_normal_force_n, b.max_normal_force_n);

@@ -19,8 +19,7 @@ public:
     TrialMeter(double stiffness, const engine::Outline& outline)
         : ledger_(stiffness), exploration_(outline) {}
     /// In space nothing is before or after a vertex.
-    TrialMeter(double stiffness, const engine::SceneView& scene)
-        : ledger_(stiffness), exploration_(scene), in_space_(scene.space != nullptr) {}
+    TrialMeter(double stiffness, const engine::SceneView& scene);
     void add(std::span<const engine::TickRecord> ticks);
     [[nodiscard]] TrialSummary summary() const;
 

@@ -213,13 +213,16 @@ void check_measures(const std::string& page, const std::string& file, int trial,
         REQUIRE(at != std::string::npos);
         std::string told = table.substr(at + row.size(), 12);
         told.resize(told.find('<'));
+        if (view[1][c].empty()) {  // as stick events without friction
+            continue;
+        }
         const bool minus = told.starts_with("\u2212");
         const double value = (minus ? -1.0 : 1.0) * std::stod(minus ? told.substr(3) : told);
         const double exact = factor * number(view[1][c]);
         CHECK(std::fabs(value - exact) <= std::max(0.000501, 0.006 * std::fabs(exact)));
         ++looked;
     }
-    CHECK(looked == 23);
+    CHECK(looked >= 22);  // without friction none of stick events
 }
 
 }  // namespace
@@ -241,7 +244,10 @@ TEST_CASE(
             ask(file, fmt::format("SELECT stick_events, felt_object, friction, done_s "
                                   "FROM exploration WHERE trial_id = {}",
                                   trial));
-        CHECK(std::to_string(drawn[0]["sticks"].size()) == view[1][0]);
+        const bool friction = view[1][2] == "on";  // without it nothing sticks
+        CHECK((friction ? std::to_string(drawn[0]["sticks"].size()) : "") == view[1][0]);
+        CHECK(ask(file, fmt::format("SELECT max(mode = 'stuck') FROM sample WHERE trial_id = {}",
+                                    trial))[1][0] == (friction ? "1" : "0"));
         CHECK(count_of(page, "class=\"point\"") == drawn[0]["sticks"].size());
         CHECK_THAT(page, ContainsSubstring("<dd>" + view[1][1]) &&
                              ContainsSubstring("friction " + view[1][2] + " ("));

@@ -43,6 +43,7 @@ inline std::vector<engine::TickRecord> strokes(const StrokeSpec& spec, std::uint
                 tick.tick = static_cast<std::int64_t>(ticks.size());
                 tick.time_ns = tick.tick * 1000000;
                 tick.hip = foot.point - depth * foot.normal;
+                tick.go = foot.point;
                 const Vec2 tangent{foot.normal.y, -foot.normal.x};
                 tick.normal_force = spec.stiffness * depth;
                 tick.tangential_force = -direction * spec.mu * tick.normal_force;
