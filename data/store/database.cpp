@@ -18,6 +18,7 @@
 
 #include "engine/base/clock.hpp"
 #include "data/schema/catalogue.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/migration.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/uuid.hpp"
@@ -72,17 +73,6 @@ void require_plain_files(const std::string& file) {
                                : "device",
             *beside == '\0' ? "give the name of a file" : "SQLite needs that name, move it away"));
     }
-}
-
-/// A database that nobody writes, where nobody can: SQLite could not lay its index of the log beside
-/// it, and with no log and no index there, it needs none. A live or a killed rig leaves both, beside the
-/// file itself, wherever a link to it is.
-bool lies_still(const std::string& name) {
-    std::error_code unknown;
-    const std::filesystem::path file = std::filesystem::canonical(name, unknown);
-    return !unknown && ::access(file.parent_path().c_str(), W_OK) != 0 &&
-           ::access((file.string() + "-wal").c_str(), F_OK) != 0 &&
-           ::access((file.string() + "-shm").c_str(), F_OK) != 0;
 }
 
 [[noreturn]] void not_ours(const std::string& file) {
@@ -201,7 +191,15 @@ void Database::open(Access access) {
             "{}: the file or its folder is read-only: choose another place or change the rights",
             connection_.file));
     }
-    check_identity(access);
+    try {
+        check_identity(access);
+    } catch (const DiskRefused&) {
+        if (access == Access::write || has_log(plain_name(connection_.file))) {
+            throw;
+        }
+        connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+        check_identity(access);
+    }
     check_schema(access);
     sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
     if (access == Access::write) {

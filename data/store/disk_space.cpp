@@ -3,9 +3,12 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
@@ -47,6 +50,21 @@ void require_space(const std::string& file,
                         file, static_cast<double>(there) * 1e-6, counted(trials, "trial"),
                         static_cast<double>(needed) * 1e-6));
     }
+}
+
+bool lies_still(const std::string& name) {
+    std::error_code unknown;
+    const std::filesystem::path file = std::filesystem::canonical(name, unknown);
+    return !unknown && ::access(file.parent_path().c_str(), W_OK) != 0 &&
+           ::access((file.string() + "-wal").c_str(), F_OK) != 0 &&
+           ::access((file.string() + "-shm").c_str(), F_OK) != 0;
+}
+
+bool has_log(const std::string& name) {
+    std::error_code unknown;
+    const std::filesystem::path file = std::filesystem::canonical(name, unknown);
+    const auto size = std::filesystem::file_size(file.string() + "-wal", unknown);
+    return !unknown && size > 0;
 }
 
 }  // namespace palpate::data

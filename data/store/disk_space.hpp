@@ -21,4 +21,13 @@ void require_space(const std::string& file,
                    const protocols::Protocol& protocol,
                    std::size_t trials);
 
+/// A database that nobody writes, where nobody can: SQLite could not lay its index of the log beside
+/// it, and with no log and no index there, it needs none. A live or a killed rig leaves both, beside the
+/// file itself, wherever a link to it is.
+[[nodiscard]] bool lies_still(const std::string& name);
+
+/// Something waits in the log. Without it nobody writes the file, and on a full disk, where SQLite finds no room for the
+/// log's index, nobody can begin to: it can be read as it is.
+[[nodiscard]] bool has_log(const std::string& name);
+
 }  // namespace palpate::data

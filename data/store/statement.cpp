@@ -14,6 +14,11 @@ namespace {
 std::mutex idle_guard;
 
 const char* remedy(int code) {
+    if (code == SQLITE_IOERR_SHMSIZE || code == SQLITE_IOERR_SHMOPEN ||
+        code == SQLITE_IOERR_SHMMAP) {
+        return "the index of its log finds no room: the disk is full, and reading needs 32 kB of "
+               "it; free some, or copy the file and its -wal to another disk";
+    }
     switch (code & 0xFF) {
         case SQLITE_FULL:
             return "the disk is full: free some space and run again, what was recorded is kept";
