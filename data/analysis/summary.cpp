@@ -9,6 +9,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/analysis/exclusion.hpp"
+#include "data/analysis/left_out.hpp"
 #include "data/analysis/people_text.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/trial_device.hpp"
@@ -19,9 +20,10 @@ namespace {
 std::vector<Group> groups(Database& database) {
     std::vector<Group> all;
     Statement row = database.prepare(
-        "SELECT study_name, session_kind FROM analysis_trial WHERE counts AND phase = 'main' UNION "
-        "SELECT study_name, session_kind FROM analysis_trial WHERE invalid_reason IS NOT NULL AND "
-        "phase = 'main' ORDER BY session_kind, study_name");
+        "SELECT DISTINCT study_name, session_kind FROM main.session AS one JOIN study USING "
+        "(study_id) WHERE EXISTS (SELECT 1 FROM main.trial JOIN main.plan USING (session_id, "
+        "plan_position) JOIN main.response USING (trial_id) WHERE trial.session_id = "
+        "one.session_id AND phase = 'main') ORDER BY session_kind, study_name");
     while (row.step()) {
         all.push_back({row.text(0), row.text(1)});
     }
@@ -153,22 +155,6 @@ std::string invalid_text(Database& database, const Group& group) {
                         counted(n, "answered trial is", "answered trials are"));
 }
 
-/// Who declined; nothing as long as nobody did.
-std::string declined_text(Database& database, const Group& group) {
-    Statement row = database.prepare(
-        "SELECT count(DISTINCT participant_id) FROM participant JOIN session USING "
-        "(participant_id) JOIN "
-        "study USING (study_id) WHERE consent = 0 AND study_name = ?1 AND session_kind = ?2");
-    row.bind(1, group.study).bind(2, group.kind).step();
-    const std::int64_t n = row.integer(0);
-    return n == 0 ? std::string()
-                  : fmt::format(
-                        "\n  {} noted as not consenting: in the above, in no export and in nothing "
-                        "that stats, fit, "
-                        "audit and report say\n",
-                        counted(n, "participant is", "participants are"));
-}
-
 /// Sessions that were felt on more than one device; nothing as long as there are none.
 std::string devices_text(Database& database, const Group& group) {
     Statement row = database.prepare(
@@ -207,7 +193,8 @@ std::string summary_text(Database& database) {
         text += title(group) + confusion_text(database, group) + answers_text(database, group) +
                 runs_text(database, group) + exclusions_text(database, group) +
                 no_correct_text(database, group) + faults_text(database, group) +
-                invalid_text(database, group) + declined_text(database, group) +
+                invalid_text(database, group) + '\n' +
+                left_out_text(left_out_of(database, group.study, group.kind, true)) +
                 devices_text(database, group) + '\n';
     }
     if (text.empty()) {
@@ -215,8 +202,6 @@ std::string summary_text(Database& database) {
     }
     const std::string versions = versions_text(versions_of(database));
     text += versions.empty() ? "" : versions + '\n';
-    const std::string withdrawn = withdrawn_text(database, true);
-    text += withdrawn.empty() ? "" : withdrawn + '\n';
     return text + fmt::format("Data: {}\n", database.file());
 }
 

@@ -10,7 +10,8 @@ namespace palpate::data {
 /// share correct person by person, its mean over people, and friction as a difference within a person
 /// (people_text.hpp); what a rule estimates; and what the file is called. Simulated and pilot data are never
 /// added to real ones, and say so in their title. Where the protocol has rules of exclusion what is said over
-/// people comes twice: of everybody, and without those whom the rules leave out.
+/// people comes twice: of everybody who consents, and without those whom the rules leave out. left_out.hpp
+/// says who that is.
 [[nodiscard]] std::string summary_text(Database& database);
 
 /// Two queries to try, as they may be pasted into a shell; `file` is quoted.

@@ -111,6 +111,7 @@ std::string identification_text(const IdentificationReport& report) {
     std::string out = fmt::format("{}: {}, {}\n", report.table.source,
                                   counted(report.people.size(), "person", "people"),
                                   counted(report.names.size(), "item"));
+    out += report.table.left_out ? left_out_text(*report.table.left_out) : std::string();
     out += "Items:";
     for (std::size_t i = 0; i < report.names.size(); ++i) {
         out += fmt::format("{} {} ({:g})", i > 0 ? "," : "", report.names[i], report.values[i]);
@@ -161,7 +162,9 @@ std::string identification_json(const IdentificationReport& report) {
                 {"values", report.values},
                 {"lapse", report.options.lapse},
                 {"frictions", report.table.frictions},
-                {"versions", versions_json(report.table.versions)}};
+                {"versions", versions_json(report.table.versions)},
+                {"left_out",
+                 report.table.left_out ? left_out_json(*report.table.left_out) : Json(nullptr)}};
     for (const IdentifiedPerson& person : report.people) {
         Json one = {{"participant", person.name},
                     {"log_likelihood", person.thurstone.log_likelihood},

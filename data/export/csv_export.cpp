@@ -51,7 +51,8 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "subject, study_label, session_number, trial_number. Text is UTF-8; an empty field: not "
         "known or not so. "
         "Numbers read\n"
-        "back to the same bits in C, Python and R. A text that a spreadsheet would take for a "
+        "back to the same bits in C, Python and R (pandas: float_precision='round_trip'). A text "
+        "that a spreadsheet would take for a "
         "formula "
         "has\n"
         "' in front.\n{}{}",

@@ -144,7 +144,8 @@ columns = pd.read_csv(folder / "columns.csv", dtype=str, keep_default_na=False)
 def load_table(name):
     own = columns[(columns.table == name) & (columns.column != "")]
     texts = {c: "string" for c, t in zip(own.column, own.type) if t == "text"}
-    d = pd.read_csv(folder / f"{name}.csv", dtype=texts, keep_default_na=False, na_values=[""])
+    d = pd.read_csv(folder / f"{name}.csv", dtype=texts, keep_default_na=False, na_values=[""],
+                    float_precision="round_trip")
     for column, kind_of, levels in zip(own.column, own.type, own.levels):
         if levels and kind_of == "text":
             words = [word.split(" = ")[0] for word in levels.split("; ")]

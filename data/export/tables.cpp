@@ -43,6 +43,14 @@ const std::vector<ExportColumn>& computed_columns() {
          "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
          " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked',"
          " trial.invalid_reason)"},
+        {"trials_since_break", "integer", "1",
+         "attempts before it since the session's begin or last break; empty: it has not ended",
+         "iif(trial.seal_events IS NULL, NULL, (SELECT count(*) FROM trial AS earlier WHERE"
+         " earlier.session_id = trial.session_id AND earlier.trial_id < trial.trial_id AND"
+         " earlier.seal_events IS NOT NULL AND NOT EXISTS (SELECT 1 FROM (SELECT event_kind,"
+         " row_number() OVER (ORDER BY event_id) AS n FROM event WHERE event.session_id ="
+         " trial.session_id) WHERE event_kind = 'break' AND n > earlier.seal_events AND n <="
+         " trial.seal_events)))"},
         {"counts", "integer", "1", "1: answered, and the answer counts",
          "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
         {"stimulus", "real", "", "what the rule chose, in the protocol's unit; empty: no rule",
@@ -172,19 +180,20 @@ std::vector<ExportTable> made_tables() {
               " JOIN plan USING (session_id)", session + ", plan.plan_position", keys + "plan.*"),
         table("pictures", "which picture stood at which place", " JOIN picture USING (session_id)",
               session + ", picture.picture_place", keys + "picture.*"),
-        table("trials", "one row an attempt at a planned trial, with its answer",
-              trials +
-                  " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id)"
-                  " LEFT JOIN" +
-                  adaptive,
-              trial,
-              keys +
-                  "session.session_kind trial_number trial.plan_position trial.attempt plan.phase"
-                  " plan.block plan.planned_object plan.curvature_per_m plan.friction plan.mu_s"
-                  " plan.mu_d trial.outcome counts exclusion response.answer_code"
-                  " response.chosen_object response.correct response.confidence"
-                  " response.reaction_s response.reaction_uncertainty_s adaptive_plan.run_name"
-                  " adaptive_plan.comparison_interval stimulus since_first_ns trial.*"),
+        table(
+            "trials", "one row an attempt at a planned trial, with its answer",
+            trials +
+                " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id)"
+                " LEFT JOIN" +
+                adaptive,
+            trial,
+            keys +
+                "session.session_kind trial_number trial.plan_position trial.attempt plan.phase"
+                " plan.block plan.planned_object plan.curvature_per_m plan.friction plan.mu_s"
+                " plan.mu_d trials_since_break trial.outcome counts exclusion response.answer_code"
+                " response.chosen_object response.correct response.confidence"
+                " response.reaction_s response.reaction_uncertainty_s adaptive_plan.run_name"
+                " adaptive_plan.comparison_interval stimulus since_first_ns trial.*"),
         table("responses", "one row an answer", trials + " JOIN response USING (trial_id)", trial,
               keys + "trial_number response.*"),
         table("presentations", "one row an interval of an attempt: what was felt, and how",

@@ -181,6 +181,89 @@ private:
     CurvePoint near_;
 };
 
+/// Curves whose slope has no end.
+class Steps {
+public:
+    /// @param at  with the rates of these
+    Steps(const CurveModel& model, const CurvePoint& at)
+        : model_(&model), guess_(at[2]), top_(1.0 - at[3]) {}
+
+    /// The log-likelihood of the best step there.
+    [[nodiscard]] double value(double place) const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < model_->levels(); ++i) {
+            const double z = model_->places()[i];
+            const double n = model_->counts()[i];
+            const double k = model_->hits()[i];
+            const double p = z < place ? guess_
+                           : z > place ? top_
+                                       : std::clamp(k / n, std::min(guess_, top_), top_);
+            sum += (k > 0.0 ? k * std::log(p) : 0.0) + (n > k ? (n - k) * std::log1p(-p) : 0.0);
+        }
+        return sum;
+    }
+
+    /// The hull of all places that lose no more than `loss` against the best, and the best; only levels and the gaps
+    /// between them differ.
+    [[nodiscard]] std::pair<Interval, double> within(double loss) const {
+        const auto z = model_->places();
+        double best = -kInfinity;
+        for (const double place : z) {  // on a level a step can be as in the gaps beside it
+            best = std::max(best, value(place));
+        }
+        Interval hull{kInfinity, -kInfinity};
+        const auto take = [&](double inside, double low, double high) {
+            if (value(inside) >= best - loss) {
+                hull = {std::min(hull.low, low), std::max(hull.high, high)};
+            }
+        };
+        for (std::size_t i = 0; i < z.size(); ++i) {
+            take(z[i], z[i], z[i]);
+            if (i + 1 < z.size() && std::isfinite(z[i])) {
+                take(0.5 * (z[i] + z[i + 1]), z[i], z[i + 1]);
+            }
+        }
+        return {hull, best};
+    }
+
+private:
+    const CurveModel* model_;
+    double guess_;
+    double top_;
+};
+
+constexpr double kSame = 1e-7;  ///< of log-likelihood
+
+/// The least loss of one threshold for both on a level of either, where a curve may be a step.
+double least_of_steps(const CurveModel& one,
+                      const CurveFit& fit_one,
+                      Profile& left,
+                      const CurveModel& two,
+                      const CurveFit& fit_two,
+                      Profile& right) {
+    const auto loss = [](const CurveModel& model, const CurveFit& fit, Profile& profile,
+                         double place) {
+        return fit.value - (fit.maxima
+                                ? std::max(profile.value(place), Steps(model, fit.at).value(place))
+                                : profile.value(place));
+    };
+    const auto hull = [](const CurveFit& fit) {
+        return fit.maxima.value_or(Interval{fit.at[0], fit.at[0]});
+    };
+    const double low = std::min(hull(fit_one).low, hull(fit_two).low);
+    const double high = std::max(hull(fit_one).high, hull(fit_two).high);
+    double least = kInfinity;
+    for (const CurveModel* model : {&one, &two}) {
+        for (const double place : model->places()) {
+            if (place >= low && place <= high && std::isfinite(place)) {
+                least = std::min(least, std::max(0.0, loss(one, fit_one, left, place)) +
+                                            std::max(0.0, loss(two, fit_two, right, place)));
+            }
+        }
+    }
+    return least;
+}
+
 /// The best with the steepest slope.
 Optimum steepest(const CurveModel& model, CurvePoint near) {
     CurveMask others = model.free();
@@ -219,9 +302,14 @@ CurveFit fit_curve(const CurveModel& model) {
     fit.at = model.whole(best.at);
     fit.deviance = model.deviance(fit.at);
     // A likelihood that still grows is as good as its end long before it: within 0.5 of the log of the slope.
-    fit.steep = steepest(model, best.at).value > fit.value - 1e-7;
+    const Optimum end = steepest(model, best.at);
+    fit.steep = end.value > fit.value - kSame;
     fit.shallow = !model.spec().slope_prior && fit.deviance > model.flat_deviance() - 1e-6;
     fit.far = fit.at[0] <= model.low()[0] || fit.at[0] >= model.high()[0];
+    if (fit.steep && !fit.shallow && !fit.far && !spec.map() && spec.shared_rate() == 0) {
+        const auto [maxima, value] = Steps(model, model.whole(end.at)).within(kSame);
+        fit.maxima = value > fit.value - kSame ? std::optional(maxima) : std::nullopt;
+    }
     return fit;
 }
 
@@ -263,7 +351,14 @@ std::optional<Interval> profile_interval(const CurveModel& model,
         through_zero = 2.0 * (fit.value - zero.value) < kReach * kReach;
     }
     const double at_up = through_zero ? most : up ? place->quantity(*up) : falls ? least : most;
-    return Interval{std::min(at_down, at_up), std::max(at_down, at_up)};
+    Interval found{std::min(at_down, at_up), std::max(at_down, at_up)};
+    if (fit.maxima && (quantity == Quantity::threshold || quantity == Quantity::at_share)) {
+        // The slopes that are searched have an end, and their curves end beside the steps.
+        const Interval steps = Steps(model, fit.at).within(0.5 * kReach * kReach).first;
+        found.low = std::min(found.low, place->quantity(steps.low));
+        found.high = std::max(found.high, place->quantity(steps.high));
+    }
+    return found;
 }
 
 double equality_p(const CurveModel& one,
@@ -281,7 +376,11 @@ double equality_p(const CurveModel& one,
     const auto loss = [&](double place) {
         return fit_one.value - left.value(place) + fit_two.value - right.value(place);
     };
-    const double chi_square = 2.0 * std::max(0.0, least_between(loss, first->at, second->at));
+    double least = least_between(loss, first->at, second->at);
+    if (quantity == Quantity::threshold && (fit_one.maxima || fit_two.maxima)) {
+        least = std::min(least, least_of_steps(one, fit_one, left, two, fit_two, right));
+    }
+    const double chi_square = 2.0 * std::max(0.0, least);
     return 2.0 * protocols::normal_cdf(-std::sqrt(chi_square));
 }
 

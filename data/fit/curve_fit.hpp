@@ -45,6 +45,10 @@ struct CurveFit {
         false;  ///< the likelihood grows with the slope to no end: no level lies on the rise
     bool shallow = false;  ///< one share for all levels is as good: it does not grow
     bool far = false;      ///< the threshold left the levels by 20 times their range
+    /// Of a steep curve without priors: all thresholds of the highest likelihood, on the axis. With the slope it tends to
+    /// a step, which has the guess rate below its place, 1 - lapse above it, and on it any chance between. One place of
+    /// two ends: what the threshold tends to; else it is not determined.
+    std::optional<Interval> maxima{};
 };
 
 /// The highest maximum that thorough Search finds by Fisher scoring, and Nelder-Mead's from the same point of the grid;
@@ -59,8 +63,8 @@ struct CurveFit {
 
 /// 95 % interval of all values whose best fit is worse by less than 3.8415 / 2 of log-likelihood (chi-square of one
 /// degree of freedom; W. Q. Meeker, L. A. Escobar, Am. Stat. 49:48, 1995), priors included. An end that the data
-/// do not bound is infinite, or that of the range. Nothing for what is fixed or has no value, and for at_share with
-/// free rates.
+/// do not bound is infinite, or that of the range. Of a threshold with `maxima` it holds every step that is not refuted.
+/// Nothing for what is fixed or has no value, and for at_share with free rates.
 [[nodiscard]] std::optional<Interval> profile_interval(const CurveModel& model,
                                                        const CurveFit& fit,
                                                        Quantity quantity,

@@ -77,7 +77,9 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
     const Told& threshold = curve.told.front();
     if (threshold.profile && std::isfinite(threshold.profile->low) &&
         std::isfinite(threshold.profile->high)) {
-        const double y = chance(spec, curve.fit.at, threshold.value);
+        const double y = chance(
+            spec, curve.fit.at,
+            std::isnan(threshold.value) ? off_axis(spec.family, curve.fit.at[0]) : threshold.value);
         panel.series.push_back({.x = {threshold.profile->low, threshold.profile->high},
                                 .y = {y, y},
                                 .ink = ink,

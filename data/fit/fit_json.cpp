@@ -62,7 +62,10 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
     }
     one["deviance"] = curve.fit.deviance;
     one["parameters"] = curve.fit.parameters;
-    one["deviance_p"] = curve.samples.at.empty() ? Json(nullptr) : Json(curve.samples.deviance_p);
+    one["deviance_p"] = curve.samples.at.empty() || single_answers(curve)
+                          ? Json(nullptr)
+                          : Json(curve.samples.deviance_p);
+    one["deviance_why"] = single_answers(curve) ? Json(kNoGoodness) : Json(nullptr);
     one["log_likelihood"] = curve.fit.value;
     one["log_likelihood_nelder_mead"] = curve.fit.second;
     one["optimisers_agree"] = curve.fit.agree;
@@ -80,19 +83,21 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
 
 std::string fit_json(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
-    Json all = {{"source", report.source},
-                {"function", word_of(spec.family)},
-                {"guess", guess_text(spec)},
-                {"lapse", lapse_text(spec)},
-                {"priors", priors_text(spec)},
-                {"bootstrap", report.options.bootstrap},
-                {"seed", report.options.seed},
-                {"curves", Json::array()},
-                {"conditions", report.conditions},
-                {"not_fitted", Json::array()},
-                {"differences", Json::array()},
-                {"people", Json::array()},
-                {"versions", versions_json(report.versions)}};
+    Json all = {
+        {"source", report.source},
+        {"function", word_of(spec.family)},
+        {"guess", guess_text(spec)},
+        {"lapse", lapse_text(spec)},
+        {"priors", priors_text(spec)},
+        {"bootstrap", report.options.bootstrap},
+        {"seed", report.options.seed},
+        {"curves", Json::array()},
+        {"conditions", report.conditions},
+        {"not_fitted", Json::array()},
+        {"differences", Json::array()},
+        {"people", Json::array()},
+        {"versions", versions_json(report.versions)},
+        {"left_out", report.file_left_out ? left_out_json(*report.file_left_out) : Json(nullptr)}};
     for (const NotFitted& one : report.left_out) {
         all["not_fitted"].push_back(text_of(one));
     }
@@ -105,8 +110,10 @@ std::string fit_json(const FitReport& report) {
              {"of", one.condition},
              {"less", report.conditions.front()},
              {"threshold", number(one.threshold)},
-             {"threshold_why", std::isnan(one.threshold) ? Json("unbounded: that of a condition is")
-                                                         : Json(nullptr)},
+             {"threshold_why", !one.determined ? Json("not determined: that of a condition is not")
+                               : std::isnan(one.threshold)
+                                   ? Json("unbounded: that of a condition is")
+                                   : Json(nullptr)},
              {"threshold_bootstrap_95", interval_json(one.threshold_interval)},
              {"threshold_bootstrap_open", open_json(one.threshold_interval)},
              {"threshold_p", number(one.threshold_p)},

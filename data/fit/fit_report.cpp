@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEndless = std::numeric_limits<double>::infinity();
+constexpr std::string_view kNotDetermined = "not determined:";
 
 bool of_steepness(Quantity quantity) {
     return quantity == Quantity::jnd || quantity == Quantity::weber || quantity == Quantity::slope;
@@ -75,6 +76,13 @@ Told told_of(const FittedCurve& curve, const FitOptions& options, Quantity quant
         told.profile = profile_interval(curve.model, curve.fit, quantity, share);
     }
     told.why = unbounded_why(curve.fit, quantity);
+    if (told.why.empty() && curve.fit.maxima && !rate && !of_steepness(quantity)) {
+        told.value = off_axis(spec.family, curve.fit.maxima->low);
+        const double high = off_axis(spec.family, curve.fit.maxima->high);
+        told.why = told.value < high
+                     ? fmt::format("{} {:.9g} to {:.9g}", kNotDetermined, told.value, high)
+                     : "";
+    }
     if (!told.why.empty()) {
         told.value = kNoValue;
         return told;
@@ -121,7 +129,7 @@ std::vector<CurveModel> models_of(const FitReport& report, const std::string& pa
     return models;
 }
 
-/// Fits of all curves, with one rate for the conditions of each person.
+/// With one rate for the conditions of each person.
 void fit_shared(FitReport& report) {
     const FitOptions& options = report.options;
     for (std::size_t first = 0; first < report.curves.size(); ++first) {
@@ -223,6 +231,7 @@ void compare(FitReport& report, const std::string& condition) {
         Difference made{.participant = two.answers.participant, .condition = condition};
         made.threshold =
             told_in(two, Quantity::threshold).value - told_in(*one, Quantity::threshold).value;
+        made.determined = !std::isnan(made.threshold) || one->fit.far || two.fit.far;
         made.jnd = told_in(two, Quantity::jnd).value - told_in(*one, Quantity::jnd).value;
         made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
         made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
@@ -259,7 +268,8 @@ Known known_of(const FitReport& report,
     Known known{person, told.value, told.value, told.why};
     if (std::isnan(told.value)) {
         const bool jnd = quantity == Quantity::jnd;
-        known.rank = curve->fit.shallow ? (jnd ? kEndless : kNoValue)
+        known.rank = told.why.starts_with(kNotDetermined) ? kNoValue
+                   : curve->fit.shallow                   ? (jnd ? kEndless : kNoValue)
                    : !jnd ? (curve->fit.at[0] > curve->model.last() ? kEndless : -kEndless)
                    : curve->fit.far ? kEndless
                                     : -kEndless;
@@ -350,16 +360,6 @@ std::vector<std::string> in_order(const std::vector<Answers>& all,
 }
 
 }  // namespace
-
-std::string name_of(const std::string& participant, const std::string& condition) {
-    const bool both = !participant.empty() && !condition.empty();
-    return participant + (both ? ", " : "") + condition;
-}
-
-std::string text_of(const NotFitted& one) {
-    const std::string who = name_of(one.participant, one.condition);
-    return who.empty() ? one.why : who + ": " + one.why;
-}
 
 FitReport fit_all(std::string source, const std::vector<Answers>& all, const FitOptions& options) {
     FitReport report{.source = std::move(source),

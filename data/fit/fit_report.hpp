@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocols/procedure/estimate.hpp"
+#include "data/analysis/left_out.hpp"
 #include "data/fit/bootstrap.hpp"
 #include "data/plot/figure.hpp"
 #include "data/statistics/over_people.hpp"
@@ -43,7 +44,7 @@ struct FitOptions {
 struct Told {
     Quantity quantity = Quantity::threshold;
     double value = 0.0;  ///< NaN: there is none
-    std::string why{};   ///< why there is none: "unbounded: ..."
+    std::string why{};   ///< why there is none: "unbounded: ...", "not determined: 2 to 3"
     bool fixed = false;  ///< given, not fitted
     std::optional<double> se{};
     std::optional<Interval> profile{};
@@ -63,8 +64,9 @@ struct FittedCurve {
 struct Difference {
     std::string participant{};
     std::string condition{};
-    double threshold = 0.0;
-    double jnd = 0.0;  ///< NaN: one of the two is unbounded
+    double threshold = 0.0;  ///< NaN: one of the two is not determined, or unbounded
+    double jnd = 0.0;        ///< NaN: one of the two is unbounded
+    bool determined = true;  ///< both thresholds are
     std::optional<Interval>
         threshold_interval{};  ///< bootstrap, both drawn apart; none where a curve has none
     std::optional<Interval> jnd_interval{};
@@ -96,9 +98,10 @@ struct FitReport {
     std::vector<FittedCurve> curves{};
     std::vector<std::string> conditions{};
     std::vector<NotFitted> left_out{};
-    std::vector<Difference> differences{};  ///< where there are two conditions or more
-    std::vector<OverPeople> people{};       ///< where there are two people or more
-    std::vector<StudyVersion> versions{};   ///< of a database with several of a protocol
+    std::vector<Difference> differences{};   ///< where there are two conditions or more
+    std::vector<OverPeople> people{};        ///< where there are two people or more
+    std::vector<StudyVersion> versions{};    ///< of a database with several of a protocol
+    std::optional<LeftOut> file_left_out{};  ///< of a database
 };
 
 /// "P01, friction on"; empty for answers of nobody in no condition.

@@ -56,13 +56,25 @@ std::string quantity_text(const FitOptions& options, Quantity quantity) {
                                           : std::string(word_of(quantity));
 }
 
-/// Four digits, and no -0.
-std::string number_text_of(double value) {
-    return fmt::format("{:.4g}", value == 0.0 ? 0.0 : value);
+/// Four digits, or more where so fine a scale needs them, and no -0.
+std::string number_text_of(double value, double scale = 0.0) {
+    int digits = 4;
+    if (std::isfinite(value) && value != 0.0 && scale > 0.0 && std::isfinite(scale)) {
+        const double more = std::ceil(std::log10(std::fabs(value))) - std::floor(std::log10(scale));
+        digits = static_cast<int>(std::clamp(more + 1.0, 4.0, 15.0));
+    }
+    return fmt::format("{:.{}g}", value == 0.0 ? 0.0 : value, digits);
 }
 
-std::string interval_text(const std::optional<Interval>& interval) {
-    return interval ? number_text_of(interval->low) + " to " + number_text_of(interval->high) : "-";
+std::string interval_text(const std::optional<Interval>& interval, double scale = 0.0) {
+    return interval
+             ? number_text_of(interval->low, scale) + " to " + number_text_of(interval->high, scale)
+             : "-";
+}
+
+/// By what a number can be told from its interval's ends.
+double scale_of(const std::optional<Interval>& interval) {
+    return interval ? interval->high - interval->low : 0.0;
 }
 
 std::string told_text(const FitOptions& options, const Told& told) {
@@ -73,16 +85,20 @@ std::string told_text(const FitOptions& options, const Told& told) {
             options.spec.two_sided && told.quantity == Quantity::guess ? "as lapse" : "given");
     }
     const bool unbounded = told.why.starts_with("unbounded");
-    if (!told.why.empty() && !unbounded) {
+    const bool place = told.why.starts_with("not determined");
+    if (!told.why.empty() && !unbounded && !place) {
         return fmt::format("  {:<15} {}\n", name, told.why);
     }
-    const std::string value = unbounded ? "unbounded" : number_text_of(told.value);
+    const double scale = told.se.value_or(scale_of(told.profile));
+    const std::string value = unbounded ? "unbounded"
+                            : place     ? told.why
+                                        : number_text_of(told.value, scale);
     const std::string se = told.se ? fmt::format("{:.3g}", *told.se) : "-";
-    std::string line =
-        fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se, interval_text(told.profile));
+    std::string line = fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se,
+                                   interval_text(told.profile, scale));
     if (options.bootstrap > 0) {
-        line += fmt::format(" {:<22} {}", interval_text(told.bootstrap),
-                            told.corrected ? fmt::format("{:.4g}", *told.corrected) : "-");
+        line += fmt::format(" {:<22} {}", interval_text(told.bootstrap, scale),
+                            told.corrected ? number_text_of(*told.corrected, scale) : "-");
     }
     return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
 }
@@ -95,7 +111,9 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
         fmt::format("\n{}{}, {}; deviance {:.4g} on {} df", name.empty() ? "" : name + ": ",
                     counted(curve.model.levels(), "level"), counted(answers_of(curve), "answer"),
                     curve.fit.deviance, std::max<std::int64_t>(degrees, 0));
-    if (!curve.samples.at.empty()) {
+    if (single_answers(curve)) {
+        text += fmt::format(": {}", kNoGoodness);
+    } else if (!curve.samples.at.empty()) {
         text += fmt::format(", p = {:.3g} by simulation", curve.samples.deviance_p);
     }
     text += fmt::format("\n  {:<15} {:<10} {:<10} {:<22}{}\n", "", "estimate", "se", "profile",
@@ -128,19 +146,22 @@ std::string differences_text(const FitReport& report, const std::string& conditi
     std::string text = fmt::format(
         "\n{} - {}, within person (interval: bootstrap; p: likelihood ratio, chi-square of 1 df)\n",
         condition, report.conditions.front());
-    const auto line = [](const std::string& what, double value,
+    const auto line = [](const std::string& what, const std::string& none, double value,
                          const std::optional<Interval>& interval, double p, const char* of) {
+        const double scale = scale_of(interval);
         return fmt::format("  {:<25} {:<10} {:<22} {}{}\n", what,
-                           std::isnan(value) ? "unbounded" : number_text_of(value),
-                           interval_text(interval), p_text(p), of);
+                           std::isnan(value) ? none : number_text_of(value, scale),
+                           interval_text(interval, scale), p_text(p), of);
     };
     for (const Difference& one : report.differences) {
         if (one.condition != condition) {
             continue;
         }
         const std::string who = one.participant.empty() ? "" : one.participant + ", ";
-        text += line(who + "threshold", one.threshold, one.threshold_interval, one.threshold_p, "");
-        text += line(who + "JND", one.jnd, one.jnd_interval, one.slope_p, " (of equal slopes b)");
+        text += line(who + "threshold", one.determined ? "unbounded" : "not determined",
+                     one.threshold, one.threshold_interval, one.threshold_p, "");
+        text += line(who + "JND", "unbounded", one.jnd, one.jnd_interval, one.slope_p,
+                     " (of equal slopes b)");
     }
     return text;
 }
@@ -151,10 +172,11 @@ std::string people_text(const FitReport& report) {
     }
     std::string text = "\nOver people (mean, Student's interval of 95 %)\n";
     for (const OverPeople& one : report.people) {
-        text += fmt::format("  {:<25} {:<10} {:<22} {}", one.what,
-                            one.mean.people > 0 ? number_text_of(one.mean.mean) : "-",
-                            interval_text(one.mean.interval),
-                            counted(one.mean.people, "person", "people"));
+        text += fmt::format(
+            "  {:<25} {:<10} {:<22} {}", one.what,
+            one.mean.people > 0 ? number_text_of(one.mean.mean, scale_of(one.mean.interval)) : "-",
+            interval_text(one.mean.interval, scale_of(one.mean.interval)),
+            counted(one.mean.people, "person", "people"));
         text += one.test ? fmt::format("; sign-flip p = {:.3g}\n", one.test->p) : "\n";
         if (!one.left_out.empty()) {
             text += fmt::format("  {:<25} {}\n", "", without_text(one.left_out));
@@ -168,6 +190,16 @@ std::string people_text(const FitReport& report) {
 }
 
 }  // namespace
+
+std::string name_of(const std::string& participant, const std::string& condition) {
+    const bool both = !participant.empty() && !condition.empty();
+    return participant + (both ? ", " : "") + condition;
+}
+
+std::string text_of(const NotFitted& one) {
+    const std::string who = name_of(one.participant, one.condition);
+    return who.empty() ? one.why : who + ": " + one.why;
+}
 
 std::string_view word_of(Quantity quantity) {
     switch (quantity) {
@@ -277,12 +309,18 @@ std::int64_t answers_of(const FittedCurve& curve) {
     return static_cast<std::int64_t>(sum);
 }
 
+bool single_answers(const FittedCurve& curve) {
+    const auto alone = std::ranges::count(curve.model.counts(), 1.0);
+    return 2 * alone >= answers_of(curve);
+}
+
 std::string_view word_of(Family family) {
     return protocols::kFamilyWords.at(static_cast<std::size_t>(family));
 }
 
 std::string fit_text(const FitReport& report) {
     std::string text = head_text(report);
+    text += report.file_left_out ? left_out_text(*report.file_left_out) : std::string();
     for (const FittedCurve& curve : report.curves) {
         text += curve_text(report, curve);
     }

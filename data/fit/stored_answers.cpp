@@ -11,7 +11,6 @@
 #include "data/store/adaptive_store.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/graded_answers.hpp"
-#include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
@@ -93,10 +92,8 @@ StoredAnswers stored_answers(Database& database, const StoredChoice& asked) {
     std::vector<std::pair<std::string, Answers>> found;
     Statement row = database.prepare(fmt::format(
         "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
-        "WHERE session_kind = ?1 AND participant_code NOT IN {} GROUP BY 1, 2, 3, 4 HAVING max(k) "
-        "<= 1 "
-        "ORDER BY 1, 2, 3, 4",
-        kGradedAnswers, kDeclined));
+        "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, 3, 4",
+        kGradedAnswers));
     row.bind(1, choice.kind);
     while (row.step()) {
         const std::string study = row.text(0);
@@ -114,19 +111,30 @@ StoredAnswers stored_answers(Database& database, const StoredChoice& asked) {
     if (found.empty()) {
         throw std::invalid_argument(fmt::format(
             "{} has no answer of {} sessions{} to fit: --kind chooses others; else give a file of "
-            "two intervals, of yes-no with a graded stimulus, or of identifications",
+            "two intervals, of yes-no with a graded stimulus, or of identifications{}",
             database.file(), choice.kind,
-            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study)));
+            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
+            none_left_text(database, choice.study, choice.kind)));
     }
     if (studies.size() > 1) {
         throw std::invalid_argument(several_studies(database, studies));
     }
     choice.study = *studies.begin();
-    StoredAnswers stored{.study = choice.study,
-                         .conditions = conditions_of(database, choice),
-                         .versions = versions_of(database)};
+    StoredAnswers stored{
+        .study = choice.study,
+        .conditions = conditions_of(database, choice),
+        .versions = versions_of(database),
+        .left_out = left_out_of(database, choice.study, choice.kind, choice.codes)};
+    const LeftOut by_code = left_out_of(database, choice.study, choice.kind, true);
     for (auto& [study, answers] : found) {
-        stored.all.push_back(std::move(answers));
+        if (!by_code.leaves_out(answers.participant)) {
+            stored.all.push_back(std::move(answers));
+        }
+    }
+    if (stored.all.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{}: everybody is left out by the protocol's rules\n{}", database.file(),
+                        left_out_text(stored.left_out)));
     }
     add_beliefs(database, choice, stored.all);
     if (!choice.codes) {

@@ -13,7 +13,6 @@
 
 #include "data/statistics/paired.hpp"
 #include "data/store/analysed.hpp"
-#include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
@@ -54,6 +53,7 @@ struct Felt {
     std::set<std::string> studies{};
     std::map<std::string, double> frictions{};  ///< with the least static coefficient
     std::vector<Means> means{std::size(kAudited)};
+    LeftOut left_out{};
 };
 
 Felt read_felt(Database& database, const TrialChoice& choice) {
@@ -68,12 +68,16 @@ Felt read_felt(Database& database, const TrialChoice& choice) {
         " FROM exploration JOIN trial USING (trial_id) JOIN presentation USING (trial_id, "
         "interval) "
         "WHERE exploration.counts AND exploration.phase = 'main' AND exploration.session_kind = ?1 "
-        "AND (?2 = '' OR exploration.study_name = ?2) AND participant_code NOT IN " +
-        std::string(kDeclined) + " ORDER BY trial_id, interval");
+        "AND (?2 = '' OR exploration.study_name = ?2) ORDER BY trial_id, interval");
     row.bind(1, choice.kind).bind(2, choice.study);
     Felt felt;
     while (row.step()) {
-        felt.studies.insert(row.text(0));
+        if (felt.studies.insert(row.text(0)).second) {
+            felt.left_out = left_out_of(database, row.text(0), choice.kind, true);
+        }
+        if (felt.left_out.leaves_out(row.text(1))) {
+            continue;
+        }
         double& least = felt.frictions.emplace(row.text(2), row.real(3)).first->second;
         least = std::min(least, row.real(3));
         for (std::size_t i = 0; i < std::size(kAudited); ++i) {
@@ -98,11 +102,11 @@ void check_choice(const Felt& felt, Database& database, const TrialChoice& choic
     if (felt.frictions.size() < 2) {
         throw std::invalid_argument(fmt::format(
             "{} has {} in answered trials of {} sessions: an audit compares two conditions of "
-            "friction or more; --kind chooses other sessions",
+            "friction or more; --kind chooses other sessions{}",
             database.file(),
             felt.frictions.empty() ? "nothing"
                                    : "the friction " + felt.frictions.begin()->first + " alone",
-            choice.kind));
+            choice.kind, none_left_text(database, choice.study, choice.kind)));
     }
 }
 
@@ -155,7 +159,9 @@ std::optional<Equivalence> equivalence(std::span<const double> differences, doub
     const auto t = paired_t(differences);
     if (!t) {  // one value of all
         found.mean = found.low = found.high = differences.front();
-        found.verdict = std::fabs(found.mean) < bound ? Sameness::same : Sameness::differs;
+        found.verdict = found.mean == 0.0             ? Sameness::same
+                      : std::fabs(found.mean) < bound ? Sameness::within
+                                                      : Sameness::differs;
         return found;
     }
     const boost::math::students_t over_people(t->df);
@@ -163,9 +169,10 @@ std::optional<Equivalence> equivalence(std::span<const double> differences, doub
     found.mean = t->mean;
     found.low = t->mean - half;
     found.high = t->mean + half;
+    const bool some = t->interval.low > 0.0 || t->interval.high < 0.0;
     if (found.low > -bound && found.high < bound) {
-        found.verdict = Sameness::same;
-    } else if (t->interval.low > 0.0 || t->interval.high < 0.0) {
+        found.verdict = some ? Sameness::within : Sameness::same;
+    } else if (some) {
         found.verdict = Sameness::differs;
     }
     return found;
@@ -178,6 +185,7 @@ std::span<const AuditedQuantity> audited_quantities() {
 std::string_view verdict_text(const std::optional<Equivalence>& found) {
     return !found                              ? "too few people"
          : found->verdict == Sameness::same    ? "the same"
+         : found->verdict == Sameness::within  ? "differs, within bounds"
          : found->verdict == Sameness::differs ? "DIFFERS"
                                                : "not known: more people";
 }
@@ -187,6 +195,7 @@ Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds&
     const Felt felt = read_felt(database, choice);
     check_choice(felt, database, choice);
     Audit audit{.study = *felt.studies.begin()};
+    audit.left_out = left_out_of(database, audit.study, choice.kind, choice.codes);
     audit.base = std::ranges::min_element(felt.frictions, {}, [](const auto& one) {
                      return std::pair(one.second, one.first);
                  })->first;
@@ -212,8 +221,11 @@ std::string audit_text(Database& database, const TrialChoice& choice, const Audi
         "within person.\n"
         "  The same: the 90 % interval lies within the bounds (two one-sided tests of 5 %, "
         "Schuirmann 1987).\n"
-        "  Differs: the 95 % interval does not hold 0, or 1 of a ratio.\n",
+        "  Differs: the 95 % interval does not hold 0, or 1 of a ratio; where both hold it "
+        "differs, "
+        "within bounds.\n",
         audit.study, choice.kind);
+    text += left_out_text(audit.left_out);
     const AuditLine* before = nullptr;
     for (const AuditLine& line : audit.lines) {
         const bool other = before == nullptr || before->friction != line.friction;

@@ -17,6 +17,7 @@ namespace palpate::data {
 /// What is known of a difference that should be none.
 enum class Sameness : std::uint8_t {
     same,     ///< within the bounds, by both one-sided tests at 5 %
+    within,   ///< so, and not 0 by the interval of 95 %: it differs by less than matters
     differs,  ///< not 0, by the interval of 95 %, and not within the bounds
     open,     ///< neither: too few people
 };
@@ -29,6 +30,10 @@ struct Equivalence {
     double low = 0.0;
     double high = 0.0;
     Sameness verdict = Sameness::open;
+
+    [[nodiscard]] bool bounded() const {
+        return verdict == Sameness::same || verdict == Sameness::within;
+    }
 };
 
 /// @param differences  one a person, finite   @param bound  > 0   @return nothing of fewer than two people
@@ -72,16 +77,18 @@ struct Audit {
     std::string study{};
     std::string base{};  ///< the one of least friction
     std::vector<AuditLine> lines{};
+    LeftOut left_out{};
 };
 
 /// Rig and hand, friction by friction against the one of least friction: start pose, late, stale and saturated ticks,
-/// gaps of the masking noise; times, strokes, force, speed. Answered main trials that count, of one study and kind.
+/// gaps of the masking noise; times, strokes, force, speed. Answered main trials that count, of one study and kind,
+/// without whom the protocol's rules leave out.
 /// @throws std::invalid_argument if there are none, of several studies, or of one friction alone: which there are
 [[nodiscard]] Audit audit_of(Database& database,
                              const TrialChoice& choice,
                              const AuditBounds& bounds);
 
-/// "same", "differs", "open", in words for people.
+/// In words for people.
 [[nodiscard]] std::string_view verdict_text(const std::optional<Equivalence>& found);
 
 /// audit_of() as a table for people.

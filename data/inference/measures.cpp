@@ -37,7 +37,7 @@ constexpr Kind kKinds[] = {
      [](const PersonCell& cell) {
          return cell.log_rt;
      }},
-    {"log_explore", "ln of exploration time in s",
+    {"log_explore", "ln of felt s (first contact to done)",
      [](const PersonCell& cell) {
          return cell.log_explore;
      }},

@@ -199,7 +199,8 @@ MixedFit fit_of(const Objective& f, const MixedSpec& spec, const Least& best) {
     fit.log_likelihood = -best.value;
     fit.singular = fit.l[0] < kNone || (spec.slope && fit.l[2] < kNone);
     constexpr double kFar = 10.0;
-    fit.unbounded = std::fabs(fit.intercept) > kFar || std::fabs(fit.effect) > kFar;
+    fit.intercept_unbounded = std::fabs(fit.intercept) > kFar;
+    fit.unbounded = fit.intercept_unbounded || std::fabs(fit.effect) > kFar;
     fit.converged = best.converged;
     return fit;
 }

@@ -34,8 +34,10 @@ struct MixedFit {
     /// The covariance has lost a rank: some combination of s0 and s1 does not vary (|l11| or |l22| below 1e-4, as
     /// lme4's isSingular takes it).
     bool singular = false;
-    bool unbounded =
-        false;  ///< |b0| or |b1| beyond 10 logits: no answer of the other kind in a condition
+    /// |b0| or |b1| beyond 10 logits: no answer of the other kind in a condition. Then b1 has no end, and in the first
+    /// case b0 neither; the likelihood has one, and so have its ratios.
+    bool unbounded = false;
+    bool intercept_unbounded = false;
     bool converged = false;
     std::array<double, 3> l{};  ///< l11, l21, l22
 };

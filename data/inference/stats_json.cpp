@@ -87,10 +87,15 @@ Json measure_json(const StatsReport& report, const StatsPart& part, const Measur
 }
 
 Json fit_json_of(const MixedFit& fit) {
-    return {{"intercept", finite(fit.intercept)},
-            {"intercept_se", finite(fit.intercept_se)},
-            {"effect", finite(fit.effect)},
-            {"effect_se", finite(fit.effect_se)},
+    const auto ended = [](bool unbounded, const auto& value) {
+        return unbounded ? Json(nullptr) : finite(value);
+    };
+    return {{"intercept", ended(fit.intercept_unbounded, fit.intercept)},
+            {"intercept_se", ended(fit.intercept_unbounded, fit.intercept_se)},
+            {"effect", ended(fit.unbounded, fit.effect)},
+            {"effect_se", ended(fit.unbounded, fit.effect_se)},
+            {"why", fit.unbounded ? Json("unbounded: a condition has answers of one kind alone")
+                                  : Json(nullptr)},
             {"sd_intercept", finite(fit.sd_intercept)},
             {"sd_effect", finite(fit.sd_slope)},
             {"correlation", finite(fit.correlation)},
@@ -177,6 +182,7 @@ std::string stats_json(const StatsReport& report) {
         {"simulations", options.simulations},
         {"bayes_prior", {{"name", "JZS"}, {"scale_r", options.prior_scale}}},
         {"versions", versions_json(table.versions)},
+        {"left_out", table.left_out ? left_out_json(*table.left_out) : Json(nullptr)},
         {"excluded", Json::array()}};
     for (const ExcludedTrials& one : report.excluded) {
         all["excluded"].push_back(

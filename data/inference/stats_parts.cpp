@@ -291,9 +291,11 @@ std::vector<std::string> warnings_of(const MixedStats& mixed) {
     const auto add = [&](const char* method, const MixedFit& fit) {
         if (fit.unbounded) {
             all.push_back(fmt::format(
-                "{}: an effect has no end (a condition has answers of one kind alone): its "
-                "estimate, se and ratio say nothing",
-                method));
+                "{}: {} (a condition has answers of one kind alone): its estimate and se say "
+                "nothing, the likelihood ratio holds",
+                method,
+                fit.intercept_unbounded ? "intercept and effect have no end"
+                                        : "the effect has no end"));
         }
         if (fit.singular) {
             all.push_back(fmt::format(

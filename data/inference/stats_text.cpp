@@ -60,10 +60,15 @@ std::string title_text(const StatsReport& report) {
 }
 
 std::string excluded_text(const StatsReport& report) {
+    const auto& account = report.table.left_out;
+    std::string text = account ? left_out_text(*account) : std::string();
     if (report.excluded.empty()) {
-        return "  Nothing is excluded: with and without exclusions it is the same.\n";
+        return text + (account ? "  Rules and marks leave nothing out: with and without these it "
+                                 "is the same.\n"
+                               : "  Nothing is excluded: with and without exclusions it is the "
+                                 "same.\n");
     }
-    std::string text = "  Excluded, and below left out first, then left in:\n";
+    text += "  Excluded, and below left out first, then left in:\n";
     for (const ExcludedTrials& one : report.excluded) {
         text += fmt::format("    {}  {}: {}\n", one.subject, counted(one.trials, "trial"), one.why);
     }
@@ -94,7 +99,7 @@ std::string cells_text(const StatsReport& report, const StatsPart& part) {
     std::string text = fmt::format(
         "\n  Person by person: {}, with intervals of this person's own trials; d' {};\n  bits: "
         "plug-in, Miller-Madow, mean of {} permutations (a guesser's), their p, "
-        "interval; seconds: geometric means\n",
+        "interval; seconds: geometric means; felt: from the first contact to done\n",
         share_title(report),
         report.yes_no ? "and criterion c with the log-linear correction (Hautus 1995)"
                       : fmt::format("of {} alternatives, unbiased observer (n of n counts as n - "
@@ -215,8 +220,9 @@ std::string primary_result(const StatsReport& report, const StatsPart& part, std
             return "nothing can be said";
         }
         const double ratio = likelihood_ratio(mixed->laplace, mixed->laplace_null);
-        return fmt::format("{} logit, ratio {:.3f}, {}", three(mixed->laplace.effect), ratio,
-                           small_p(chi_square_p(ratio, 1)));
+        return fmt::format("{} logit, ratio {:.3f}, {}",
+                           mixed->laplace.unbounded ? "unbounded" : three(mixed->laplace.effect),
+                           ratio, small_p(chi_square_p(ratio, 1)));
     }
     if (share == part.measures.end() || !share->effects[f] ||
         share->effects[f]->values.size() < 2) {
@@ -263,10 +269,13 @@ std::string mixed_text(const StatsReport& report, const MixedStats& mixed) {
                          const std::string& second) {
         text += fmt::format("    {:<24} {:<24} {}\n", name, first, second);
     };
-    row("intercept", estimate_text(one.intercept, one.intercept_se),
-        estimate_text(two.intercept, two.intercept_se));
-    row("friction " + other, estimate_text(one.effect, one.effect_se),
-        estimate_text(two.effect, two.effect_se));
+    const auto ended = [](bool unbounded, double value, const std::optional<double>& se) {
+        return unbounded ? std::string("unbounded") : estimate_text(value, se);
+    };
+    row("intercept", ended(one.intercept_unbounded, one.intercept, one.intercept_se),
+        ended(two.intercept_unbounded, two.intercept, two.intercept_se));
+    row("friction " + other, ended(one.unbounded, one.effect, one.effect_se),
+        ended(two.unbounded, two.effect, two.effect_se));
     row("sd of intercepts", fmt::format("{:.4f}", one.sd_intercept),
         fmt::format("{:.4f}", two.sd_intercept));
     row("sd of friction", fmt::format("{:.4f}", one.sd_slope), fmt::format("{:.4f}", two.sd_slope));
@@ -340,8 +349,9 @@ std::string trends_text(const StatsReport& report, const StatsPart& part) {
     std::string text =
         "\n  Within person, then over people: does confidence know (area under the type 2 ROC, "
         "0.5: "
-        "no), and what do\n  time and rest change (slopes of least squares, of 100 trials; beside "
-        "it of 10 trials since the last break)\n";
+        "no), and what do\n  time and rest change (joint slopes of least squares on both: of 100 "
+        "trials at the same rest, "
+        "of 10 trials\n  since the last break at the same trial)\n";
     for (const auto& [key, test] : part.tests) {
         const bool sure = key == "confidence_area" || key == "overconfidence";
         const bool rest = key.ends_with("since_break");

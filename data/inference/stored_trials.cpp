@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "protocols/file/protocol_file.hpp"
-#include "data/analysis/exclusion.hpp"
 #include "data/inference/trials.hpp"
 #include "data/store/analysed.hpp"
 
@@ -19,7 +18,7 @@ SELECT study_name, participant_code, subject, analysis_trial.planned_object, fri
        coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')), reaction_s, done_s - first_contact_s, confidence,
        trials_since_break, iif(counts, '', coalesce(exclusion, 'does not count'))
 FROM analysis_trial JOIN participant USING (participant_code)
-WHERE consent IS NOT 0 AND phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
+WHERE phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
       AND (chosen_object IS NOT NULL OR study_name IN
            (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%'))
 ORDER BY study_name, participant_code, session_number, trial_number)sql";
@@ -32,15 +31,14 @@ std::optional<double> known(const Statement& row, int column, bool above_zero) {
     return row.real(column);
 }
 
-/// Whom the protocol's rules leave out, and why, by code.
-std::map<std::string, std::string> left_out(Database& database, const TrialChoice& choice) {
-    std::map<std::string, std::string> why;
-    for (const Judged& one : judge(database, choice.study, choice.kind).all) {
-        if (!one.broken.empty()) {
-            why[one.participant] = fmt::format("{}", fmt::join(one.broken, "; "));
-        }
+/// Whom the protocol's rules leave out, and why.
+std::map<std::string, std::string> whys_of(const LeftOut& account) {
+    std::map<std::string, std::string> whys;
+    for (const auto& [person, rule] : account.broken) {
+        std::string& why = whys[person];
+        why += (why.empty() ? "" : "; ") + rule;
     }
-    return why;
+    return whys;
 }
 
 /// By the least static friction of the conditions' plans, as everywhere.
@@ -77,7 +75,6 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
     TrialChoice choice = asked;
     std::set<std::string> studies;
     std::vector<NamedTrial> all;
-    std::vector<std::string> codes;
     std::string before;
     std::int64_t number = 0;
     Statement row = database.prepare(kAnswered);
@@ -88,11 +85,10 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
             continue;
         }
         studies.insert(study);
-        codes.push_back(row.text(1));
-        number = codes.back() == before ? number + 1 : 1;
-        before = codes.back();
+        number = row.text(1) == before ? number + 1 : 1;
+        before = row.text(1);
         NamedTrial& one = all.emplace_back();
-        one = {.subject = choice.codes ? codes.back() : fmt::format("sub-{:010}", row.integer(2)),
+        one = {.subject = choice.codes ? before : fmt::format("sub-{:010}", row.integer(2)),
                .shape = row.text(3),
                .friction = row.text(4),
                .response = row.text(5)};
@@ -106,24 +102,27 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
     if (all.empty()) {
         throw std::invalid_argument(fmt::format(
             "{} has no answer of identification or yes-no in {} sessions{}: --kind chooses others; "
-            "palpate fit is for runs of a rule, palpate summary for ratings",
+            "palpate fit is for runs of a rule, palpate summary for ratings{}",
             database.file(), choice.kind,
-            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study)));
+            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
+            none_left_text(database, choice.study, choice.kind)));
     }
     if (studies.size() > 1) {
         throw std::invalid_argument(several_studies(database, studies));
     }
     choice.study = *studies.begin();
-    const auto why = left_out(database, choice);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        if (const auto found = why.find(codes[i]); found != why.end()) {
-            all[i].trial.excluded = found->second;
+    LeftOut account = left_out_of(database, choice.study, choice.kind, choice.codes);
+    const auto whys = whys_of(account);
+    for (NamedTrial& one : all) {
+        if (const auto found = whys.find(one.subject); found != whys.end()) {
+            one.trial.excluded = found->second;
         }
     }
     TrialTable table = table_of_names(std::move(all));
     table.source = choice.codes ? database.file() : fmt::format("study {}", choice.study);
     table.study = choice.study;
     table.versions = versions_of(database);
+    table.left_out = std::move(account);
     table.kind = choice.kind;
     table.primary = primary_of(database, choice);
     if (table.alternatives > 0) {

@@ -132,7 +132,7 @@ TrialTable table_of_names(std::vector<NamedTrial> all) {
     return table;
 }
 
-TrialTable read_trials(const std::filesystem::path& file) {
+TrialTable read_trials(const std::filesystem::path& file, bool others) {
     constexpr std::array<std::string_view, 1> kNumbers{"trial"};
     constexpr std::array<std::string_view, 9> kTexts{"subject",   "shape",       "friction",
                                                      "response",  "rt_s",        "confidence",
@@ -183,6 +183,14 @@ TrialTable read_trials(const std::filesystem::path& file) {
             "{}: no response is the name of a shape (responses: {}; shapes: {}): give the same "
             "names in both, or answers that are yes and no, in lower case",
             file.string(), some(table.responses), some(table.shapes)));
+    }
+    for (std::size_t row = 0; table.alternatives > 0 && !others && row < read.rows(); ++row) {
+        if (!std::ranges::binary_search(table.shapes, rows.name(row, "response"))) {
+            rows.refuse(row, "response",
+                        fmt::format("no shape is called so ({}): correct it, or give "
+                                    "--other-answers where it is a picture that nobody felt",
+                                    fmt::join(table.shapes, ", ")));
+        }
     }
     table.source = file.string();
     return table;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocols/protocol/protocol.hpp"
+#include "data/analysis/left_out.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/database.hpp"
 
@@ -42,6 +43,7 @@ struct TrialTable {
     /// How many pictures an answer was one of; 0: of yes and no.
     std::size_t alternatives = 0;
     std::vector<StudyVersion> versions{};  ///< of a database with several of a protocol
+    std::optional<LeftOut> left_out{};     ///< of a database
     std::vector<Trial> trials{};           ///< by subject, then by number
 };
 
@@ -60,8 +62,9 @@ struct NamedTrial {
 /// Columns subject,trial,shape,friction,response and, if they are there, rt_s, confidence, explore_s, since_break and
 /// excluded (why a trial does not count; empty or 0: it does). Numbers that are not known are empty, or NA. Answers of
 /// yes and no alone are those of yes/no; else the pictures are the shapes and responses that occur.
-/// @throws CsvError with file, line and character, value and remedy
-[[nodiscard]] TrialTable read_trials(const std::filesystem::path& file);
+/// @param others  answers that name no shape are kept, as pictures of what nobody felt
+/// @throws CsvError with file, line and character, value and remedy; so is such an answer without `others`
+[[nodiscard]] TrialTable read_trials(const std::filesystem::path& file, bool others = true);
 
 /// The same columns, each trial a row: read_trials() of it gives the table, but for its study and kind.
 [[nodiscard]] std::string trials_csv(const TrialTable& table);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -205,13 +206,16 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
             values.push_back(value.value_or(kNone));
         }
     }
-    for (const Study::LeftOut& one : study.left_out()) {
+    std::set<std::string> left_out;
+    for (const LeftOut::Reason& one : study.left_out().broken) {
+        left_out.insert(one.person);
+    }
+    for (const std::string& person : left_out) {
         auto& values = pairs.left_out.emplace_back(stats.table.frictions.size(), kNone);
         for (std::size_t row = 0; row < figure.data.cells.size(); ++row) {
             const auto found =
                 std::ranges::find(stats.table.frictions, figure.data.text(row, "friction"));
-            if (figure.data.text(row, "person") == one.person &&
-                found != stats.table.frictions.end()) {
+            if (figure.data.text(row, "person") == person && found != stats.table.frictions.end()) {
                 values[static_cast<std::size_t>(found - stats.table.frictions.begin())] =
                     figure.data.number(row, "share");
             }
@@ -295,10 +299,12 @@ void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
             cells.push_back(
                 {fmt::format("{} \u2212 {}", stats.table.frictions[mixed.friction],
                              stats.table.frictions.front()),
-                 method, all_digits(fit.intercept),
-                 fit.intercept_se ? all_digits(*fit.intercept_se) : "", all_digits(fit.effect),
-                 fit.effect_se ? all_digits(*fit.effect_se) : "", all_digits(fit.sd_intercept),
-                 all_digits(fit.sd_slope), all_digits(fit.log_likelihood), all_digits(ratio),
+                 method, fit.intercept_unbounded ? "" : all_digits(fit.intercept),
+                 fit.intercept_se && !fit.intercept_unbounded ? all_digits(*fit.intercept_se) : "",
+                 fit.unbounded ? "" : all_digits(fit.effect),
+                 fit.effect_se && !fit.unbounded ? all_digits(*fit.effect_se) : "",
+                 all_digits(fit.sd_intercept), all_digits(fit.sd_slope),
+                 all_digits(fit.log_likelihood), all_digits(ratio),
                  all_digits(chi_square_p(ratio, 1)), simulated});
         };
         add("Laplace", mixed.laplace, mixed.laplace_null,

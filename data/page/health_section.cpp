@@ -45,7 +45,8 @@ std::string audit_sql() {
         "person "
         "USING (participant_code) JOIN trial USING (trial_id)\nWHERE study_name = {{study}} AND "
         "exploration.session_kind = {{kind}} AND exploration.phase = 'main' AND "
-        "exploration.counts\nGROUP BY person, exploration.friction ORDER BY person, "
+        "exploration.counts AND NOT left_out\nGROUP BY person, exploration.friction ORDER BY "
+        "person, "
         "exploration.friction",
         columns);
 }
@@ -84,7 +85,7 @@ Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale sc
         bound = line.bound;
         panel.y.names.emplace_back(-y, bare_title(*line.quantity));
         if (line.found) {
-            const Ink ink = line.found->verdict == Sameness::same    ? Ink::blue
+            const Ink ink = line.found->bounded()                    ? Ink::blue
                           : line.found->verdict == Sameness::differs ? Ink::vermillion
                                                                      : Ink::grey;
             panel.series.push_back({.x = {shown(line.found->low), shown(line.found->high)},
@@ -148,12 +149,14 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
                       .data = study.ask(audit_sql())};
     std::vector<std::string> frictions;
     std::size_t same = 0;
+    std::size_t within = 0;
     std::vector<std::string> differs;
     for (const AuditLine& line : audit.lines) {
         if (std::ranges::find(frictions, line.friction) == frictions.end()) {
             frictions.push_back(line.friction);
         }
         same += line.found && line.found->verdict == Sameness::same ? 1U : 0U;
+        within += line.found && line.found->verdict == Sameness::within ? 1U : 0U;
         if (line.quantity->rig && line.found && line.found->verdict == Sameness::differs) {
             differs.push_back(bare_title(*line.quantity));
         }
@@ -168,11 +171,12 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
         "The "
         "same: the interval lies between them (two one-sided tests of 5 %, Schuirmann 1987; blue). "
         "Differs: the 95 % interval does not hold no difference (vermillion). Else more people are "
-        "needed (grey). What the hand does may follow from friction. Answers that count, also of "
-        "people left out.";
+        "needed (grey). What the hand does may follow from friction. Answers that count, "
+        "exclusions applied.";
     figure.results.push_back(audit_results(numbers));
     page.paragraph(fmt::format(
-        "{} of {} quantities are the same within their bounds.{}", same, audit.lines.size(),
+        "{} of {} quantities are the same within their bounds{}.{}", same, audit.lines.size(),
+        within == 0 ? "" : fmt::format(", {} more differ, but within them", within),
         differs.empty() ? " Nothing of the rig differs beyond doubt."
                         : fmt::format(" Of the rig {}: {}.",
                                       differs.size() == 1 ? "one differs" : "these differ",

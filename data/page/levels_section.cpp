@@ -27,14 +27,15 @@ Results fit_results(const PageNumbers& numbers) {
             if (told.fixed) {
                 continue;
             }
-            results.cells.push_back({curve.answers.participant, curve.answers.condition,
-                                     std::string(word_of(told.quantity)), all_digits(told.value),
-                                     told.se ? all_digits(*told.se) : "",
-                                     told.profile ? all_digits(told.profile->low) : "",
-                                     told.profile ? all_digits(told.profile->high) : "",
-                                     told.bootstrap ? all_digits(told.bootstrap->low) : "",
-                                     told.bootstrap ? all_digits(told.bootstrap->high) : "",
-                                     all_digits(curve.samples.deviance_p)});
+            results.cells.push_back(
+                {curve.answers.participant, curve.answers.condition,
+                 std::string(word_of(told.quantity)), all_digits(told.value),
+                 told.se ? all_digits(*told.se) : "",
+                 told.profile ? all_digits(told.profile->low) : "",
+                 told.profile ? all_digits(told.profile->high) : "",
+                 told.bootstrap ? all_digits(told.bootstrap->low) : "",
+                 told.bootstrap ? all_digits(told.bootstrap->high) : "",
+                 single_answers(curve) ? "" : all_digits(curve.samples.deviance_p)});
         }
     }
     return results;

@@ -63,19 +63,15 @@ void add_gone(std::vector<std::string>& gone, std::int64_t count, const std::str
 
 std::string flow_html(const Study& study, const Rows& rows) {
     std::vector<std::string> left;
-    for (const Study::LeftOut& one : study.left_out()) {
-        left.push_back(fmt::format("less person {}: {}", one.person, fmt::join(one.why, "; ")));
+    for (const auto& [person, why] : study.left_out().broken) {
+        left.push_back(fmt::format("less person {}: {}", person, why));
     }
     if (left.empty()) {
         left.emplace_back("nobody is left out by a rule of the protocol");
     }
     std::vector<std::string> silent;
-    for (const WithdrawnSession& one : withdrawn_sessions(study.database())) {
-        if (one.kind == study.options().kind &&
-            one.study == study.name().substr(0, study.name().find('@'))) {
-            silent.push_back(fmt::format("less session {} of person {}: withdrawn", one.number,
-                                         study.person(one.subject)));
-        }
+    for (const auto& [session, why] : study.left_out().withdrawals) {
+        silent.push_back(fmt::format("less person {}: withdrawn", session));
     }
     const auto people = static_cast<std::int64_t>(rows.cells.size());
     const std::int64_t counting = people_with(rows, "counting");
@@ -149,8 +145,9 @@ std::string minus(std::string text) {
 
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     std::string out = "<dl class=\"facts\">\n";
-    out += html_fact("People", fmt::format("{}", study.people()),
-                     fmt::format("{} left out by the protocol's rules", study.left_out().size()));
+    out += html_fact(
+        "People", fmt::format("{}", study.people()),
+        fmt::format("{} left out by the protocol's rules", study.left_out().by_rule.people));
     if (numbers.stats) {
         const StatsReport& stats = *numbers.stats;
         out += html_fact("Answers analysed", fmt::format("{}", stats.applied.trials),
@@ -219,12 +216,18 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
         flow.results.push_back(both_ways(numbers));
     }
     page.figure(flow);
-    if (study.declined() > 0) {
-        page.paragraph(fmt::format(
-            "{} noted as not consenting: nothing on this page is of {}.",
-            counted(static_cast<std::int64_t>(study.declined()), "person is", "people are"),
-            study.declined() == 1 ? "this one" : "these"));
+    LeftOut named = study.left_out();
+    for (auto* reasons : {&named.broken, &named.withdrawals}) {
+        for (LeftOut::Reason& one : *reasons) {
+            one.person.insert(0, "person ");
+        }
     }
+    std::string account = html_text(left_out_text(named));
+    for (std::size_t at = account.find("\n  "); at != std::string::npos;
+         at = account.find("\n  ", at + 1)) {
+        account.replace(at, 1, "<br>");
+    }
+    page.html(fmt::format("<p class=\"account\">{}</p>\n", account));
     page.paragraph(
         study.options().codes
             ? "People are called by the laboratory's codes, as was asked for: this page is not for "

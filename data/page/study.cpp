@@ -14,7 +14,6 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/analysis/exclusion.hpp"
 #include "data/shell/sql_shell.hpp"
 
 namespace palpate::data {
@@ -140,7 +139,7 @@ void Study::choose() {
     words_ = options_.kind == "real" ? "" : " --kind " + options_.kind;
     words_ += options_.study.empty() ? "" : " --study " + options_.study;
     versions_ = versions_of(*database_);
-    if (!versions_.empty() || !withdrawn_sessions(*database_).empty()) {
+    if (!versions_.empty() || hides(*database_)) {
         seen_ = name_.find('@') == std::string::npos && !versions_.empty() ? " --versions together"
                                                                            : " --versions apart";
         words_ += seen_;
@@ -155,34 +154,26 @@ void Study::choose() {
 
 void Study::number_people() {
     Statement row = database_->prepare(
-        "SELECT participant_code, printf('sub-%010d', subject), consent IS 0 FROM participant "
-        "WHERE "
+        "SELECT participant_code, printf('sub-%010d', subject) FROM participant WHERE "
         "participant_id IN (SELECT participant_id FROM session JOIN study USING (study_id) WHERE "
         "study_name = ?1 AND session_kind = ?2) ORDER BY subject");
     row.bind(1, std::string_view(name_)).bind(2, std::string_view(options_.kind));
     std::map<std::string, std::size_t> place;
     while (row.step()) {
-        if (row.integer(2) != 0) {
-            ++declined_;
-            continue;
-        }
         ++people_;
         const std::string shown = options_.codes ? row.text(0) : fmt::format("{}", people_);
-        place[row.text(0)] = people_;
+        place[row.text(0)] = place[row.text(1)] = people_;
         person_[row.text(0)] = person_[row.text(1)] = shown;
     }
-    std::map<std::size_t, LeftOut> left;
-    for (const Judged& one : judge(*database_, name_, options_.kind).all) {
-        if (!one.broken.empty() && place.contains(one.participant)) {
-            LeftOut& mine = left[place.at(one.participant)];
-            mine.person = person(one.participant);
-            mine.why.insert(mine.why.end(), one.broken.begin(), one.broken.end());
-        }
+    left_out_ = left_out_of(*database_, name_, options_.kind, options_.codes);
+    std::set<std::size_t> places;
+    for (LeftOut::Reason& one : left_out_.broken) {
+        places.insert(place.at(one.person));
+        one.person = person(one.person);
     }
-    std::vector<std::size_t> places;
-    for (auto& [at, one] : left) {
-        places.push_back(at);
-        left_out_.push_back(std::move(one));
+    for (LeftOut::Reason& one : left_out_.withdrawals) {
+        const std::size_t end = one.person.find(' ');
+        one.person = person(one.person.substr(0, end)) + one.person.substr(end);
     }
     const std::string study = quoted_text(name_);
     const std::string kind = quoted_text(options_.kind);
@@ -192,7 +183,7 @@ void Study::number_people() {
         "           printf('sub-%010d', subject) AS subject,\n"
         "           row_number() OVER (ORDER BY subject) IN ({}) AS left_out\n"
         "    FROM participant\n"
-        "    WHERE consent IS NOT 0 AND participant_id IN (\n"
+        "    WHERE participant_id IN (\n"
         "        SELECT participant_id FROM session JOIN study USING (study_id)\n"
         "        WHERE study_name = {} AND session_kind = {}))",
         options_.codes ? "participant_code" : "row_number() OVER (ORDER BY subject)",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/protocol/protocol.hpp"
+#include "data/analysis/left_out.hpp"
 #include "data/page/study_page.hpp"
 #include "data/store/analysed.hpp"
 
@@ -48,8 +49,7 @@ public:
     /// The rows of a query that may read, beside tables and views,
     ///
     ///     person  a row a person with a session of the study and kind: person (a number, or the code where
-    ///             codes are asked for), subject (of exports), left_out (1: by the protocol's rules); without who does not
-    ///             consent
+    ///             codes are asked for), subject (of exports), left_out (1: by the protocol's rules)
     ///     main    analysis_trial of their main trials, with person and left_out
     ///
     /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes, {hit} for whether an answer
@@ -67,13 +67,8 @@ public:
     /// "3", or the code; of a code, and of a number in exports, either.
     [[nodiscard]] std::string person(const std::string& known_as) const;
     [[nodiscard]] std::size_t people() const { return people_; }
-    /// Who is noted as not consenting: in no query and no number.
-    [[nodiscard]] std::size_t declined() const { return declined_; }
-    struct LeftOut {
-        std::string person{};
-        std::vector<std::string> why{};
-    };
-    [[nodiscard]] const std::vector<LeftOut>& left_out() const { return left_out_; }
+    /// People as on the page.
+    [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
     /// " --kind simulated --study x": what other commands need to speak of the same.
     [[nodiscard]] const std::string& words() const { return words_; }
     /// Of which protocols the file has several, and " --versions apart": how they are taken; else nothing.
@@ -93,8 +88,7 @@ private:
     protocols::Protocol protocol_;
     std::map<std::string, std::string> person_;
     std::size_t people_ = 0;
-    std::size_t declined_ = 0;
-    std::vector<LeftOut> left_out_;
+    LeftOut left_out_;
     std::string person_sql_;
     std::string main_sql_;
     std::string words_;

@@ -47,7 +47,7 @@ svg .mark { fill: var(--mark); }
 .sources .scroll, .trials .scroll { max-height: 32rem; }
 .scroll:focus-visible { outline: 2px solid var(--link); }
 table { border-collapse: collapse; font-size: .76rem; line-height: 1.35; font-variant-numeric: tabular-nums; }
-caption { text-align: left; color: var(--quiet); padding: .2rem 0; }
+caption { text-align: left; color: var(--quiet); padding: .2rem 0; max-width: calc(100vw - 2.6rem); }
 th, td { text-align: left; padding: .18rem .42rem; border-bottom: 1px solid var(--rule); font-weight: 400; vertical-align: top; }
 thead th { font-weight: 600; border-bottom: 1.5px solid var(--text); vertical-align: bottom; position: sticky; top: 0; background: var(--page); }
 tbody th { min-width: 3rem; }

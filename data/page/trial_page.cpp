@@ -134,9 +134,9 @@ struct Owner {
 
 Owner owner_of(Database& database, const TrialPageOptions& options) {
     Statement row = database.prepare(
-        "SELECT session_id, study_name, session_kind, participant_code, trial.seal, consent IS 0 "
-        "FROM trial JOIN session USING (session_id) JOIN study USING (study_id) JOIN participant "
-        "USING (participant_id) WHERE trial_id = ?1");
+        "SELECT session_id, study_name, session_kind, participant_code, trial.seal, consent IS 0, "
+        "withdrawn_reason FROM trial JOIN main.session USING (session_id) JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) WHERE trial_id = ?1");
     if (!row.bind(1, options.trial).step()) {
         Statement all =
             database.prepare("SELECT count(*), min(trial_id), max(trial_id) FROM trial");
@@ -152,6 +152,11 @@ Owner owner_of(Database& database, const TrialPageOptions& options) {
             fmt::format("trial {} is of somebody who is noted as not consenting: there is no page "
                         "of it",
                         options.trial));
+    }
+    if (!row.null(6)) {
+        throw std::invalid_argument(
+            fmt::format("trial {} is of a session that was withdrawn ({}): there is no page of it",
+                        options.trial, row.text(6)));
     }
     return {row.integer(0), row.text(1), row.text(2), row.text(3),
             row.null(4) ? std::string() : row.text(4)};

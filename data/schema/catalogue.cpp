@@ -228,7 +228,7 @@ CREATE TABLE presentation (
     strokes_before_vertex INTEGER,                  -- of these: had gone 5 mm on segment 0
     strokes_after_vertex INTEGER,                   -- of these: had gone 5 mm on segment 1
     reversals           INTEGER,                    -- of these: came back on the one before, without a lift
-    stick_events        INTEGER,                    -- times that a sliding god-object stuck again
+    stick_events        INTEGER,                    -- times that a sliding god-object stuck again; NULL: without friction nothing sticks
     speed_p10_m_per_s   REAL,                       -- of HIP in contact, over 20 ms: a tenth is no faster
     speed_p50_m_per_s   REAL,                       -- a half is no faster
     speed_p90_m_per_s   REAL,                       -- nine tenths are no faster
@@ -245,7 +245,7 @@ CREATE TABLE response (
     answer_code    INTEGER NOT NULL CHECK (answer_code >= 0),  -- picture from the left, from 0; interval - 1; 0 no, 1 yes; level
     chosen_place   INTEGER CHECK (chosen_place >= 0),  -- picture.picture_place of the chosen one; NULL: no pictures
     chosen_object  TEXT,                            -- the object of the chosen picture; NULL: no pictures
-    correct        INTEGER CHECK (correct IN (0, 1)),  -- 1: right; NULL: neither right nor wrong {0 = no; 1 = yes}
+    correct        INTEGER CHECK (correct IN (0, 1)),  -- 1: right; NULL: neither right nor wrong, or no picture of what was felt {0 = no; 1 = yes}
     reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),  -- question shown -> the press that gave this answer
     reaction_uncertainty_s REAL NOT NULL CHECK (reaction_uncertainty_s >= 0),  -- reaction_s may be up to this much less
     input          TEXT NOT NULL                    -- how it was given

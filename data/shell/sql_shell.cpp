@@ -228,6 +228,11 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         }
         printer.end();
     }
+    const std::string_view asked(sqlite3_sql(raw));
+    if (step == SQLITE_DONE && asked.find("sample") != std::string_view::npos && no_ticks()) {
+        std::fflush(out_);
+        fmt::print(error_, "palpate: no ticks are kept in this file: sample has no row\n");
+    }
     if (step != SQLITE_DONE) {
         std::fflush(out_);
         if ((step & 0xFF) == SQLITE_INTERRUPT) {
@@ -240,6 +245,14 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         }
     }
     return step == SQLITE_DONE;
+}
+
+bool SqlShell::no_ticks() {
+    try {
+        return !database_.prepare("SELECT 1 FROM main.trace_chunk LIMIT 1").step();
+    } catch (const StoreError&) {  // another file's tables
+        return false;
+    }
 }
 
 bool SqlShell::word(std::string_view line) {

@@ -33,6 +33,7 @@ public:
 
 private:
     bool statement(std::string_view& text, std::string_view all, std::size_t first_line);
+    [[nodiscard]] bool no_ticks();
     bool word(std::string_view line);
     void tables();
     void no_such(std::string_view table);

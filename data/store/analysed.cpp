@@ -19,11 +19,10 @@ FROM session JOIN main.study USING (study_id)
 WHERE EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id)
 GROUP BY study_id, session_kind)sql";
 
-constexpr std::string_view kWithdrawn =
-    "SELECT participant_code, printf('sub-%010d', subject), session_number, study_name, "
-    "session_kind, withdrawn_reason FROM main.session JOIN main.study USING (study_id) JOIN "
-    "main.participant USING (participant_id) WHERE withdrawn_reason IS NOT NULL ORDER BY subject, "
-    "study_name, session_number";
+/// What no analysis sees: sessions that were withdrawn, and all of who does not consent.
+constexpr std::string_view kHidden =
+    "withdrawn_reason IS NOT NULL OR participant_id IN (SELECT participant_id FROM "
+    "main.participant WHERE consent = 0)";
 
 bool any(Database& database, const std::string& sql) {
     return database.prepare(fmt::format("SELECT 1 FROM ({}) LIMIT 1", sql)).step();
@@ -33,16 +32,17 @@ bool any(Database& database, const std::string& sql) {
 
 void analyse(Database& database, Versions versions, const std::string& study) {
     database.execute("PRAGMA temp_store = MEMORY");
-    const bool withdrawn = any(database, std::string(kWithdrawn));
-    if (withdrawn) {
+    const bool hidden = hides(database);
+    if (hidden) {
         database.execute(
-            "CREATE TEMP VIEW session AS SELECT * FROM main.session WHERE withdrawn_reason IS "
-            "NULL");
+            fmt::format("CREATE TEMP VIEW session AS SELECT * FROM main.session WHERE NOT ({})",
+                        kHidden)
+                .c_str());
     }
     if (versions == Versions::together ||
         !any(database, fmt::format("SELECT 1 FROM ({}) WHERE several", kVersions))) {
-        if (withdrawn) {
-            make_own_views(database.connection());
+        if (hidden) {
+            make_own_views(database.connection());  // those of the file would not see it
         }
         return;
     }
@@ -53,7 +53,7 @@ void analyse(Database& database, Versions versions, const std::string& study) {
                     "main.study;CREATE UNIQUE INDEX temp.study_by_id ON study (study_id)",
                     kVersions)
             .c_str());
-    make_own_views(database.connection());  // views of the file would not see the table
+    make_own_views(database.connection());
     std::set<std::string> names;
     for (const StudyVersion& one : versions_of(database)) {
         names.insert(one.study);
@@ -65,23 +65,8 @@ void analyse(Database& database, Versions versions, const std::string& study) {
     }
 }
 
-std::vector<WithdrawnSession> withdrawn_sessions(Database& database) {
-    Statement row = database.prepare(kWithdrawn);
-    std::vector<WithdrawnSession> all;
-    while (row.step()) {
-        all.push_back(
-            {row.text(0), row.text(1), row.integer(2), row.text(3), row.text(4), row.text(5)});
-    }
-    return all;
-}
-
-std::string withdrawn_text(Database& database, bool codes) {
-    std::string text;
-    for (const WithdrawnSession& one : withdrawn_sessions(database)) {
-        text += fmt::format("    {} session {} of {} ({}): {}\n", codes ? one.code : one.subject,
-                            one.number, one.study, one.kind, one.reason);
-    }
-    return text.empty() ? text : "  Sessions that were withdrawn are left out:\n" + text;
+bool hides(Database& database) {
+    return any(database, fmt::format("SELECT 1 FROM main.session WHERE {}", kHidden));
 }
 
 std::string several_studies(Database& database, const std::set<std::string>& studies) {

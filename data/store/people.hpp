@@ -12,10 +12,6 @@
 /// What people note by hand: of participants, of sessions, and of answers that do not count after all.
 namespace palpate::data {
 
-/// In SQL, whose answers no number is made of and no export holds: who is noted as not consenting, by code.
-inline constexpr std::string_view kDeclined =
-    "(SELECT participant_code FROM participant WHERE consent = 0)";
-
 /// Nothing in a field: not known, or not to be changed.
 struct ParticipantNotes {
     std::optional<std::int64_t> handedness{};  ///< Edinburgh score, -100 left to 100 right

@@ -73,7 +73,11 @@ std::optional<bool> is_right(const Protocol& protocol,
                              std::span<const Presentation> felt,
                              std::size_t place) {
     if (protocol.response.kind == ResponseKind::identification && !planned.adaptive) {
-        return plan.picture_order.at(place) == planned.condition.object;
+        const auto& pictures = plan.picture_order;
+        const bool pictured =
+            std::find(pictures.begin(), pictures.end(), planned.condition.object) != pictures.end();
+        return pictured ? std::optional(pictures.at(place) == planned.condition.object)
+                        : std::nullopt;
     }
     if (protocol.response.kind != ResponseKind::two_interval || felt.size() != 2) {
         return std::nullopt;

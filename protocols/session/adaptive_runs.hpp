@@ -72,7 +72,8 @@ private:
                                      const Response& response);
 
 /// Whether answer `place` is right, where that can be said. Two intervals: the one with the larger value of
-/// what varies; none if both have the same. Pictures without a rule: the felt object's.
+/// what varies; none if both have the same. Pictures without a rule: the felt object's; none if there is no such
+/// picture.
 [[nodiscard]] std::optional<bool> is_right(const Protocol& protocol,
                                            const Plan& plan,
                                            const PlannedTrial& planned,

@@ -28,7 +28,7 @@ BEGIN {
     where["SDL2"] = "ui"
     where["libpng"] = "ui/subject ui/session"
     where["CLI11"] = "ui"
-    where["nlohmann"] = "data/export data/fit data/inference data/choice ui"
+    where["nlohmann"] = "data/export data/analysis data/fit data/inference data/choice ui"
     # Curves that yield, and the few parameters of the mixed model; nothing that a tick computes.
     where["Eigen"] = "engine/deformation data/inference data/choice"
     where["comedilib"] = "engine/device/drivers"

@@ -125,23 +125,28 @@ def answer_questions(db, document, trials):
     text = open(document, encoding="utf-8").read().split("## Ten usual questions", 1)[1].split("\n## ", 1)[0]
     queries = re.findall(r"```sql\n(.*?)```", text, re.S)
     count = len
-    main_ones = [t for t in trials if t["counts"] and t["phase"] == "main"]
+    main_ones = [t for t in trials if t["counts"] and t["phase"] == "main" and t["consent"] != 0]
+    kinds = {t["session_kind"] for t in trials if t["answer_code"] is not None and t["consent"] != 0}
+    main_ones = [t for t in main_ones if t["session_kind"] == [k for k in ("real", "pilot", "simulated") if k in kinds][0]]
+    columns = "trial_id study_name participant_code session_kind correct trials_since_break".split()
+    expect("main_trial", {"rows": [tuple(r[c] for c in columns) for r in db.execute("SELECT * FROM main_trial ORDER BY trial_id")]},
+           {"rows": [tuple(t[c] for c in columns) for t in sorted(main_ones, key=lambda t: t["trial_id"])]})
     for t in trials:
         t["contact_s"] = t["contact_ticks"] / t["rate_hz"] if t["contact_ticks"] is not None else None
         t["slip_share"] = ratio(t["slip_ticks"] or 0, t["contact_ticks"])
     curves = [t for t in main_ones if t["comparison_chosen"] is not None]
     answers = [
-        grouped(main_ones, ["participant_code", "friction"], count, "correct"),
-        grouped(main_ones, ["participant_code", "session_number", "block"], count, "correct"),
-        grouped(main_ones, [lambda t: (t["trial_number"] - 1) // 10 * 10 + 1], count, "correct"),
-        grouped(main_ones, ["trials_since_break"], count, "correct", "reaction_s"),
-        grouped(curves, ["run_name", "stimulus"], count, "comparison_chosen"),
-        grouped(curves, ["object_1", "object_2", "friction_1", "friction_2"], count, "correct"),
-        grouped([t for t in main_ones if t["chosen_object"]], ["friction", "planned_object", "chosen_object"], count),
-        grouped([t for t in main_ones if t["confidence"] is not None], ["confidence"], count, "correct", "reaction_s"),
-        grouped(main_ones, ["planned_object", "friction"], "contact_s", "path_length_m", "strokes", "slip_share",
+        grouped(main_ones, ["study_name", "participant_code", "friction"], count, "correct"),
+        grouped(main_ones, ["study_name", "participant_code", "session_number", "block"], count, "correct"),
+        grouped(main_ones, ["study_name", lambda t: (t["trial_number"] - 1) // 10 * 10 + 1], count, "correct"),
+        grouped(main_ones, ["study_name", "trials_since_break"], count, "correct", "reaction_s"),
+        grouped(curves, ["study_name", "run_name", "stimulus"], count, "comparison_chosen"),
+        grouped(curves, ["study_name", "object_1", "object_2", "friction_1", "friction_2"], count, "correct"),
+        grouped([t for t in main_ones if t["chosen_object"]], ["study_name", "friction", "planned_object", "chosen_object"], count),
+        grouped([t for t in main_ones if t["confidence"] is not None], ["study_name", "confidence"], count, "correct", "reaction_s"),
+        grouped(main_ones, ["study_name", "planned_object", "friction"], "contact_s", "path_length_m", "strokes", "slip_share",
                 "mean_normal_force_n"),
-        grouped([t for t in trials if not t["counts"]], ["outcome", "exclusion"], count)]
+        grouped([t for t in trials if not t["counts"]], ["study_name", "session_kind", "outcome", "exclusion"], count)]
     expect("docs/data.md", {"questions": len(queries)}, {"questions": len(answers)})
     for number, (query, wanted) in enumerate(zip(queries, answers), 1):
         got = [tuple(r) for r in db.execute(query)]
@@ -201,6 +206,7 @@ def main(file, samples, document):
         each = [felt(ticks[:p["ticks"]]) for p, ticks in rows if p["ticks"] is not None]
         for (p, _), one in zip(rows, each):
             expect(f"presentation {t['trial_id']} {p['interval']}", p, {n: one[n] for n in FELT + ["path_length_m", "first_contact_s"]})
+            one["stick_events"] = one["stick_events"] if p["mu_s"] > 0 else None
             hand = db.execute("SELECT * FROM exploration WHERE trial_id = ? AND interval = ?", (t["trial_id"], p["interval"])).fetchone()
             expect(f"exploration {t['trial_id']} {p['interval']}", hand, {
                 **{n: one[n] for n in HAND + ["strokes", "path_length_m", "first_contact_s", "start_x_m", "start_y_m"]},
@@ -247,6 +253,8 @@ def main(file, samples, document):
         expect(what, view, one)
         rows_of_trials.append({**plan, **t, **answer, **one, "outcome": t["outcome"],
                                "participant_code": people[session["participant_id"]]["participant_code"],
+                               "consent": people[session["participant_id"]]["consent"],
+                               "study_name": studies[session["study_id"]]["study_name"], "session_kind": session["session_kind"],
                                "session_number": session["session_number"], "rate_hz": session["rate_hz"]})
         expect(what, view, {
             "first_contact_s": first[0] if first else None,

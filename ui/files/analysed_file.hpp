@@ -6,13 +6,8 @@
 
 namespace palpate::ui {
 
-/// From here on the file is seen as analyses see it (data/store/analysed.hpp); what they leave out is said on the
-/// standard error, where it does not get between numbers.
+/// From here on the file is seen as analyses see it (data/store/analysed.hpp).
 /// @param versions  "apart" or "together"
-/// @param codes     people by the lab's codes
-void analyse(data::Database& database,
-             const std::string& versions,
-             const std::string& study,
-             bool codes);
+void analyse(data::Database& database, const std::string& versions, const std::string& study = "");
 
 }  // namespace palpate::ui

@@ -40,7 +40,7 @@ void declare(CommandWords& words, AuditWords& options) {
 
 int run(const AuditWords& words) {
     data::Database database(words.database, data::Access::read);
-    analyse(database, words.versions, words.study, false);
+    analyse(database, words.versions, words.study);
     say("{}", data::audit_text(
                   database, {.kind = words.kind, .study = words.study},
                   {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share}));

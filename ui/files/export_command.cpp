@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/analysis/left_out.hpp"
 #include "data/export/export.hpp"
-#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -50,11 +51,14 @@ int run(const ExportWords& options) {
         options.details      ? ", with details"
         : options.keep_codes ? ", with the participants' codes"
                              : ", de-identified");
-    if (done.without_consent > 0) {
-        say("{} left out: no consent.\n", counted(done.without_consent, "participant"));
-    }
     data::Database database(options.database, data::Access::read);
-    say("{}", data::withdrawn_text(database, options.keep_codes));
+    analyse(database, "apart");
+    for (const data::LeftOut& one :
+         data::left_out_everywhere(database, options.kind, options.keep_codes)) {
+        say("{}", data::left_out_text(one));
+    }
+    say("  The folder holds nothing of who does not consent and of withdrawn sessions; whom a rule "
+        "leaves out is in it.\n");
     return 0;
 }
 

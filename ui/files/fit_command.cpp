@@ -186,7 +186,7 @@ int fit_identifications(const FitWords& words, bool database) {
     data::TrialTable table;
     if (database) {
         data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study, words.keep_codes);
+        analyse(file, words.versions, words.study);
         table = data::stored_trials(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
         options.items = data::item_values(file, table.study);
@@ -258,9 +258,7 @@ int run(const FitWords& words) {
     bool identifications = !database && is_trial_csv(words.file);
     if (database) {
         data::Database file(words.file, data::Access::read);
-        data::analyse(
-            file, words.versions == "together" ? data::Versions::together : data::Versions::apart,
-            words.study);
+        analyse(file, words.versions, words.study);
         const data::StoredChoice choice{.kind = words.kind, .study = words.study};
         identifications = data::answers_are_names(file, choice);
     }
@@ -286,7 +284,7 @@ int run(const FitWords& words) {
     data::StoredAnswers answers;
     if (database) {
         data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study, words.keep_codes);
+        analyse(file, words.versions, words.study);
         answers = data::stored_answers(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {
@@ -297,6 +295,9 @@ int run(const FitWords& words) {
     data::FitReport report =
         data::fit_all(source_of(words, database, answers.study), answers.all, options);
     report.versions = answers.versions;
+    if (database) {
+        report.file_left_out = answers.left_out;
+    }
     if (!words.svg.empty()) {
         write_whole(words.svg, data::svg(data::fit_figure(report)),
                     words.keep_codes ? Rights::own : Rights::usual);

@@ -69,7 +69,7 @@ void declare(CommandWords& words, ReportWords& options) {
 int run(const ReportWords& words) {
     require_writable(words.output, "<!DOCTYPE");
     data::Database database(words.database, data::Access::read);
-    analyse(database, words.versions, words.study, words.keep_codes);
+    analyse(database, words.versions, words.study);
     const std::string page =
         words.trial
             ? data::trial_page(

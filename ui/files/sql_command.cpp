@@ -8,9 +8,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "data/analysis/left_out.hpp"
 #include "data/shell/sql_shell.hpp"
-#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -27,6 +28,16 @@ struct SqlOptions {
 };
 
 struct NoOptions {};
+
+/// What analyses leave out of the file, beside what is asked for.
+void hint(data::Database& database) {
+    try {
+        for (const data::LeftOut& one : data::left_out_everywhere(database, "all", false)) {
+            say_to(stderr, data::left_out_text(one));
+        }
+    } catch (const data::StoreError&) {  // of tables that are others nothing can be said
+    }
+}
 
 /// Statements from standard input. At a terminal it goes on after an error.
 int read_input(data::SqlShell& shell, const std::string& file) {
@@ -91,8 +102,10 @@ int run(const SqlOptions& options) {
     }
     data::Database database(options.database, data::Access::inspect);
     if (!options.versions.empty()) {
-        data::analyse(database, options.versions == "together" ? data::Versions::together
-                                                               : data::Versions::apart);
+        analyse(database, options.versions);
+    }
+    if (!options.versions.empty() || (!options.query && isatty(STDIN_FILENO) != 0)) {
+        hint(database);
     }
     const data::RowFormat format = options.csv  ? data::RowFormat::csv
                                  : options.json ? data::RowFormat::json

@@ -22,6 +22,7 @@ struct StatsWords {
     std::string baseline;
     std::vector<std::string> signals;
     std::int64_t alternatives = 0;
+    bool other_answers = false;
     std::int64_t permutations = 999;
     std::int64_t simulations = 999;
     std::int64_t nodes = 15;
@@ -53,6 +54,9 @@ void declare(CommandWords& words, StatsWords& options) {
         .add("--alternatives", options.alternatives,
              "How many pictures an answer was one of; without it those that occur")
         .within(2, 100);
+    words.add("--other-answers", options.other_answers,
+              "Of a CSV: answers that name no shape are pictures that nobody felt, and wrong; "
+              "without it they are refused");
     words
         .add("--permutations", options.permutations,
              "Of each person's answers, for the bits that a guesser shows; 0: none")
@@ -102,11 +106,11 @@ int run(const StatsWords& words) {
     data::TrialTable table;
     if (data::is_database(words.file)) {
         data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study, words.keep_codes);
+        analyse(file, words.versions, words.study);
         table = data::stored_trials(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {
-        table = data::read_trials(words.file);
+        table = data::read_trials(words.file, words.other_answers);
     }
     if (!words.baseline.empty()) {
         data::compare_with(table, words.baseline);

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "data/analysis/summary.hpp"
-#include "data/store/analysed.hpp"
 #include "ui/command/command.hpp"
+#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -26,8 +26,7 @@ void declare(CommandWords& words, SummaryOptions& options) {
 
 int run(const SummaryOptions& options) {
     data::Database database(options.database, data::Access::read);
-    data::analyse(database, options.versions == "together" ? data::Versions::together
-                                                           : data::Versions::apart);
+    analyse(database, options.versions);
     say("{}", data::summary_text(database));
     return 0;
 }

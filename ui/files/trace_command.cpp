@@ -24,6 +24,14 @@ void declare(CommandWords& words, TraceOptions& options) {
         .with_default();
 }
 
+/// Empty: it counts, or has no answer.
+std::string why_left_out(data::Database& database, std::int64_t trial) {
+    data::Statement row = database.prepare(
+        "SELECT iif(consent = 0, 'its participant does not consent', exclusion) FROM "
+        "analysis_trial JOIN participant USING (participant_code) WHERE trial_id = ?1");
+    return row.bind(1, trial).step() && !row.null(0) ? row.text(0) : "";
+}
+
 /// The columns that every chunk holds, as data/trace/read_trace.py and read_trace.R print them.
 int run(const TraceOptions& options) {
     data::Database database(options.database, data::Access::read);
@@ -42,6 +50,13 @@ int run(const TraceOptions& options) {
         columns.push_back(
             reader.column(options.trial, static_cast<data::Stored>(i), options.interval));
         line += fmt::format("{}{}", i == 0 ? "" : ",", data::stored_columns()[i].name);
+    }
+    if (columns.front().empty()) {
+        warn("{}: no ticks are kept of trial {} (simulate --no-traces keeps none)",
+             options.database, options.trial);
+    }
+    if (const std::string why = why_left_out(database, options.trial); !why.empty()) {
+        warn("{}: trial {} is in no analysis: {}", options.database, options.trial, why);
     }
     std::string text = line + '\n';
     for (std::size_t tick = 0; tick < columns.front().size(); ++tick) {

@@ -1,0 +1,221 @@
+#include "data/analysis/left_out.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/text.hpp"
+#include "data/analysis/exclusion.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// A row a session, those that analyses do not see too.
+constexpr std::string_view kSessions = R"sql(
+SELECT participant_code, printf('sub-%010d', subject), consent IS 0, session_number, withdrawn_reason,
+       count(answered.trial_id), sum(marked), sum(invalid AND NOT marked)
+FROM main.session AS one JOIN study USING (study_id) JOIN main.participant USING (participant_id)
+LEFT JOIN (SELECT trial.session_id AS session_id, trial.trial_id AS trial_id, invalid_reason IS NOT NULL AS invalid,
+                  invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM main.event WHERE event.trial_id =
+                      trial.trial_id AND event_kind = 'mark') AS marked
+           FROM main.trial JOIN main.plan USING (session_id, plan_position) JOIN main.response USING (trial_id)
+           WHERE phase = 'main') AS answered ON answered.session_id = one.session_id
+WHERE study_name = ?1 AND session_kind = ?2 GROUP BY one.session_id ORDER BY subject, session_number)sql";
+
+struct Person {
+    std::string name;
+    bool refused = false;
+    bool withdrawn = true;  ///< all sessions
+    bool broke = false;     ///< a rule
+    std::int64_t counting = 0;
+};
+
+using ByCode = std::map<std::string, Person>;  // by code
+
+/// Answers of one session, each in its place; those that count are the person's.
+void add_session(const Statement& row, bool codes, ByCode& people, LeftOut& account) {
+    Person& person = people[row.text(0)];
+    person.name = row.text(codes ? 0 : 1);
+    const std::int64_t answers = row.integer(5);
+    account.in_file.answers += answers;
+    if (row.integer(2) != 0) {
+        person.refused = true;
+        account.no_consent.answers += answers;
+    } else if (!row.null(4)) {
+        account.withdrawn.answers += answers;
+        account.withdrawals.push_back(
+            {fmt::format("{} session {}", person.name, row.integer(3)), row.text(4)});
+    } else {
+        person.withdrawn = false;
+        account.marked += row.integer(6);
+        account.invalid += row.integer(7);
+        person.counting += answers - row.integer(6) - row.integer(7);
+    }
+}
+
+void judge_people(Database& database, ByCode& people, LeftOut& account) {
+    for (const Judged& one : judge(database, account.study, account.kind).all) {
+        const auto found = people.find(one.participant);
+        if (found == people.end() || found->second.refused || found->second.withdrawn) {
+            continue;
+        }
+        for (const std::string& rule : one.broken) {
+            found->second.broke = true;
+            account.broken.push_back({found->second.name, rule});
+        }
+    }
+}
+
+void count_people(const ByCode& people, LeftOut& account) {
+    for (const auto& [code, person] : people) {
+        ++account.in_file.people;
+        if (person.refused) {
+            ++account.no_consent.people;
+        } else if (person.withdrawn) {
+            ++account.withdrawn.people;
+        } else if (person.broke) {
+            ++account.by_rule.people;
+            account.by_rule.answers += person.counting;
+        } else if (person.counting == 0) {
+            ++account.no_answer;
+        } else {
+            ++account.analysed.people;
+            account.analysed.answers += person.counting;
+        }
+    }
+}
+
+/// "1 does not consent, 2 without an answer that counts": nothing where all are 0.
+std::string parts_text(const std::vector<std::pair<std::int64_t, std::string>>& parts) {
+    std::string text;
+    for (const auto& [count, words] : parts) {
+        text += count == 0 ? "" : fmt::format("{}{} {}", text.empty() ? "" : ", ", count, words);
+    }
+    return text;
+}
+
+}  // namespace
+
+bool LeftOut::leaves_out(std::string_view person) const {
+    return std::ranges::find(broken, person, &Reason::person) != broken.end();
+}
+
+LeftOut left_out_of(Database& database, std::string_view study, std::string_view kind, bool codes) {
+    const Snapshot now(database);
+    LeftOut account{.study = std::string(study), .kind = std::string(kind)};
+    ByCode people;
+    Statement row = database.prepare(kSessions);
+    row.bind(1, study).bind(2, kind);
+    while (row.step()) {
+        add_session(row, codes, people, account);
+    }
+    judge_people(database, people, account);
+    count_people(people, account);
+    Statement other = database.prepare(
+        "SELECT study_name, session_kind, count(DISTINCT participant_id), min(protocol_sha256) "
+        "FROM main.session JOIN study USING (study_id) WHERE study_name <> ?1 OR session_kind <> "
+        "?2 GROUP BY 1, 2 ORDER BY 1, 2");
+    other.bind(1, study).bind(2, kind);
+    while (other.step()) {
+        account.elsewhere.push_back({.study = other.text(0),
+                                     .protocol_sha256 = other.text(3),
+                                     .kind = other.text(1),
+                                     .people = other.integer(2)});
+    }
+    return account;
+}
+
+std::vector<LeftOut> left_out_everywhere(Database& database, std::string_view kind, bool codes) {
+    const Snapshot now(database);
+    std::vector<LeftOut> all;
+    Statement row = database.prepare(
+        "SELECT DISTINCT study_name, session_kind FROM main.session JOIN study USING (study_id) "
+        "WHERE ?1 IN ('all', session_kind) ORDER BY session_kind, study_name");
+    row.bind(1, kind);
+    while (row.step()) {
+        all.push_back(left_out_of(database, row.text(0), row.text(1), codes));
+    }
+    return all;
+}
+
+std::string left_out_text(const LeftOut& account) {
+    const std::string people =
+        parts_text({{account.no_consent.people,
+                     account.no_consent.people == 1 ? "does not consent" : "do not consent"},
+                    {account.withdrawn.people, "withdrawn"},
+                    {account.by_rule.people, "by the rules of [exclusion]"},
+                    {account.no_answer, "without an answer that counts"}});
+    const std::string answers =
+        parts_text({{account.no_consent.answers, "of who does not consent"},
+                    {account.withdrawn.answers, "of withdrawn sessions"},
+                    {account.marked, "marked"},
+                    {account.invalid, "invalid"},
+                    {account.by_rule.answers, "of who is left out by rule"}});
+    std::string text = fmt::format("  Who and what is left out of study {}, {} sessions\n",
+                                   account.study, account.kind);
+    text += fmt::format("    people: {} in the file; left out: {}; analysed: {}\n",
+                        account.in_file.people, people.empty() ? "nobody" : people,
+                        account.analysed.people);
+    text += fmt::format("    answers of main trials: {} in the file; left out: {}; analysed: {}\n",
+                        account.in_file.answers, answers.empty() ? "none" : answers,
+                        account.analysed.answers);
+    for (const LeftOut::Reason& one : account.broken) {
+        text += fmt::format("    by rule: {}  {}\n", one.person, one.why);
+    }
+    for (const LeftOut::Reason& one : account.withdrawals) {
+        text += fmt::format("    withdrawn: {}  {}\n", one.person, one.why);
+    }
+    for (const StudyVersion& one : account.elsewhere) {
+        text += fmt::format("    not in these numbers: {}, {} sessions: {}\n", one.study, one.kind,
+                            counted(one.people, "person", "people"));
+    }
+    return text;
+}
+
+Json left_out_json(const LeftOut& account) {
+    const auto reasons = [](const std::vector<LeftOut::Reason>& all) {
+        Json list = Json::array();
+        for (const LeftOut::Reason& one : all) {
+            list.push_back({{"person", one.person}, {"why", one.why}});
+        }
+        return list;
+    };
+    Json elsewhere = Json::array();
+    for (const StudyVersion& one : account.elsewhere) {
+        elsewhere.push_back({{"study", one.study}, {"kind", one.kind}, {"people", one.people}});
+    }
+    return {{"study", account.study},
+            {"kind", account.kind},
+            {"people",
+             {{"in_file", account.in_file.people},
+              {"no_consent", account.no_consent.people},
+              {"withdrawn", account.withdrawn.people},
+              {"by_rule", account.by_rule.people},
+              {"no_answer", account.no_answer},
+              {"analysed", account.analysed.people}}},
+            {"answers",
+             {{"in_file", account.in_file.answers},
+              {"no_consent", account.no_consent.answers},
+              {"withdrawn", account.withdrawn.answers},
+              {"marked", account.marked},
+              {"invalid", account.invalid},
+              {"by_rule", account.by_rule.answers},
+              {"analysed", account.analysed.answers}}},
+            {"by_rule", reasons(account.broken)},
+            {"withdrawn", reasons(account.withdrawals)},
+            {"elsewhere", std::move(elsewhere)}};
+}
+
+std::string none_left_text(Database& database, std::string_view study, std::string_view kind) {
+    std::string text;
+    for (const LeftOut& one : left_out_everywhere(database, kind, false)) {
+        if ((study.empty() || one.study == study) && one.in_file.answers > one.analysed.answers) {
+            text += '\n' + left_out_text(one);
+        }
+    }
+    return text;
+}
+
+}  // namespace palpate::data

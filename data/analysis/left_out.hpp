@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/export/json_text.hpp"
+#include "data/store/analysed.hpp"
+
+/// Whom and what the numbers of a study are without, and why: one account, which every command gives.
+namespace palpate::data {
+
+/// Of one study and kind. Each person is counted in one place, and so is each answer of a main trial: in the first
+/// that holds of no_consent, withdrawn, marked, invalid, by_rule, analysed.
+struct LeftOut {
+    struct Count {
+        std::int64_t people = 0;
+        std::int64_t answers = 0;
+    };
+    struct Reason {
+        std::string person;
+        std::string why;
+    };
+    std::string study;
+    std::string kind;
+    Count in_file{};                    ///< people with a session of the study and kind
+    Count no_consent{};                 ///< of who is noted as not consenting
+    Count withdrawn{};                  ///< people all of whose sessions were
+    std::int64_t marked = 0;            ///< answers that somebody marked
+    std::int64_t invalid = 0;           ///< answers that the protocol's rules for a trial refuse
+    std::int64_t no_answer = 0;         ///< people without an answer that counts
+    Count by_rule{};                    ///< the rules of [exclusion]
+    Count analysed{};                   ///< what is left
+    std::vector<Reason> broken{};       ///< whom a rule leaves out, a row a rule
+    std::vector<Reason> withdrawals{};  ///< "P1 session 2", why
+    std::vector<StudyVersion>
+        elsewhere{};  ///< other kinds, versions and studies: in none of these numbers
+
+    [[nodiscard]] bool leaves_out(std::string_view person) const;
+};
+
+/// @param study  as this connection calls it (analyse())
+/// @param codes  people by the lab's codes, not by their numbers in exports
+[[nodiscard]] LeftOut left_out_of(Database& database,
+                                  std::string_view study,
+                                  std::string_view kind,
+                                  bool codes);
+/// Of every study and kind with a session. @param kind  only these; "all": every kind
+[[nodiscard]] std::vector<LeftOut> left_out_everywhere(Database& database,
+                                                       std::string_view kind,
+                                                       bool codes);
+
+/// For people, lines of two spaces and more; for programs the same numbers.
+[[nodiscard]] std::string left_out_text(const LeftOut& account);
+[[nodiscard]] Json left_out_json(const LeftOut& account);
+
+/// Where a study or kind has no answer to analyse: who would have some, or nothing to say.
+[[nodiscard]] std::string none_left_text(Database& database,
+                                         std::string_view study,
+                                         std::string_view kind);
+
+}  // namespace palpate::data

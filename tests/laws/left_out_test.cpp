@@ -1,0 +1,263 @@
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+// Whom and what numbers are without: every command says the same of one file, in words and in JSON.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string ask(const std::string& file, const std::string& query) {
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(query);
+    return row.step() ? row.text(0) : "";
+}
+
+void edit(const std::string& file, const char* sql) {
+    data::Database(file, data::Access::write).execute(sql);
+}
+
+Finished done(const std::vector<std::string>& words) {
+    Finished end = palpate_command(words);
+    CAPTURE(words, end.out, end.error);
+    REQUIRE(end.code == 0);
+    return end;
+}
+
+/// Two versions of a protocol with a rule of exclusion; of the first, five simulated people: A does not consent, an
+/// answer of B is marked, C broke the rule, D's only session was withdrawn, E; and F, who is real. Of the second X and Y.
+std::string study(const TemporaryFolder& folder) {
+    const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
+                             "\n[exclusion]\nsessions_finished = true\n";
+    std::string other = text;
+    other.replace(other.find("mu_d = 0.5"), 10, "mu_d = 0.1");
+    std::ofstream(folder.file("one.toml")) << text;
+    std::ofstream(folder.file("two.toml")) << other;
+    const std::string file = folder.file("s.sqlite");
+    const auto run = [&](const char* protocol, const std::string& who) {
+        std::vector<std::string> words{"run", folder.file(protocol), "--participant", who, "--db",
+                                       file,  "--headless"};
+        if (who == "X") {
+            words.emplace_back("--new-version");
+        }
+        done(words);
+    };
+    for (const char* who : {"A", "B", "C", "D", "E", "F"}) {
+        run("one.toml", who);
+    }
+    run("two.toml", "X");
+    run("two.toml", "Y");
+    done({"participant", file, "A", "--consent", "no"});
+    done({"mark", file,
+          ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
+          "--invalid", "moved"});
+    done({"session", file, "D", "1", "--withdraw", "was asleep"});
+    edit(file,
+         "UPDATE session SET finished = 0 WHERE participant_id = (SELECT participant_id FROM "
+         "participant WHERE participant_code = 'C')");
+    edit(file,
+         "UPDATE session SET session_kind = 'real' WHERE participant_id = (SELECT "
+         "participant_id FROM participant WHERE participant_code = 'F')");
+    return file;
+}
+
+/// The account's lines of people and answers, wherever it stands.
+std::set<std::string> account_in(const std::string& text) {
+    std::set<std::string> lines;
+    for (const char* begin : {"people: ", "answers of main trials: "}) {
+        for (std::size_t at = text.find(begin); at != std::string::npos;
+             at = text.find(begin, at + 1)) {
+            const std::size_t end = text.find_first_of("\n<", at);
+            if (text.substr(at, end - at).find("in the file") != std::string::npos) {
+                lines.insert(text.substr(at, end - at));
+            }
+        }
+    }
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("every command says alike who and what was left out, in words and in JSON",
+          "[left-out][law]") {
+    const TemporaryFolder folder;
+    const std::string file = study(folder);
+    const std::string name =
+        "four_trials@" + ask(file,
+                             "SELECT substr(protocol_sha256, 1, 8) FROM study WHERE study_id "
+                             "= (SELECT min(study_id) FROM study)");
+    const std::set<std::string> wanted{
+        "people: 5 in the file; left out: 1 does not consent, 1 withdrawn, 1 by the rules of "
+        "[exclusion]; analysed: 2",
+        "answers of main trials: 20 in the file; left out: 4 of who does not consent, 4 of "
+        "withdrawn sessions, 1 marked, 4 of who is left out by rule; analysed: 7"};
+    const std::vector<std::string> of{file, "--kind", "simulated", "--study", name};
+    const auto with = [&](const char* command, std::vector<std::string> more = {}) {
+        std::vector<std::string> words{command};
+        words.insert(words.end(), of.begin(), of.end());
+        words.insert(words.end(), more.begin(), more.end());
+        return done(words);
+    };
+    const std::vector<std::string> quick{"--permutations", "0", "--simulations", "0"};
+    const Finished stats = with("stats", quick);
+    const std::string page = folder.file("r.html");
+    static_cast<void>(with("report", {"-o", page, "--simulations", "0", "--bootstrap", "0"}));
+    for (const auto& [command, text] :
+         {std::pair{"stats", stats.out}, std::pair{"fit", with("fit").out},
+          std::pair{"audit", with("audit").out}, std::pair{"report", tests::slurp(page)}}) {
+        CAPTURE(command, text);
+        CHECK(account_in(text) == wanted);
+        CHECK_THAT(text, ContainsSubstring("four_trials, real sessions: 1 person") &&
+                             ContainsSubstring("sessions_finished: 1 is not") &&
+                             ContainsSubstring("was asleep"));
+    }
+    CHECK_THAT(stats.out, !ContainsSubstring("Nothing is excluded") &&
+                              ContainsSubstring("Exclusions applied: 2 people, 7 answers"));
+    // Of a whole file that account is among the others.
+    const Finished exported =
+        done({"export", file, "--kind", "simulated", "-o", folder.file("out")});
+    const Finished asked =
+        done({"sql", file, "--versions", "apart", "--csv", "-c", "SELECT 1 AS one"});
+    CHECK(asked.out == "one\n1\n");
+    for (const std::string& text : {done({"summary", file}).out, exported.out, asked.error}) {
+        CAPTURE(text);
+        const std::set<std::string> all = account_in(text);
+        for (const std::string& line : wanted) {
+            CHECK(all.contains(line));
+        }
+    }
+    const auto json = [&](const char* command, std::vector<std::string> more) {
+        more.emplace_back("--json");
+        return Json::parse(with(command, more).out)["left_out"];
+    };
+    const Json account = json("stats", quick);
+    CHECK(account == json("fit", {}));
+    CHECK(account["people"] == Json{{"in_file", 5},
+                                    {"no_consent", 1},
+                                    {"withdrawn", 1},
+                                    {"by_rule", 1},
+                                    {"no_answer", 0},
+                                    {"analysed", 2}});
+    CHECK(account["answers"] == Json{{"in_file", 20},
+                                     {"no_consent", 4},
+                                     {"withdrawn", 4},
+                                     {"marked", 1},
+                                     {"invalid", 0},
+                                     {"by_rule", 4},
+                                     {"analysed", 7}});
+    CHECK(account["elsewhere"].size() == 2);
+    // The audit's and the fit's people are those of stats; who refuses has no page of a trial.
+    CHECK_THAT(with("audit").out,
+               ContainsSubstring("start, to the right, mm" + std::string(20, ' ') + "2 "));
+    const std::string theirs =
+        ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'D'");
+    CHECK_THAT(
+        palpate_command({"report", file, "--trial", theirs, "-o", folder.file("t.html")}).error,
+        ContainsSubstring("withdrawn (was asleep)"));
+    // Where nobody is left it is said why.
+    edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
+    CHECK_THAT(
+        palpate_command({"stats", file}).error,
+        ContainsSubstring("people: 1 in the file; left out: 1 does not consent; analysed: 0"));
+}
+
+TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
+          "[left-out][sql][law]") {
+    const TemporaryFolder folder;
+    const std::string file = study(folder);
+    const auto rows = [&](const std::string& of, const std::string& query) {
+        return done({"sql", of, "--csv", "-c", query}).out;
+    };
+    const std::string who =
+        "SELECT study_name, session_kind, group_concat(DISTINCT participant_code) AS who, count(*) "
+        "AS n FROM main_trial GROUP BY 1, 2";
+    CHECK(rows(file, who) == "study_name,session_kind,who,n\nfour_trials,real,F,4\n");
+    edit(file, "UPDATE session SET session_kind = 'simulated'");
+    CHECK(rows(file, who) ==
+          "study_name,session_kind,who,n\nfour_trials,simulated,\"B,C,E,F,X,Y\",23\n");
+    // Another study in the same file: a row of its own. A catch trial's object is in no picture: no answer is right.
+    done({"run", PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "--participant", "G", "--db",
+          file, "--headless"});
+    CHECK(rows(file, "SELECT count(DISTINCT study_name) AS n FROM main_trial") == "n\n2\n");
+    CHECK(rows(file,
+               "SELECT phase, count(*) > 0 AS n, count(correct) > 0 AS judged FROM "
+               "analysis_trial WHERE counts AND phase <> 'practice' GROUP BY 1") ==
+          "phase,n,judged\ncatch,1,0\nmain,1,1\n");
+    CHECK(palpate_command({"verify", file}).out.find("correct") == std::string::npos);
+    done({"export", file, "--kind", "all", "-o", folder.file("out")});
+    // The same places since the last break in the export as in the view.
+    const std::string exported = tests::slurp(folder.file("out") + "/trials.csv");
+    std::multiset<std::string> places;
+    std::istringstream lines(exported);
+    std::string line;
+    std::getline(lines, line);
+    const auto column = [](const std::string& from, std::size_t n) {
+        std::istringstream cells(from);
+        std::string cell;
+        for (std::size_t i = 0; i <= n; ++i) {
+            std::getline(cells, cell, ',');
+        }
+        return cell;
+    };
+    std::size_t at = 0;
+    while (column(line, at) != "trials_since_break") {
+        ++at;
+    }
+    while (std::getline(lines, line)) {
+        places.insert(column(line, at));
+    }
+    std::multiset<std::string> seen;
+    std::istringstream told(rows(file,
+                                 "SELECT trials_since_break FROM analysis_trial JOIN "
+                                 "participant USING (participant_code) WHERE consent IS NOT "
+                                 "0 AND exclusion IS NOT 'withdrawn'"));
+    std::getline(told, line);
+    while (std::getline(told, line)) {
+        seen.insert(line);
+    }
+    CHECK(places == seen);
+    CHECK(places.size() > 20);
+}
+
+TEST_CASE("a file is read where no disk has room for an index of its log, or it is said",
+          "[left-out][disk]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    done({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P", "--db",
+          file, "--headless"});
+    // As on a full disk: no file may grow.
+    const auto piped = [](const std::string& of) {  // standard output is a file too
+        return tests::Process(
+                   {"sh", "-c",
+                    "(trap '' XFSZ; ulimit -f 0; \"$0\" summary \"$1\" 2>&1; echo code $?) | cat",
+                    tests::palpate_program(), of})
+            .wait();
+    };
+    CHECK_THAT(piped(file).out,
+               ContainsSubstring("people: 1 in the file") && ContainsSubstring("code 0"));
+    // A log that was left by a crash, without its index.
+    {
+        data::Database open(file, data::Access::write);
+        open.execute("UPDATE study SET study_title = 'another'");
+        for (const char* end : {"", "-wal"}) {
+            std::filesystem::copy_file(file + end, folder.file("b.sqlite") + end);
+        }
+    }
+    CHECK_THAT(piped(folder.file("b.sqlite")).out,
+               ContainsSubstring("the disk is full, and reading needs 32 kB"));
+    CHECK_THAT(done({"summary", folder.file("b.sqlite")}).out,
+               ContainsSubstring("people: 1 in the file"));
+}

@@ -1,0 +1,158 @@
+#include <array>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+// Where answers do not determine a number, fit and stats say so, and why.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+Json fitted(std::vector<std::string> words) {
+    words.insert(words.begin(), "fit");
+    words.emplace_back("--json");
+    const Finished done = palpate_command(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return Json::parse(done.out);
+}
+
+}  // namespace
+
+TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them",
+          "[fit][law]") {
+    const TemporaryFolder folder;
+    write(folder.file("sep.csv"), "stimulus,n,k\n1,20,0\n2,20,0\n3,20,20\n4,20,20\n");
+    const Json apart = fitted({folder.file("sep.csv"), "--lapse", "0"})["curves"][0]["threshold"];
+    CHECK(apart["estimate"].is_null());
+    CHECK(apart["why"] == "not determined: 2 to 3");
+    CHECK(apart["profile_95"] == Json{2.0, 3.0});
+    const std::string text = palpate_command({"fit", folder.file("sep.csv")}).out;
+    CHECK_THAT(text, ContainsSubstring("not determined: 2 to 3") &&
+                         ContainsSubstring(" 2 to 3\n") && !ContainsSubstring("2.5"));
+    // On a level with an answer of the other kind a steep curve tends to that level.
+    write(folder.file("edge.csv"), "stimulus,n,k\n1,10,0\n2,10,1\n3,10,10\n");
+    const Json edge = fitted({folder.file("edge.csv"), "--lapse", "0"})["curves"][0]["threshold"];
+    CHECK(edge["estimate"] == 2.0);
+    CHECK(edge["profile_95"][0] == 2.0);
+    CHECK(edge["profile_95"][1].get<double>() < 3.0);
+    // One threshold for both is as good as two: x has its at 2, y anywhere from 2 to 3.
+    std::string two = "stimulus,n,k,participant,condition\n";
+    for (const char* who : {"A", "B"}) {
+        for (const char* row : {"1,20,0,{0},x", "2,20,10,{0},x", "3,20,20,{0},x", "1,20,0,{0},y",
+                                "2,20,{1},{0},y", "3,20,20,{0},y"}) {
+            two += fmt::format(fmt::runtime(row), who, *who == 'A' ? 0 : 10) + '\n';
+        }
+    }
+    write(folder.file("two.csv"), two);
+    const Json both = fitted({folder.file("two.csv")});
+    CHECK(both["differences"][0]["threshold_p"].get<double>() > 0.999);
+    CHECK(both["differences"][0]["threshold"].is_null());
+    CHECK(both["differences"][0]["threshold_why"] == "not determined: that of a condition is not");
+    for (const Json& one : both["people"]) {
+        if (one["what"] == "threshold, y") {
+            CHECK(one["people"] == 1);
+            CHECK(one["mean"] == Approx(2.0).margin(1e-6));
+            CHECK(one["left_out"][0] ==
+                  Json{{"participant", "A"}, {"why", "not determined: 2 to 3"}});
+        }
+    }
+}
+
+TEST_CASE("digits tell an estimate from its interval, and single answers have no goodness of fit",
+          "[fit][law]") {
+    const TemporaryFolder folder;
+    std::string near = "stimulus,n,k\n";
+    std::string far = near;
+    std::string single = near;
+    constexpr std::array kRight{1, 3, 9, 16, 19, 20};
+    for (int i = 0; i < 6; ++i) {
+        near += fmt::format("{},20,{}\n", i, kRight.at(static_cast<std::size_t>(i)));
+        far += fmt::format("{},20,{}\n", 10000 + i, kRight.at(static_cast<std::size_t>(i)));
+    }
+    for (int i = 0; i < 60; ++i) {
+        single += fmt::format("{},1,{}\n", 0.1 * i, i * i * 7 % 60 < i ? 1 : 0);
+    }
+    write(folder.file("near.csv"), near);
+    write(folder.file("far.csv"), far);
+    write(folder.file("single.csv"), single);
+    const auto threshold = [&](const char* name) {
+        const std::string text =
+            palpate_command({"fit", folder.file(name), "--bootstrap", "0"}).out;
+        std::istringstream line(text.substr(text.find("\n  threshold ") + 13));
+        std::array<double, 4> told{};
+        std::string to;
+        line >> told[0] >> told[1] >> told[2] >> to >> told[3];
+        return told;
+    };
+    const auto told_near = threshold("near.csv");
+    const auto told_far = threshold("far.csv");
+    for (const std::size_t i : {0U, 2U, 3U}) {
+        CAPTURE(told_near, told_far);
+        CHECK(told_far.at(i) - 10000.0 == Approx(told_near.at(i)).margin(0.051 * told_near[1]));
+    }
+    const Json curve = fitted({folder.file("single.csv")})["curves"][0];
+    CHECK(curve["deviance_p"].is_null());
+    CHECK_THAT(curve["deviance_why"].get<std::string>(), ContainsSubstring("single answers"));
+    CHECK(fitted({folder.file("near.csv")})["curves"][0]["deviance_why"].is_null());
+}
+
+TEST_CASE("a response that no shape has is refused by its line, or kept by word", "[stats][law]") {
+    const TemporaryFolder folder;
+    std::string text = "subject,trial,shape,friction,response\n";
+    for (int i = 1; i <= 40; ++i) {
+        const char* shape = i % 2 == 0 ? "flat" : "round";
+        text += fmt::format("S{},{},{},{},{}\n", i % 4, i, shape, i % 8 < 4 ? "off" : "on",
+                            i == 17      ? "zzz"
+                            : i % 5 == 0 ? "flat"
+                                         : shape);
+    }
+    const std::string file = folder.file("t.csv");
+    std::ofstream(file) << text;
+    const auto refused = palpate_command({"stats", file});
+    CHECK(refused.code != 0);
+    CHECK_THAT(refused.error, ContainsSubstring("t.csv:18") && ContainsSubstring("zzz") &&
+                                  ContainsSubstring("flat, round"));
+    const auto kept = palpate_command({"stats", file, "--other-answers"});
+    CAPTURE(kept.error);
+    CHECK_THAT(kept.out, ContainsSubstring("one of 3 shapes"));
+}
+
+TEST_CASE("a mixed model of a condition that is all right has no effect but a ratio",
+          "[stats][law]") {
+    const TemporaryFolder folder;
+    std::string text = "subject,trial,shape,friction,response\n";
+    for (int i = 0; i < 160; ++i) {
+        const char* shape = i % 2 == 0 ? "flat" : "round";
+        const bool on = i / 8 % 2 == 1;
+        text += fmt::format("S{},{},{},{},{}\n", i % 8, i, shape, on ? "on" : "off",
+                            on || i % 3 != 0 ? shape : "flat");
+    }
+    const std::string file = folder.file("t.csv");
+    std::ofstream(file) << text;
+    const auto done =
+        palpate_command({"stats", file, "--json", "--simulations", "0", "--permutations", "0"});
+    REQUIRE(done.code == 0);
+    const auto model = nlohmann::json::parse(done.out)["applied"]["mixed_model"]["on"]["laplace"];
+    CHECK(model["effect"].is_null());
+    CHECK(model["effect_se"].is_null());
+    CHECK_THAT(model["why"].get<std::string>(), ContainsSubstring("one kind alone"));
+    CHECK(model["intercept"].is_number());
+    CHECK(model["no_effect"]["chi_square"].get<double>() > 4.0);
+    CHECK(model["no_effect"]["p"].get<double>() < 0.05);
+    CHECK_THAT(palpate_command({"stats", file, "--simulations", "0", "--permutations", "0"}).out,
+               ContainsSubstring("friction on              unbounded") &&
+                   ContainsSubstring("the likelihood ratio holds"));
+}
