@@ -238,7 +238,7 @@ std::string identification_json(const IdentificationReport& report) {
              {"interval_95", interval_json(one.mean.interval)},
              {"sign_flip_p", one.test ? Json(one.test->p) : Json(nullptr)}});
     }
-    all["left_out"] = report.left_out;
+    all["not_fitted"] = report.left_out;
     return json_text(all);
 }
 

@@ -110,7 +110,7 @@ void add_measures(PageWriter& page, const Study& study, const TrialTrace& trace)
         const bool whole = std::string_view(unit.unit) == "count";
         const ColumnManual* column = find_column("exploration." + name);
         cells.push_back({measure_words(name),
-                         !std::isfinite(value) ? "\u2013"
+                         !std::isfinite(value) ? ""
                          : whole               ? fmt::format("{:.0f}", value)
                                                : fmt::format("{:.3f}", value),
                          unit.unit, column->meaning});

@@ -39,7 +39,7 @@ Finished done(const std::vector<std::string>& words) {
 
 /// Two versions of a protocol with a rule of exclusion; of the first, five simulated people: A does not consent, an
 /// answer of B is marked, C broke the rule, D's only session was withdrawn, E; and F, who is real. Of the second X and Y.
-std::string study(const TemporaryFolder& folder) {
+std::string mixed_study(const TemporaryFolder& folder) {
     const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
                              "\n[exclusion]\nsessions_finished = true\n";
     std::string other = text;
@@ -94,7 +94,7 @@ std::set<std::string> account_in(const std::string& text) {
 TEST_CASE("every command says alike who and what was left out, in words and in JSON",
           "[left-out][law]") {
     const TemporaryFolder folder;
-    const std::string file = study(folder);
+    const std::string file = mixed_study(folder);
     const std::string name =
         "four_trials@" + ask(file,
                              "SELECT substr(protocol_sha256, 1, 8) FROM study WHERE study_id "
@@ -120,7 +120,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
           std::pair{"audit", with("audit").out}, std::pair{"report", tests::slurp(page)}}) {
         CAPTURE(command, text);
         CHECK(account_in(text) == wanted);
-        CHECK_THAT(text, ContainsSubstring("four_trials, real sessions: 1 person") &&
+        CHECK_THAT(text, ContainsSubstring(name + ", real sessions: 1 person") &&
                              ContainsSubstring("sessions_finished: 1 is not") &&
                              ContainsSubstring("was asleep"));
     }
@@ -177,7 +177,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
 TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
           "[left-out][sql][law]") {
     const TemporaryFolder folder;
-    const std::string file = study(folder);
+    const std::string file = mixed_study(folder);
     const auto rows = [&](const std::string& of, const std::string& query) {
         return done({"sql", of, "--csv", "-c", query}).out;
     };

@@ -237,7 +237,7 @@ TEST_CASE("what a participant wants destroyed is gone from the file, and its eve
                          "participant USING (participant_id) WHERE participant_code = 'P1'"),
                    ContainsSubstring("\n1\n"));
         CHECK_THAT(text_of(one), !ContainsSubstring("anosmia"));
-        CHECK_THAT(done({"summary", one}), ContainsSubstring("(simulated): letter"));
+        CHECK_THAT(done({"summary", one}), ContainsSubstring("1 does not consent"));
     }
     CHECK_THAT(asked(file, left), ContainsSubstring("\n1,0,"));
     for (const char* edit : {"UPDATE event SET value = 'x' WHERE key = 'destroyed'",

@@ -40,8 +40,7 @@ TEST_CASE("of separated answers all maxima are said, and no mean is made of one 
     CHECK(apart["why"] == "not determined: 2 to 3");
     CHECK(apart["profile_95"] == Json{2.0, 3.0});
     const std::string text = palpate_command({"fit", folder.file("sep.csv")}).out;
-    CHECK_THAT(text, ContainsSubstring("not determined: 2 to 3") &&
-                         ContainsSubstring(" 2 to 3\n") && !ContainsSubstring("2.5"));
+    CHECK_THAT(text, ContainsSubstring("not determined: 2 to 3") && !ContainsSubstring("2.5"));
     // On a level with an answer of the other kind a steep curve tends to that level.
     write(folder.file("edge.csv"), "stimulus,n,k\n1,10,0\n2,10,1\n3,10,10\n");
     const Json edge = fitted({folder.file("edge.csv"), "--lapse", "0"})["curves"][0]["threshold"];
