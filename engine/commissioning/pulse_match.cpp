@@ -63,7 +63,7 @@ PulseMatch match_linkage(const PantographSpec& spec,
     const auto end = machine.angles(samples[last].joints());
     const auto from = machine.locate(start);
     if (!from) {
-        return {.share = 0.0, .angle = kPi};
+        return {.share = 0.0, .angle = kPi, .counts = HUGE_VAL};
     }
     PantographPlant plant = free_handle(spec, dynamics);
     plant.begin({.start = from->hip, .tremor = 0.0});
@@ -81,11 +81,15 @@ PulseMatch match_linkage(const PantographSpec& spec,
     const Vec2 expected{plant.angles()[0] - start[0], plant.angles()[1] - start[1]};
     const Vec2 measured{end[0] - start[0], end[1] - start[1]};
     const double length = glm::length(expected);
+    const double counts =
+        std::fmax(std::fabs(expected.x - measured.x) / spec.axes[0].count_angle(),
+                  std::fabs(expected.y - measured.y) / spec.axes[1].count_angle());
     if (!(length > 0.0)) {
-        return {.share = 0.0, .angle = kPi};
+        return {.share = 0.0, .angle = kPi, .counts = counts};
     }
     return {.share = glm::length(measured) / length,
-            .angle = std::fabs(arc_tan2(cross(expected, measured), glm::dot(expected, measured)))};
+            .angle = std::fabs(arc_tan2(cross(expected, measured), glm::dot(expected, measured))),
+            .counts = counts};
 }
 
 PulseMatch match_axes(const GantrySpec& spec,
@@ -97,12 +101,15 @@ PulseMatch match_axes(const GantrySpec& spec,
     const Vec3 expected = predicted_way(gantry, pulse, last, axes, delay);
     const Vec3 measured = way_of(gantry, pulse, last);
     const double length = glm::length(expected);
+    const Vec3 off = glm::abs(expected - measured) / gantry.quantum();
+    const double counts = std::fmax(off.x, std::fmax(off.y, off.z));
     if (!(length > 0.0)) {
-        return {.share = 0.0, .angle = kPi};
+        return {.share = 0.0, .angle = kPi, .counts = counts};
     }
     return {.share = glm::length(measured) / length,
-            .angle = arc_tan2(glm::length(glm::cross(expected, measured)),
-                              glm::dot(expected, measured))};
+            .angle =
+                arc_tan2(glm::length(glm::cross(expected, measured)), glm::dot(expected, measured)),
+            .counts = counts};
 }
 
 }  // namespace
@@ -146,7 +153,8 @@ std::string unexplained_by(const RigRecord& record,
                            double delay) {
     for (const Pulse& pulse : pulses) {
         const PulseMatch found = match(machine, pulse, record, delay);
-        if (!(std::fabs(found.share - 1.0) <= kMostGainError && found.angle <= kMostTurn)) {
+        if (!(std::fabs(found.share - 1.0) <= kMostGainError && found.angle <= kMostTurn) &&
+            !(found.counts <= kMaxRounding)) {
             return kUnexplained + (pushed_text(pulse, machine.axes()) + "moved ") +
                    percent(found.share) + " of what they say, " +
                    number_text(std::round(found.angle * kDegree)) + " degrees beside it" + kMayPull;

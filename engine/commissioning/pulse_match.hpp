@@ -14,14 +14,18 @@ namespace palpate::engine {
 /// pose, where a machine may well be at home, a count is a large step of the handle. Of straight axes
 /// their ways.
 struct PulseMatch {
-    double share = 0.0;  ///< size of the turn of all, by the predicted one
-    double angle = 0.0;  ///< rad between them, in the plane of both turns
+    double share = 0.0;   ///< size of the turn of all, by the predicted one
+    double angle = 0.0;   ///< rad between them, in the plane of both turns
+    double counts = 0.0;  ///< the most that one of them is off
 };
 
 /// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within 20
 /// degrees.
 inline constexpr double kMostGainError = 0.3;
 inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
+/// A push that hardly overcomes friction moves by a count or none, and its share and angle say nothing: start and end
+/// are whole counts.
+inline constexpr double kMaxRounding = 1.5;
 /// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
 inline constexpr double kMostUnexplained = 0.2;
 
