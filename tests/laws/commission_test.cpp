@@ -124,8 +124,8 @@ TEST_CASE("a free handle on a board is commissioned over its port by an operator
     const std::string commission = "commission --handle-g 120 --device " + board.word() + " -o '" +
                                    folder.file("new.toml") + "'";
     protocols::RigFile rig;
-    const auto found = [&](const std::string& home) {
-        board.bring(home);
+    const auto found = [&] {
+        board.bring("0,89.3");
         const Finished end = operated(folder, board, commission);
         UNSCOPED_INFO(end.out << end.error);
         if (end.code != 0) {
@@ -137,11 +137,7 @@ TEST_CASE("a free handle on a board is commissioned over its port by an operator
                rig.record->dynamics.handle_friction == Approx(0.03).epsilon(0.25);
     };
     // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than was asked for.
-    bool once = false;
-    for (int attempt = 0; attempt < 5 && !once; ++attempt) {
-        once = found("0,89.3");
-    }
-    REQUIRE(once);
+    REQUIRE((found() || found() || found() || found() || found()));
     CHECK(rig.record->round_trip > 0.0);
     CHECK(rig.record->stiffness > 200.0);
 }
