@@ -172,6 +172,9 @@ void Study::number_people() {
         one.person = person(one.person);
     }
     for (LeftOut::Reason& one : left_out_.withdrawals) {
+        one.why = options_.codes
+                    ? one.why
+                    : "the lab's file says why";  // a page is handed on: no lab's words
         const std::size_t end = one.person.find(' ');
         one.person = person(one.person.substr(0, end)) + one.person.substr(end);
     }
