@@ -82,7 +82,8 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
         seen = gaps();
     }
     CHECK(seen);
-    // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever is rendered.
+    // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever is rendered
+    // (a hand that rests against such a force has 0.37 N rendered).
     const auto reads = [&](const std::string& what) {
         return tests::palpate_command(
                    {"sql", desk.file, "--csv", "-c",
@@ -92,11 +93,11 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
                         "commanded_y_n) AS given FROM sample)"})
             .out.ends_with("\n1\n");
     };
-    for (int attempt = 0; attempt < 12 && !reads("asked > 0.6 AND given > 0.08"); ++attempt) {
+    for (int attempt = 0; attempt < 12 && !reads("asked > 0.33 AND given > 0.08"); ++attempt) {
         REQUIRE(desk.feel());  // a busy machine may have ended each before the hand pressed so far
         tests::pause(0.5);
     }
-    CHECK(reads("asked > 0.6 AND given BETWEEN 0.08 AND 0.0902"));
+    CHECK(reads("asked > 0.33 AND given BETWEEN 0.08 AND 0.0902"));
 }
 
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
