@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <iostream>
 
 #include "engine/device/drivers/serial_link.hpp"
@@ -15,7 +16,7 @@
 #include "tests/support/random.hpp"
 
 #if defined(PALPATE_BENCH_WINDOW)
-#include "tests/support/pressed_desk.hpp"
+#include "tests/support/stop_ways.hpp"
 #endif
 
 namespace palpate::bench {
@@ -73,6 +74,67 @@ std::vector<double> delays(
 
 #if defined(PALPATE_BENCH_WINDOW)
 constexpr bool kWindow = true;
+
+void print(const std::string& name, const std::vector<double>& ms);
+
+/// ms from what somebody does until the board has no torque, for every way to stop, window and all.
+void stops(int times) {
+    const tests::TemporaryFolder folder;
+    const tests::Terminal terminal;
+    tests::StopButton button(folder.file("button"));
+    tests::PressedDesk desk(tests::PressingHand::Does::presses,
+                            {std::string(tests::kTerminal) + "=" + terminal.name()}, false,
+                            {"--stop-button", folder.file("button")});
+    tests::XHand& hand = desk.session->hand();
+    const auto window = [&] {
+        return hand.find_window("palpate: ");
+    };
+    const auto none = [] {
+    };
+    struct Way {
+        const char* name;
+        std::function<void()> act;
+        std::function<void()> undo;
+    };
+    for (const auto& [name, act, undo] :
+         {Way{"Escape at the window", [&] { hand.key("Escape"); }, none},
+          Way{"Space let go (dead man)", [&] { hand.release("space"); }, none},
+          Way{"Escape at the terminal", [&] { terminal.type("\x1b"); }, none},
+          Way{"Enter at the terminal", [&] { terminal.type("\n"); }, none},
+          Way{"palpate stop",
+              [&] {
+                  tests::palpate_command({"stop", desk.file});
+              },
+              none},
+          Way{"stop button", [&] { button.send(1); },
+              [&] {
+                  button.send(0);
+              }},
+          Way{"stop button unplugged", [&] { button.unplug(); },
+              [&] {
+                  button.plug_in();
+              }},
+          Way{"keyboard taken away", [&] { hand.take_keyboard_away(); }, none},
+          Way{"window to be closed", [&] { hand.ask_to_close(window()); }, none}}) {
+        std::vector<double> ms;
+        for (int i = 0; i < times; ++i) {
+            if (!desk.feel()) {
+                throw std::runtime_error("the emulated board got no torque");
+            }
+            const std::int64_t start = now_ns();
+            act();
+            if (!desk.force_ends()) {
+                throw std::runtime_error("the motors stayed on");
+            }
+            ms.push_back(1e-6 * static_cast<double>(desk.board.motors().since_ns - start));
+            hand.release("space");
+            undo();
+            desk.goes_on();
+        }
+        std::sort(ms.begin(), ms.end());
+        print(name, ms);
+    }
+}
 
 /// The same of the whole program in its window: what it has in memory takes time to be freed.
 std::vector<double> windowed_delays(int kills) {
@@ -142,7 +204,23 @@ std::vector<double> windowed_delays(int /*kills*/) {
 int held(double /*seconds*/, int /*runs*/, int /*busy*/) {
     throw WrongWord("--hold needs a window: not built, libxtst-dev is missing");
 }
+
+void stops(int /*times*/) {
+    throw WrongWord("--stops needs a window: not built, libxtst-dev is missing");
+}
 #endif
+
+double at(const std::vector<double>& ms, double share) {
+    return ms[static_cast<std::size_t>(share * static_cast<double>(ms.size() - 1))];
+}
+
+void print(const std::string& name, const std::vector<double>& ms) {
+    std::printf("%-34s %7zu %9.3f %9.3f %9.3f\n", name.c_str(), ms.size(), at(ms, 0.5),
+                at(ms, 0.99), ms.back());
+    std::fflush(stdout);
+}
+
+constexpr const char* kHead = "%-34s %7s %9s %9s %9s\n";
 
 }  // namespace
 
@@ -152,7 +230,16 @@ int guard_command(const std::vector<std::string>& arguments) {
     const std::string csv_name = words.value("--csv");
     const std::string hold = words.value("--hold");
     const int busy = number(words.value("--busy", "2"), "--busy");
-    words.finish("guard takes --kills N and --csv FILE, or --hold SECONDS and --busy PROGRAMS");
+    const std::string stopped = words.value("--stops");
+    words.finish(
+        "guard takes --kills N and --csv FILE, or --hold SECONDS and --busy PROGRAMS, or --stops "
+        "N");
+    if (!stopped.empty()) {
+        std::cout << machine() << "\nfrom what somebody does to zero torque, in its window, ms\n";
+        std::printf(kHead, "stop", "times", "p50", "p99", "worst");
+        stops(number(stopped, "--stops"));
+        return 0;
+    }
     if (!hold.empty()) {
         std::cout << machine() << "\nforce in its window on a busy machine, three sessions\n";
         std::printf("%-34s %7s %9s\n", "palpate", "busy", "s");
@@ -170,7 +257,7 @@ int guard_command(const std::vector<std::string>& arguments) {
     const EmulatedBoard haply_board(haply, hand);
     const EmulatedBoard open_board(open, hand, {}, make_open_board);
     std::cout << machine() << "\nfrom a signal to zero torque at an emulated board, ms\n";
-    std::printf("%-34s %7s %9s %9s %9s\n", "palpate", "times", "p50", "p99", "worst");
+    std::printf(kHead, "palpate", "times", "p50", "p99", "worst");
     struct End {
         const char* name;
         int signal;
@@ -192,12 +279,9 @@ int guard_command(const std::vector<std::string>& arguments) {
                                          ? windowed_delays(kills)
                                          : delays(is_open ? open_board : haply_board,
                                                   is_open ? open : haply, kills, signal, both);
-        const auto at = [&](double share) {
-            return ms[static_cast<std::size_t>(share * static_cast<double>(ms.size() - 1))];
-        };
-        std::printf("%-34s %7d %9.3f %9.3f %9.3f\n", name, kills, at(0.5), at(0.99), ms.back());
-        csv << '"' << machine() << "\",\"" << name << "\"," << kills << ',' << at(0.5) << ','
-            << at(0.99) << ',' << ms.back() << '\n';
+        print(name, ms);
+        csv << '"' << machine() << "\",\"" << name << "\"," << kills << ',' << at(ms, 0.5) << ','
+            << at(ms, 0.99) << ',' << ms.back() << '\n';
     }
     if (csv.is_open()) {
         close_output(csv, csv_name);

@@ -1,16 +1,8 @@
 #include <csignal>
-#include <cstdlib>
-#include <cstring>
 #include <functional>
 
-#include <fcntl.h>
-#include <linux/input.h>
-#include <sys/stat.h>
-#include <termios.h>
-#include <unistd.h>
-
 #include "tests/support/catch.hpp"
-#include "tests/support/pressed_desk.hpp"
+#include "tests/support/stop_ways.hpp"
 
 // Ways to stop a force that need no window's focus, and windows out of reach, tried on the program itself: a real
 // window, a board on a pseudo-terminal with a hand that presses, the experimenter's terminal, another shell and a
@@ -21,80 +13,11 @@ using Catch::Matchers::ContainsSubstring;
 using tests::eventually;
 using tests::PressedDesk;
 using tests::PressingHand;
+using tests::StopButton;
 using tests::TemporaryFolder;
+using tests::Terminal;
 
 namespace {
-
-/// The experimenter's terminal: a pseudo-terminal whose other end types.
-class Terminal {
-public:
-    Terminal() : typist_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
-        grantpt(typist_);
-        unlockpt(typist_);
-        name_ = ptsname(typist_);
-        kept_ = open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-        before_ = mode();
-    }
-    Terminal(const Terminal&) = delete;
-    Terminal& operator=(const Terminal&) = delete;
-    ~Terminal() {
-        close(kept_);
-        close(typist_);
-    }
-    void type(const char* keys) const { REQUIRE(write(typist_, keys, std::strlen(keys)) > 0); }
-    [[nodiscard]] bool as_before() const {
-        const termios now = mode();
-        return std::memcmp(now.c_cc, before_.c_cc, sizeof now.c_cc) == 0 &&
-               now.c_lflag == before_.c_lflag;
-    }
-    [[nodiscard]] const std::string& name() const { return name_; }
-
-private:
-    [[nodiscard]] termios mode() const {
-        termios now{};
-        tcgetattr(kept_, &now);
-        return now;
-    }
-    int typist_;
-    int kept_ = -1;
-    std::string name_;
-    termios before_{};
-};
-
-/// A pipe in place of a button. A process of its own keeps it open: a child of the test would go on doing so.
-class Button {
-public:
-    explicit Button(std::string file) : file_(std::move(file)) {
-        mkfifo(file_.c_str(), 0600);
-        plug_in();
-    }
-    void plug_in() {
-        holder_ = std::make_unique<tests::Process>(
-            std::vector<std::string>{"sh", "-c", "exec sleep 1000 <> " + file_});
-        REQUIRE(eventually([&] {
-            const int end = open_end();
-            close(end);
-            return end >= 0;
-        }));
-    }
-    void unplug() { holder_.reset(); }
-    void send(int value) const {
-        input_event event{};
-        event.type = EV_KEY;
-        event.code = BTN_0;
-        event.value = value;
-        const int end = open_end();
-        CHECK(write(end, &event, sizeof event) == sizeof event);
-        close(end);
-    }
-
-private:
-    [[nodiscard]] int open_end() const {
-        return open(file_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-    }
-    std::string file_;
-    std::unique_ptr<tests::Process> holder_;
-};
 
 /// A force that one way after the other ends, and the experimenter's chord after each.
 class StoppedDesk {
@@ -128,11 +51,7 @@ public:
         session().hand().key("space");
         tests::pause(0.3);
         CHECK(session().screen_name() == "trouble");
-        for (int tries = 0; tries < 20 && session().screen_name() == "trouble"; ++tries) {
-            session().hand().chord("p");
-            tests::pause(0.5);
-        }
-        session().wait_for_screen("ready");
+        desk_.goes_on();
     }
     [[nodiscard]] std::string stops(const std::string& way) const {
         return desk_.session->ask(
@@ -157,7 +76,7 @@ TEST_CASE(
     "[window][haply][safety][law]") {
     const TemporaryFolder folder;
     const Terminal terminal;
-    Button button(folder.file("button"));
+    StopButton button(folder.file("button"));
     StoppedDesk stopped(terminal, folder.file("button"));
     PressedDesk& desk = stopped.desk();
     tests::XHand& hand = stopped.session().hand();

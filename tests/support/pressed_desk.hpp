@@ -110,6 +110,16 @@ struct PressedDesk {
             return motors.off() && monotonic_ns() - motors.since_ns > kBack;
         });
     }
+    /// After a stop, by the experimenter's chord: until a trial may begin.
+    void goes_on() const {
+        session->wait_for_screen("trouble");
+        session->hand().focus(session->hand().find_window("palpate: "));
+        for (int tries = 0; tries < 20 && session->screen_name() == "trouble"; ++tries) {
+            session->hand().chord("p");
+            pause(0.5);
+        }
+        session->wait_for_screen("ready");
+    }
     [[nodiscard]] bool stays_off() const {
         for (int i = 0; i < 150; ++i) {
             if (!board.motors().off()) {
