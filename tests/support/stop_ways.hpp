@@ -40,7 +40,7 @@ public:
         close(kept_);
         close(typist_);
     }
-    void type(const char* keys) const { written(write(typist_, keys, std::strlen(keys))); }
+    void type(const char* keys) const { written(::write(typist_, keys, std::strlen(keys))); }
     [[nodiscard]] bool as_before() const {
         const termios now = mode();
         return std::memcmp(now.c_cc, before_.c_cc, sizeof now.c_cc) == 0 &&
@@ -85,7 +85,7 @@ public:
         event.code = BTN_0;
         event.value = value;
         const int end = open_end();
-        written(write(end, &event, sizeof event));
+        written(::write(end, &event, sizeof event));
         close(end);
     }
 
