@@ -108,8 +108,9 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
     engine::TrackState track;
     FrictionRun run;
     for (const Vec2& hip : path) {
-        const engine::Contact c = scene.tick(state, hip);
+        const engine::Contact felt = scene.tick(state, hip);
         const engine::ClosestPoint closest = scene.closest(track, hip);
+        const engine::Contact c = shown(felt, closest);
         const engine::SegmentPlace cp = engine::segment_place(*outline, closest.place);
         const engine::SegmentPlace go = engine::segment_place(*outline, c.place);
         run.push_back({.t = static_cast<double>(run.size()) * kFrictionTick,

@@ -44,6 +44,12 @@ std::vector<TickRecord> recorded() {
         }
     }
     servo.end();
+    engine::TrackState track;
+    for (TickRecord& tick : ticks) {
+        if (tick.mode == Mode::free) {  // the servo did not look at each
+            tick.go = scene.closest(track, tick.hip).point;
+        }
+    }
     return ticks;
 }
 

@@ -50,10 +50,10 @@ inline constexpr double kClearShare = 1.0 - 1e-12;
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    Place place{};              ///< of the GO
-    Vec2 go{};                  ///< m; out of contact the closest point that was last looked for
-    Vec2 force{};               ///< K (GO - HIP) + B d(GO - HIP)/dt, and a law's friction, N
-    double normal_force = 0.0;  ///< F . n at the GO, N, >= 0
+    Place place{};                  ///< of the GO
+    Vec2 go{};                      ///< m; out of contact that of the last look: see shown()
+    Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, and a law's friction, N
+    double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
@@ -69,6 +69,17 @@ struct Contact {
         return mode != Mode::free && outside_cone && !vertex_slew && !unproven;
     }
 };
+
+/// A tick as it is written and drawn: out of contact the god-object is the closest point. A tick out of reach does not
+/// look for it, so that what it answers is that of the last look.
+/// @param closest  of the same HIP: Scene::closest()
+[[nodiscard]] inline Contact shown(Contact contact, const ClosestPoint& closest) noexcept {
+    if (contact.mode == Mode::free) {
+        contact.place = closest.place;
+        contact.go = closest.point;
+    }
+    return contact;
+}
 
 /// What a law of friction remembers of the contact.
 struct Rubbing {

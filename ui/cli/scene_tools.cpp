@@ -169,8 +169,9 @@ std::string render_plane(const SceneFile& file,
             scene.set_period(periods[i]);
         }
         const Vec2 hip{path.at(i, 1), path.at(i, 2)};
-        const engine::Contact c = scene.tick(state, hip);
+        const engine::Contact felt = scene.tick(state, hip);
         const engine::ClosestPoint cp = scene.closest(track, hip);
+        const engine::Contact c = shown(felt, cp);
         add_row(lines, path.at(i, 0),
                 {c.mode,
                  spot_of(*outline, cp.place),

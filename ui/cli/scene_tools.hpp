@@ -13,8 +13,8 @@ namespace palpate::ui {
 /// god-object and the force on the user. The tick period is that of t_s.
 ///
 /// t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven (in space v and z columns too);
-/// segment and u are those of the closest point, on a vertex the end of the segment before it. The last three are 0 or
-/// 1: an open end (a border or crease in space) held the god-object outside of its cone; the vertex slew ended its walk;
+/// segment and u are those of the closest point, on a vertex the end of the segment before it; the god-object out of
+/// contact is that point. The last three are 0 or 1: an open end (a border or crease in space) held the god-object outside of its cone; the vertex slew ended its walk;
 /// its search was broken off before a proof.
 /// @throws data::CsvError for a time that does not grow: file:line and a remedy
 [[nodiscard]] std::string render_csv(const protocols::SceneFile& scene,
