@@ -9,6 +9,7 @@
 #include "engine/surface/surface_scene.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/file/outline_shape.hpp"
 #include "protocols/file/rules.hpp"
 
 namespace palpate::protocols {
@@ -30,8 +31,6 @@ double angle(const Vec2& a, const Vec2& b) {
 
 /// Farthest from the origin along an axis, m: as far as any other place of the format may be.
 constexpr double kFarthest = 1.0;
-/// Ends nearer than this, m, are one point; the same as Outline asks of a joint.
-constexpr double kSameEnd = 1e-9;
 
 /// They would look the same, wherever they stand in the file.
 bool alike(const ObjectSpec& a, const ObjectSpec& b) {
@@ -305,9 +304,7 @@ private:
         const double gap = stimuli::gap_of(object.segments);
         if (!(gap <= kSameEnd)) {
             add(path(index, fmt::format("segment.{}", object.segments.size())),
-                fmt::format("the object {} is open: its last segment ends {:.6g} mm from where the "
-                            "first begins; let them share the point",
-                            object.name, 1e3 * gap));
+                gap_text("the object " + object.name, gap));
             return false;
         }
         return true;
@@ -343,12 +340,10 @@ private:
     }
 
     bool is_simple(std::size_t index, const engine::Outline& outline) {
-        const auto meeting = stimuli::self_crossing(stimuli::silhouette(outline));
+        const auto meeting =
+            crossing_text("the outline of " + protocol_.objects[index].name, outline);
         if (meeting) {
-            add(path(index, "segment.1"),
-                fmt::format("the outline of {} meets itself near [{:.3f}, {:.3f}] mm: keep its "
-                            "curves apart",
-                            protocol_.objects[index].name, 1e3 * meeting->x, 1e3 * meeting->y));
+            add(path(index, "segment.1"), *meeting);
         }
         return !meeting;
     }

@@ -11,12 +11,10 @@
 #include "engine/surface/surface_object.hpp"
 #include "engine/surface/surface_trim.hpp"
 #include "protocols/file/object_tables.hpp"
+#include "protocols/file/outline_shape.hpp"
 
 namespace palpate::protocols {
 namespace {
-
-/// Ends nearer than this, m, close the chain; the same as Outline asks of a joint.
-constexpr double kClosingGap = 1e-9;
 
 constexpr std::array<std::string_view, 6> kTrackers{
     "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
@@ -324,7 +322,7 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
 
 }  // namespace
 
-SceneFile parse_scene(std::string_view text, std::string_view file_name) {
+SceneFile parse_scene(std::string_view text, std::string_view file_name, Crossings crossings) {
     const Table file = parse_document(text, file_name);
     Problems problems;
     Places places;
@@ -345,6 +343,9 @@ SceneFile parse_scene(std::string_view text, std::string_view file_name) {
     top.refuse_unknown();
     problems.throw_if_any(file_name);
     check_whole(scene, {}, problems);
+    if (!scene.curves.empty() && crossings == Crossings::refused) {
+        check_ends_and_crossings(scene.curves, places, problems);
+    }
     problems.throw_if_any(file_name);
     return scene;
 }
@@ -366,10 +367,7 @@ SceneFile load_scene(const std::filesystem::path& file) {
 }
 
 engine::Outline outline_of(const SceneFile& scene) {
-    const auto& first = scene.curves.front();
-    const auto& last = scene.curves.back();
-    const double gap = glm::length(last.at(last.back()).point - first.at(first.front()).point);
-    return {scene.curves, gap <= kClosingGap};
+    return {scene.curves, closing_gap(scene.curves) <= kSameEnd};
 }
 
 engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {

@@ -85,8 +85,14 @@ struct SceneFile {
     [[nodiscard]] int dimension() const noexcept { return curves.empty() ? 3 : 2; }
 };
 
+/// Whether a closed outline may cross itself. The engine renders it, by the side of the nearest curve, and tests of the
+/// engine try it; inside and outside are then nobody's.
+enum class Crossings : std::uint8_t { refused, taken };
+
 /// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
-[[nodiscard]] SceneFile parse_scene(std::string_view text, std::string_view file_name);
+[[nodiscard]] SceneFile parse_scene(std::string_view text,
+                                    std::string_view file_name,
+                                    Crossings crossings = Crossings::refused);
 
 /// parse_scene of a file's text. @throws ProtocolError also if the file cannot be read
 [[nodiscard]] SceneFile load_scene(const std::filesystem::path& file);

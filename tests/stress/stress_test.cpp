@@ -145,7 +145,7 @@ TEST_CASE("a scene written for `palpate render` is the scene, to the bit", "[str
         }
         CAPTURE(seed);
         const protocols::SceneFile read =
-            protocols::parse_scene(scene_text(c->scene), "scene.toml");
+            protocols::parse_scene(scene_text(c->scene), "scene.toml", protocols::Crossings::taken);
         const auto& law = c->scene.friction;
         CHECK(read.friction.law == law.law);
         CHECK(read.friction.set.mu_s == law.set.mu_s);

@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/random.hpp"
+
+// Scenes whose inside nobody can tell are refused by both commands that read them, at their place.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using engine::Vec2;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Random;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+/// Lines from corner to corner and back, clockwise; the last ends at `last`. Each table has four lines.
+std::string lines_through(const std::vector<Vec2>& corners, const Vec2& last) {
+    std::string text;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec2& to = i + 1 < corners.size() ? corners[i + 1] : last;
+        text += fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}, {}]\nto_m = [{}, {}]\n",
+                            corners[i].x, corners[i].y, to.x, to.y);
+    }
+    return text;
+}
+
+/// What both commands say of a scene; empty where they take it.
+void both_say(const std::string& scene, const std::string& sentence, const std::string& points) {
+    const TemporaryFolder folder;
+    write(folder.file("s.toml"), scene);
+    write(folder.file("p.csv"), points);
+    for (const std::string command : {"render", "closest"}) {
+        const Finished done = palpate_command({command, folder.file("s.toml"), folder.file("p.csv"),
+                                               "-o", folder.file(command + ".csv")});
+        CAPTURE(command, scene, done.error, sentence);
+        if (sentence.empty()) {
+            CHECK(done.code == 0);
+            CHECK(done.error.empty());
+            continue;
+        }
+        CHECK(done.code == 2);
+        CHECK_THAT(done.error, ContainsSubstring(folder.file("s.toml") + ":" + sentence));
+        CHECK(folder.names() == std::vector<std::string>{"p.csv", "s.toml"});
+    }
+}
+
+constexpr const char* kPlanePoints = "t_s,x_m,y_m\n0,0.2,0.2\n0.001,0.2,0.19\n";
+constexpr const char* kSpacePoints = "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.2\n0.001,0.2,0.19,0.2\n";
+
+/// Clockwise corners round the origin, `size` m about.
+std::vector<Vec2> ring(Random& random, std::size_t corners, double size) {
+    std::vector<Vec2> ring;
+    for (std::size_t i = 0; i < corners; ++i) {
+        const double angle =
+            -6.28 * (static_cast<double>(i) + random.in(0.0, 0.6)) / static_cast<double>(corners);
+        const double radius = size * random.in(0.6, 1.0);
+        ring.push_back(Vec2{radius * std::cos(angle), radius * std::sin(angle)});
+    }
+    return ring;
+}
+
+std::string surface(const std::string& points, const char* knots_u, int degree_u) {
+    return fmt::format(
+        "[[surface]]\ndegree_u = {}\ndegree_v = 1\nknots_u = {}\nknots_v = [0, 0, 1, 1]\npoints_m "
+        "= [{}]\n",
+        degree_u, knots_u, points);
+}
+
+}  // namespace
+
+TEST_CASE("an outline is closed or clearly open: what nearly closes is refused where it ends",
+          "[cli][law]") {
+    const auto seed = GENERATE(range(0U, 4U));
+    CAPTURE(seed);
+    Random random(seed + 2904U);
+    const double size = random.decade(-2.0, -1.0);
+    const std::vector<Vec2> corners = ring(random, 3 + seed, size);
+    const double heading = random.in(0.0, 6.28);
+    const Vec2 away{std::cos(heading), std::sin(heading)};
+    const auto with_gap = [&](double gap) {
+        return lines_through(corners, corners.front() + gap * away);
+    };
+    const std::string place = fmt::format("{}:1: ", 4 * corners.size() - 3);
+    for (const double gap : {2e-9, 1e-7, 1e-4 * size}) {
+        both_say(with_gap(gap), place + "the outline is open: its last segment ends ",
+                 kPlanePoints);
+    }
+    both_say(with_gap(0.0), "", kPlanePoints);
+    both_say(with_gap(0.3 * size), "", kPlanePoints);
+}
+
+TEST_CASE("a closed outline that crosses itself is refused with the place of the crossing",
+          "[cli][law]") {
+    const auto seed = GENERATE(range(0U, 4U));
+    CAPTURE(seed);
+    Random random(seed + 2905U);
+    const double size = random.decade(-1.7, -1.0);
+    std::vector<Vec2> corners = ring(random, 6, size);
+    both_say(lines_through(corners, corners.front()), "", kPlanePoints);
+    // Two neighbours change places: the edges that lead to them and away from them cross.
+    const auto first = static_cast<std::size_t>(random.below(4));
+    std::swap(corners[first + 1], corners[first + 2]);
+    both_say(lines_through(corners, corners.front()), "1:1: the outline meets itself near [",
+             kPlanePoints);
+}
