@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/text.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -92,6 +94,45 @@ bool one_point(std::span<const Quad> row, double size) {
     });
 }
 
+/// A patch that is nowhere wider than this share of the size has no normal but rounding.
+constexpr double kNoWidth = 1e-12;
+
+/// Whether du x dv vanishes all over the patch. Numerator and denominator of du x dv are of at most thrice the degree
+/// each way: so many places speak for all.
+bool has_no_width(const BezierPatch& patch, double size) {
+    const int rows = 3 * patch.degree_u() + 1;
+    const int columns = 3 * patch.degree_v() + 1;
+    for (int i = 0; i < rows; ++i) {
+        for (int j = 0; j < columns; ++j) {
+            const SurfaceJet jet = patch.at((i + 0.5) / rows, (j + 0.5) / columns);
+            const double longer = std::max(glm::length(jet.du), glm::length(jet.dv));
+            if (glm::length(glm::cross(jet.du, jet.dv)) > kNoWidth * size * longer) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/// A patch of which a curve is left, or a point. Weights alone may gather most of a patch at a heavy point: without
+/// them it is still wide.
+bool is_mere_curve(const BezierPatch& patch, double size) {
+    if (!has_no_width(patch, size)) {
+        return false;
+    }
+    std::vector<Quad> plain;
+    for (const Quad& q : patch.net()) {
+        plain.push_back(quad((1.0 / q.w()) * q.xyz(), 1.0));
+    }
+    return has_no_width(BezierPatch(patch.degree_u(), patch.degree_v(), plain, true), size);
+}
+
+/// "u from 0 to 1", of a patch.
+std::string interval_text(const char* name, const KnotVector::Interval& interval) {
+    return std::string(name) + " from " + number_text(interval.lo) + " to " +
+           number_text(interval.hi);
+}
+
 }  // namespace
 
 NurbsSurface::NurbsSurface(int degree_u,
@@ -151,6 +192,13 @@ NurbsSurface::NurbsSurface(int degree_u,
                 patch.insert(patch.end(), row.begin(), row.end());
             }
             patches_.emplace_back(degree_u, degree_v, patch, polynomial_);
+            if (is_mere_curve(patches_.back(), size_)) {
+                throw std::invalid_argument(
+                    "the patch with " + interval_text("u", knots_u_.intervals()[i]) + " and " +
+                    interval_text("v", knots_v_.intervals()[j]) +
+                    " is a mere curve, without an outside: give its rows of control points apart "
+                    "from one another");
+            }
         }
     }
 }

@@ -178,3 +178,50 @@ TEST_CASE("what is no surface is refused with the place, the value and the remed
     CHECK_THROWS_WITH(refuse(d), ContainsSubstring("degree is 10"));
     CHECK_THROWS_WITH(BezierPatch(1, 1, {}, true), ContainsSubstring("needs 4 control points"));
 }
+
+TEST_CASE("a surface of which a span is a mere curve is refused, however it is turned",
+          "[geometry][surface][law]") {
+    const auto seed = GENERATE(range(0U, 40U));
+    CAPTURE(seed);
+    Random random(seed + 2907U);
+    SurfaceData d{.degree_u = 1 + random.below(3), .degree_v = 1 + random.below(3)};
+    const auto p = static_cast<std::size_t>(d.degree_u);
+    const auto q = static_cast<std::size_t>(d.degree_v);
+    d.knots_u = std::vector<double>(p + 1, 0.0);  // three spans between full knots
+    for (const double knot : {0.3, 0.7}) {
+        d.knots_u.insert(d.knots_u.end(), p, knot);
+    }
+    d.knots_u.insert(d.knots_u.end(), p + 1, 1.0);
+    d.knots_v = std::vector<double>(q + 1, 0.0);
+    d.knots_v.insert(d.knots_v.end(), q + 1, 1.0);
+    for (std::size_t i = 0; i <= 3 * p; ++i) {
+        d.points.emplace_back();
+        d.weights.emplace_back();
+        for (std::size_t j = 0; j <= q; ++j) {
+            d.points.back().push_back(
+                0.1 * Vec3{random.in(-1.0, 1.0), random.in(-1.0, 1.0), random.in(-1.0, 1.0)});
+            d.weights.back().push_back(random.decade(-3.0, 3.0));
+        }
+    }
+    REQUIRE_NOTHROW(make_surface(d));
+    const auto first = p * static_cast<std::size_t>(random.below(3));  // of the span that collapses
+    SurfaceData lines = d;                                             // its rows are one
+    for (std::size_t i = first + 1; i <= first + p; ++i) {
+        lines.points[i] = lines.points[first];
+        lines.weights[i] = lines.weights[first];
+    }
+    CHECK_THROWS_WITH(make_surface(lines), ContainsSubstring("is a mere curve"));
+    SurfaceData row = d;  // its points lie on one line
+    const Vec3 along{random.in(-1.0, 1.0), random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
+    for (std::size_t i = first; i <= first + p; ++i) {
+        for (Vec3& point : row.points[i]) {
+            point = d.points[first][0] + random.in(-0.05, 0.05) * along;
+        }
+    }
+    CHECK_THROWS_WITH(make_surface(row), ContainsSubstring("is a mere curve"));
+    SurfaceData pole = d;  // a border of one point is none
+    for (Vec3& point : pole.points[0]) {
+        point = d.points[0][0];
+    }
+    CHECK_NOTHROW(make_surface(pole));
+}

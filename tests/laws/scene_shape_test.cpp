@@ -110,3 +110,33 @@ TEST_CASE("a closed outline that crosses itself is refused with the place of the
     both_say(lines_through(corners, corners.front()), "1:1: the outline meets itself near [",
              kPlanePoints);
 }
+
+TEST_CASE("a surface with a collapsed span is refused, however it lies in space",
+          "[cli][surface][law]") {
+    const auto seed = GENERATE(range(0U, 4U));
+    CAPTURE(seed);
+    Random random(seed + 2906U);
+    // Rows of two points; the second row repeats the first where it is told to.
+    const bool full_knots = seed % 2U == 1U;
+    const auto rows = [&random](std::size_t count, std::size_t repeated) {
+        std::string text;
+        std::string row;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (i == 0 || i != repeated) {
+                const auto p = [&] {
+                    return fmt::format("{}", random.in(-0.002, 0.002));
+                };
+                const double x = 0.03 * static_cast<double>(i);
+                row = fmt::format("[[{0}, {1}, {2}], [{0}, 0.05, {3}]]", x, p(), p(), p());
+            }
+            text += (i == 0 ? "" : ", ") + row;
+        }
+        return text;
+    };
+    const auto scene = [&](std::size_t repeated) {
+        return full_knots ? surface(rows(4, repeated), "[0, 0, 1, 2, 3, 3]", 1)
+                          : surface(rows(3, repeated), "[0, 0, 0.5, 1, 1]", 1);
+    };
+    both_say(scene(1), "1:1: [[surface]] 1: the patch with u from 0 to ", kSpacePoints);
+    both_say(scene(0), "", kSpacePoints);
+}
