@@ -89,8 +89,8 @@ ClosestPoint OutlineFeet::near_end(const Vec2& h,
     const bool forward = foot.u > 0.5;
     const auto last = static_cast<std::size_t>(span.degree());
     bool beyond = false;
-    if (std::fabs(foot.u - (forward ? 1.0 : 0.0)) <= kNearEnd ||
-        (repeats(span, forward) && as_near(span.point(forward ? last : 0), h, foot))) {
+    const bool still = repeats(span, forward) && as_near(span.point(forward ? last : 0), h, foot);
+    if (still || std::fabs(foot.u - (forward ? 1.0 : 0.0)) <= kNearEnd) {
         const auto seam = outline_->seam_beyond(foot.span, forward);
         const bool at_end = foot.u == 0.0 || foot.u == 1.0;
         if (seam && (at_end || on_vertex(outline_->seams()[*seam], h, foot))) {
@@ -98,7 +98,8 @@ ClosestPoint OutlineFeet::near_end(const Vec2& h,
         }
         beyond = !seam && beyond_end(span, forward, h);
     }
-    return on_span(h, foot, tangent, beyond);
+    // Where the curve stands still, C' is rounding: its side is that of the end.
+    return on_span(h, foot, still ? end_leg(span, forward) : tangent, beyond);
 }
 
 ClosestPoint OutlineFeet::closest(const Vec2& h) const noexcept {

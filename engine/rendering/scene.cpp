@@ -146,10 +146,14 @@ Contact Scene::look(ContactState& state, const Vec2& hip) const noexcept {
     if (!cp.inside) {
         return free(state, cp);
     }
-    state.touching = true;
     if (!forms_.tame(cp.place.index) || !is_sharp(state.track.best.jet, hip)) {
-        cp = tracker_.feet().closest(hip);  // followed, it may be 1e-12 beside
+        cp = tracker_.feet().closest(
+            hip);  // followed, it may be 1e-12 beside, and on the other side
+        if (!cp.inside) {
+            return free(state, cp);
+        }
     }
+    state.touching = true;
     const Walk walk = touch_down(*outline_, state.go, cp.place, hip);
     if (walk.nu <= 0.0) {
         return free(state, cp);

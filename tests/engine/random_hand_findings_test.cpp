@@ -168,3 +168,38 @@ TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out
         CHECK_FALSE(feet.closest(beside + Vec2{0.0, depth}).inside);
     }
 }
+
+TEST_CASE("left of an open end whose control points repeat nothing is felt, however light the rest",
+          "[contact][law]") {
+    // Worst found by search: weights 0.0107 and 1000, felt at 11 of 40 distances along the normal of the end.
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        CAPTURE(seed);
+        Random random(seed + 2912);
+        std::vector<Vec2> points{random.point(-0.1, 0.1), random.point(-0.1, 0.1),
+                                 random.point(-0.1, 0.1), random.point(-0.1, 0.1)};
+        points.push_back(points.back());
+        const std::vector<double> weights{1.0, random.decade(-2.0, 0.0), random.decade(-2.0, 0.0),
+                                          1.0, random.decade(0.0, 3.0)};
+        const auto outline = std::make_shared<const Outline>(
+            std::vector<RationalBezier<2>>{RationalBezier<2>(points, weights)}, false);
+        const Scene scene(outline, {.friction = {.mu_s = 0.7, .mu_d = 0.7}});
+        const Vec2 end = points.back();
+        const Vec2 along = (end - points[2]) / glm::length(end - points[2]);
+        for (int k = 0; k < 40; ++k) {
+            const double distance = random.decade(-5.0, -3.0);
+            CAPTURE(distance);
+            const Vec2 left = end + distance * perp(along) + random.in(-1e-8, 1e-8) * along;
+            const Vec2 right = end - distance * perp(along) - 1e-3 * distance * along;
+            ContactState state;
+            if (glm::length(scene.tick(state, left).go - end) <
+                1e-6) {  // else another part is nearer
+                REQUIRE_FALSE(state.touching);
+            }
+            ContactState inside;
+            const Contact felt = scene.tick(inside, right);
+            if (glm::length(felt.go - end) < 1e-6) {
+                REQUIRE(felt.mode != Mode::free);
+            }
+        }
+    }
+}
