@@ -21,6 +21,9 @@ constexpr double kSettled = 1e-13;
 constexpr std::size_t kMostPoints = 256;
 /// A pivot of K below this share of its largest entry is that of a motion which nothing resists.
 constexpr double kFree = 1e-12;
+/// Turns of an inverse iteration, and the relative change that ends it.
+constexpr int kMaxTurns = 1000;
+constexpr double kSteady = 1e-9;
 
 struct GaussPoint {
     double place = 0.0;  ///< in [-1, 1]
@@ -278,6 +281,38 @@ std::vector<Vec2> Dnurbs::equilibrium(double u, const Vec2& force) const {
         displaced[moving_[i]] = {found(index(i), 0), found(index(i), 1)};
     }
     return displaced;
+}
+
+double Dnurbs::slowest_motion() const {
+    const Matrix k =
+        of_moving(moving_, [this](std::size_t i, std::size_t j) { return stiffness(i, j); });
+    // Of a density of 1: the squares of none are too small then.
+    const Matrix mass =
+        of_moving(moving_, [this](std::size_t i, std::size_t j) { return gram_[at(i, j)]; });
+    if (moving_.empty()) {
+        return 0.0;
+    }
+    const Eigen::LDLT<Matrix> factor(k);
+    if (!(factor.vectorD().minCoeff() > kFree * k.diagonal().maxCoeff())) {
+        return 0.0;
+    }
+    // Inverse iteration, from what no symmetry makes orthogonal to a mode. Rayleigh's quotient errs by the square of x.
+    Columns x(index(moving_.size()), 2);
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+        x(i, 0) = x(i, 1) = 1.0 / static_cast<double>(i + 1);
+    }
+    double square = 0.0;
+    for (int turn = 0; turn < kMaxTurns; ++turn) {
+        const Columns heavy = mass * x;
+        const Columns next = factor.solve(heavy);
+        const double before = square;
+        square = x.col(0).dot(heavy.col(0)) / next.col(0).dot(heavy.col(0));
+        if (std::fabs(square - before) <= kSteady * square) {
+            break;
+        }
+        x = next / next.col(0).norm();
+    }
+    return std::sqrt(square) / std::sqrt(spec_.mu);
 }
 
 DnurbsMotion::DnurbsMotion(const Dnurbs& curve, double step)

@@ -5,10 +5,45 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/text.hpp"
 #include "engine/geometry/knots.hpp"
 
 namespace palpate::engine {
 namespace {
+
+/// r of balanced() as a power of two, and what weight i is multiplied by: r^(n-i), shifted so that those at the ends
+/// stay in their range.
+template <int D>
+int balance_step(const RationalBezier<D>& curve) {
+    const int n = curve.degree();
+    const int apart =
+        std::ilogb(curve.weight(static_cast<std::size_t>(n))) - std::ilogb(curve.weight(0));
+    return (apart >= 0 ? apart + n / 2 : apart - n / 2) / n;  // rounded
+}
+
+double balanced_weight(double weight, std::size_t i, int n, int step) {
+    return std::ldexp(weight, step * (n - static_cast<int>(i)) - step * n / 2);
+}
+
+/// Weights that balanced() would drive out of their range.
+[[noreturn]] void refuse_weights(double least, double greatest) {
+    throw std::invalid_argument("weights go from " + number_text(least) + " to " +
+                                number_text(greatest) +
+                                ", too far apart for one curve: give a largest weight that is "
+                                "nearer to the smallest");
+}
+
+template <int D>
+bool can_be_balanced(const RationalBezier<D>& curve) {
+    const int step = balance_step<D>(curve);
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(curve.degree()); ++i) {
+        const double weight = balanced_weight(curve.weight(i), i, curve.degree(), step);
+        if (step != 0 && !(weight >= kMinWeight && weight <= kMaxWeight)) {
+            return false;
+        }
+    }
+    return true;
+}
 
 /// All weights 1 when none are given.
 std::vector<double> all_weights(std::span<const double> weights, std::size_t points) {
@@ -52,6 +87,10 @@ NurbsCurve<D>::NurbsCurve(int degree,
         }
         spans_.push_back(
             {RationalBezier<D>(p, v, origin), vector.intervals()[i].lo, vector.intervals()[i].hi});
+        if (!can_be_balanced<D>(spans_.back().curve)) {
+            const auto [least, greatest] = std::minmax_element(w.begin(), w.end());
+            refuse_weights(*least, *greatest);
+        }
     }
 }
 
@@ -78,20 +117,19 @@ template class NurbsCurve<3>;
 
 template <int D>
 BalancedSpan<D> balanced(const RationalBezier<D>& curve) {
-    const int n = curve.degree();
-    const auto last = static_cast<std::size_t>(n);
-    const int apart = std::ilogb(curve.weight(last)) - std::ilogb(curve.weight(0));
-    const int step = (apart >= 0 ? apart + n / 2 : apart - n / 2) / n;  // rounded
+    const int step = balance_step<D>(curve);
     if (step == 0) {
         return {.curve = curve};
     }
     std::vector<Vec<D>> points;
     std::vector<double> weights;
-    for (std::size_t i = 0; i <= last; ++i) {
-        // r^(n-i), shifted so that no weight leaves its range
-        const int shift = step * (n - static_cast<int>(i)) - step * n / 2;
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(curve.degree()); ++i) {
         points.push_back(curve.local_point(i));
-        weights.push_back(std::ldexp(curve.weight(i), shift));
+        weights.push_back(balanced_weight(curve.weight(i), i, curve.degree(), step));
+    }
+    if (!can_be_balanced<D>(curve)) {
+        const auto [least, greatest] = std::minmax_element(weights.begin(), weights.end());
+        refuse_weights(*least, *greatest);
     }
     return {.curve = RationalBezier<D>(points, weights, curve.origin()),
             .name = {.ratio = std::ldexp(1.0, step)}};

@@ -27,7 +27,7 @@ public:
     /// @param degree   1 to 9
     /// @param knots    as KnotVector asks
     /// @param points   control points, m, finite; they may repeat
-    /// @param weights  as many, finite and > 0; empty: all 1
+    /// @param weights  as many, finite and > 0; empty: all 1; so near to each other that every span can be balanced()
     /// @throws std::invalid_argument with what, the value and the remedy
     NurbsCurve(int degree,
                std::vector<double> knots,
@@ -86,6 +86,7 @@ struct BalancedSpan {
 /// transformation of u leaves the curve). Weights from 1e3 to 1e-3 in steps become all alike, and
 /// the parameter resolves both ends. Exact but for one rounding a control point; r = 1 leaves all
 /// bits.
+/// @throws std::invalid_argument if a weight leaves [kMinWeight, kMaxWeight]
 template <int D>
 [[nodiscard]] BalancedSpan<D> balanced(const RationalBezier<D>& curve);
 

@@ -140,3 +140,36 @@ TEST_CASE("a surface with a collapsed span is refused, however it lies in space"
     both_say(scene(1), "1:1: [[surface]] 1: the patch with u from 0 to ", kSpacePoints);
     both_say(scene(0), "", kSpacePoints);
 }
+
+TEST_CASE("weights too far apart are named as they were written, at their place", "[cli]") {
+    const std::string scene =
+        "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
+        "points_m = [[-0.05, 0], [-0.02, 0.04], [0.02, 0.04], [0.05, 0]]\n";
+    both_say(scene + "weights = [1e12, 1e-12, 1e12, 1e-12]\n",
+             "6:11: [[segment]] 1: weights go from 1e-12 to 1e+12, too far apart", kPlanePoints);
+    both_say(scene + "weights = [1e3, 1e-3, 1e3, 1e-3]\n", "", kPlanePoints);
+}
+
+TEST_CASE("deform warns once, on standard error, of a step beyond the motion", "[cli]") {
+    const TemporaryFolder folder;
+    // Both free points move as one (offline_tools_test.cpp): omega = sqrt(48 / 0.03) = 40 rad/s.
+    const std::string bow =
+        "degree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n"
+        "points_m = [[0, 0], [0.03, 0.05], [0.07, 0.05], [0.1, 0]]\nmu = 0.1\ngamma = 0.5\n"
+        "alpha = 10.0\nbeta = 0.5\nfixed = [0, 3]\nforce_n = [0.0, -1.0]\nat_u = 0.5\n";
+    for (const double step : {0.024, 0.026, 10.0}) {
+        CAPTURE(step);
+        write(folder.file("c.toml"), bow + fmt::format("dt_s = {}\n", step));
+        const Finished done =
+            palpate_command({"deform", folder.file("c.toml"), "--times", "50,100"});
+        CHECK(done.code == 0);
+        CHECK(done.out.find("warn") == std::string::npos);
+        if (step < 1.0 / 40.0) {
+            CHECK(done.error.empty());
+            continue;
+        }
+        CHECK_THAT(done.error, ContainsSubstring(fmt::format("dt_s is {} s", step)) &&
+                                   ContainsSubstring("1/omega = 0.025 s"));
+        CHECK(std::count(done.error.begin(), done.error.end(), '\n') == 1);
+    }
+}

@@ -11,6 +11,7 @@
 #include "engine/base/files.hpp"
 #include "protocols/file/deformation_file.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -116,6 +117,18 @@ std::string rest_csv(const protocols::DeformationCase& c) {
                                               c.curve.point(c.at_u, q));
 }
 
+/// A step beyond the motion skips it: the trapezoid rule does not damp what it cannot follow.
+void warn_of_step(const DeformOptions& options, const protocols::DeformationCase& c) {
+    const double omega = c.curve.spec().mu > 0.0 ? c.curve.slowest_motion() : 0.0;
+    if (c.step * omega > 1.0) {
+        warn(
+            "{}: dt_s is {} s, and the curve's slowest motion has 1/omega = {:.3g} s: what is "
+            "shown is not its "
+            "motion; give a dt_s well below that",
+            options.file, c.step, 1.0 / omega);
+    }
+}
+
 int deform(const DeformOptions& options) {
     const protocols::DeformationCase c = protocols::load_deformation(options.file);
     if (c.at_rest != options.times.empty()) {
@@ -123,6 +136,9 @@ int deform(const DeformOptions& options) {
             c.at_rest ? "--times is given, but the case is static: leave out one of them"
                       : "the case is a motion: give --times 0.1,0.2 in seconds, or static = true "
                         "in the case");
+    }
+    if (!c.at_rest) {
+        warn_of_step(options, c);
     }
     write_whole(options.output,
                 c.at_rest ? rest_csv(c) : motion_csv(c, times_of(options.times, c.step)));
