@@ -73,6 +73,8 @@ function(palpate_folder folder)
         target_precompile_headers(palpate_${name} PRIVATE
             <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span>
             <stdexcept> <string> <string_view> <utility> <vector> <fmt/format.h> <glm/geometric.hpp>)
+    elseif("Eigen3::Eigen" IN_LIST arg_LINK AND CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT PALPATE_SANITIZE)
+        # Behind one, g++ 12 without optimisation refuses the intrinsics that Eigen prefetches by.
     else()
         target_precompile_headers(palpate_${name} REUSE_FROM palpate_engine_base)
     endif()
