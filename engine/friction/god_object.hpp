@@ -33,7 +33,7 @@ struct Walk {
     Vec2 tangent{1.0, 0.0};
     double tau = 0.0;           ///< r . t, m
     double nu = 0.0;            ///< -r . n, m
-    bool slid = false;          ///< the GO moved along a span
+    bool slid = false;          ///< the GO moved along a span, or turned in a fan
     bool outside_cone = false;  ///< stopped outside its cone: the budget ran out, or at an open end
     bool out_of_budget = false;
     bool unproven = false;   ///< broken off: rounding led the walk in a circle

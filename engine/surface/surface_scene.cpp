@@ -116,6 +116,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     const bool known = !HasFriction && !slewed && looks && state.seen.inside &&
                        feet_.same_bowl(state.track, state.place);
     const SurfacePlace from = known ? state.seen.place : state.place;
+    const SurfaceFan fan = state.fan;
     const SurfaceSlide slide = slewed
                                  ? slide_on_surface<HasFriction>(
                                        object(), from, h, mu,
@@ -125,7 +126,8 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
                                         .radius = spec_.contact.slew.radius},
                                        state.fan)
                                  : slide_on_surface<HasFriction>(object(), from, h, mu);
-    const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));
+    const bool turned = fan.on != state.fan.on || fan.angle != state.fan.angle;  // is no rest
+    const bool slipped = slide.slid > 0.0 || turned || (known && apart(state.place, from));
     state.place = slide.place;
     if (!(slide.load > 0.0) && !slide.out_of_budget) {
         if (!looks) {

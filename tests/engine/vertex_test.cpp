@@ -131,3 +131,31 @@ TEST_CASE("starting inside the object begins a contact at the closest point", "[
     CHECK(glm::length(c.go - scene.closest(track, state.last_hip).point) < 1e-15);
     CHECK(std::fabs(c.normal_force - 1000.0 * 0.002 / std::sqrt(2.0)) < 1e-9);
 }
+
+TEST_CASE("mu does not heal while a sliding contact turns round a vertex", "[vertex][law]") {
+    const auto seed = GENERATE(range(0U, 20U));
+    CAPTURE(seed);
+    Random random(seed + 2909U);
+    const double slope = random.in(0.2, 1.8);  // steeper, it sticks before
+    const Scene scene(
+        corner({-0.1, 0.0}, {0.1, -0.1 * slope}),
+        {.friction = kVertexFriction, .slew = {.speed = random.in(0.05, 0.4), .radius = 0.003}});
+    ContactState state;
+    const double depth = random.in(0.001, 0.004);
+    const double pace = random.in(2e-5, 2e-4);  // m a tick
+    double mu = 1.0;
+    int turning = 0;
+    bool slides = false;
+    for (double x = -0.03; x < 0.02; x += pace) {
+        const Contact c = scene.tick(state, {x, -depth - std::max(0.0, slope * x)});
+        slides = slides || (c.mode != Mode::free && c.mode != Mode::stuck);
+        if (!slides) {
+            continue;
+        }
+        REQUIRE(c.mode != Mode::free);
+        turning += c.place.on_seam ? 1 : 0;
+        CHECK(c.mu <= mu);
+        mu = c.mu;
+    }
+    CHECK(turning > 0);
+}
