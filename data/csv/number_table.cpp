@@ -10,6 +10,8 @@
 #include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
 #include "protocols/file/protocol_file.hpp"
+#include "protocols/file/text_pieces.hpp"
+#include "data/csv/number_rows.hpp"
 
 namespace palpate::data {
 namespace {
@@ -77,18 +79,35 @@ std::string plain_text(std::string_view field) {
     return text;
 }
 
+/// A line longer than this is none of a table, and would fill the memory.
+constexpr std::size_t kMaxLine = std::size_t{1} << 20U;
+
 class Parser {
 public:
     Parser(std::string_view text, std::string_view file_name) : rest_(text), file_(file_name) {
-        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-        if (rest_.starts_with(kByteOrderMark)) {
-            rest_.remove_prefix(kByteOrderMark.size());
-        }
+        skip_mark();
+    }
+    /// @param pieces  of the text; outlives this
+    Parser(protocols::TextPieces& pieces, std::string_view file_name)
+        : pieces_(&pieces), file_(file_name) {
+        fill();
+        skip_mark();
     }
 
     NumberTable read(std::span<const std::string_view> wanted,
                      std::span<const std::string_view> optional,
                      std::span<const std::string_view> texts) {
+        NumberTable table = begin(wanted, optional, texts);
+        while (next_line()) {
+            read_row(table);
+        }
+        return table;
+    }
+
+    /// Reads the head. @return the table without rows
+    NumberTable begin(std::span<const std::string_view> wanted,
+                      std::span<const std::string_view> optional,
+                      std::span<const std::string_view> texts) {
         if (!next_line()) {
             fail(1, fmt::format("the file is empty: give a head with the columns {}",
                                 fmt::join(wanted, ",")));
@@ -114,25 +133,57 @@ public:
                 text_places_.push_back(static_cast<std::size_t>(found - head_.begin()));
             }
         }
-        while (next_line()) {
-            read_row(table);
-        }
         return table;
     }
 
+    /// Reads the next row instead of the one in `table`. @return false at the end
+    bool next_row(NumberTable& table) {
+        table.values.clear();
+        table.characters.clear();
+        table.lines.clear();
+        if (!next_line()) {
+            return false;
+        }
+        read_row(table);
+        return true;
+    }
+
 private:
+    void skip_mark() {
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (rest_.starts_with(kByteOrderMark)) {
+            rest_.remove_prefix(kByteOrderMark.size());
+        }
+    }
+
+    /// More of the text behind `rest_`. @return false: there is no more
+    bool fill() {
+        if (pieces_ == nullptr) {
+            return false;
+        }
+        buffer_.erase(0, buffer_.size() - rest_.size());
+        const bool more = pieces_->next(buffer_);
+        rest_ = buffer_;
+        if (rest_.size() > kMaxLine && rest_.find('\n') == std::string_view::npos) {
+            fail(number_ + 1,
+                 fmt::format("the line is longer than {} bytes: give a row a line", kMaxLine));
+        }
+        return more;
+    }
+
     [[noreturn]] void fail(std::size_t line, const std::string& what) const {
         throw CsvError(fmt::format("{}:{}: {}", file_, line, what));
     }
 
     /// What a spreadsheet writes where it was not asked for commas and UTF-8 is named as such.
     void read_head() {
+        head_line_ = line_;
         if (!is_utf8(line_)) {
             fail(number_,
                  "the head is not UTF-8 (a spreadsheet may write UTF-16 or a code page): save "
                  "the table as CSV UTF-8");
         }
-        for (const Field& name : fields_of(line_)) {
+        for (const Field& name : fields_of(head_line_)) {
             head_.push_back(name.text);
             head_characters_.push_back(name.character);
         }
@@ -162,8 +213,12 @@ private:
 
     /// The next line that is not blank.
     bool next_line() {
-        while (!rest_.empty()) {
-            const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+        while (!rest_.empty() || fill()) {
+            std::size_t end = rest_.find('\n');
+            while (end == std::string_view::npos && fill()) {
+                end = rest_.find('\n');
+            }
+            end = std::min(end, rest_.size());
             line_ = rest_.substr(0, end);
             rest_.remove_prefix(std::min(end + 1, rest_.size()));
             ++number_;
@@ -227,8 +282,11 @@ private:
         return value;
     }
 
+    protocols::TextPieces* pieces_ = nullptr;  ///< null: all is in rest_
+    std::string buffer_;                       ///< what of the pieces is held
     std::string_view rest_;
     std::string_view file_;
+    std::string head_line_;
     std::string_view line_;
     std::size_t number_ = 0;
     std::vector<std::string_view> head_;
@@ -278,5 +336,38 @@ NumberTable read_numbers(const std::filesystem::path& file,
     }
     return parse_numbers(text, file.string(), wanted, optional, texts);
 }
+
+struct NumberRows::Source {
+    Source(const RereadableText& text, std::span<const std::string_view> wanted)
+        : pieces(text.place()), parser(pieces, text.name()), row(parser.begin(wanted, {}, {})) {}
+
+    protocols::TextPieces pieces;
+    Parser parser;
+    NumberTable row;
+};
+
+NumberRows::NumberRows(const RereadableText& text, std::span<const std::string_view> wanted) try
+    : source_(std::make_unique<Source>(text, wanted)) {
+} catch (const protocols::ProtocolError& e) {  // it names the file and why
+    throw CsvError(e.what());
+}
+
+bool NumberRows::next() {
+    try {
+        return source_->parser.next_row(source_->row);
+    } catch (const protocols::ProtocolError& e) {
+        throw CsvError(e.what());
+    }
+}
+
+double NumberRows::at(std::size_t column) const {
+    return source_->row.at(0, column);
+}
+
+std::size_t NumberRows::line() const {
+    return source_->row.lines[0];
+}
+
+NumberRows::~NumberRows() = default;
 
 }  // namespace palpate::data

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include <unistd.h>
 
 #include "engine/base/remark.hpp"
+#include "engine/base/whole_text.hpp"
 
 namespace palpate {
 bool sync_to_disk(const std::filesystem::path& what) {
@@ -182,34 +184,55 @@ void require_writable(const std::filesystem::path& file, std::string_view text) 
 }
 
 void write_whole(const std::filesystem::path& file, std::string_view text, Rights rights) {
+    WholeText whole(file, text, rights);
+    whole.add(text);
+    whole.finish();
+}
+
+WholeText::WholeText(const std::filesystem::path& file, std::string_view head, Rights rights)
+    : file_(file) {
     if (file.empty()) {
         std::fflush(stdout);
-        if (const int error = write_all(STDOUT_FILENO, text)) {
-            fail("standard output", error);
-        }
+        fd_ = STDOUT_FILENO;
         return;
     }
-    require_own_kind(file, text);
+    require_own_kind(file, head);
     const Part part(file, rights);
-    const auto& [special, name, fd] = part;
-    const std::string target = file.string();
-    ::fcntl(fd, F_SETFL, O_WRONLY);
-    int error = write_all(fd, text);
-    if (error == 0 && !special && ::fsync(fd) != 0) {
-        error = errno;
+    fd_ = part.fd;
+    part_ = part.special ? "" : part.name;
+    ::fcntl(fd_, F_SETFL, O_WRONLY);
+}
+
+WholeText::~WholeText() {
+    if (fd_ >= 0 && fd_ != STDOUT_FILENO) {
+        ::close(fd_);
     }
-    ::close(fd);
-    if (error == 0 && !special && std::rename(name.c_str(), target.c_str()) != 0) {
-        error = errno;
+    if (!part_.empty()) {
+        ::unlink(part_.c_str());
     }
-    if (error == 0 && !special) {
-        static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
+}
+
+void WholeText::add(std::string_view text) {
+    if (const int error = write_all(fd_, text)) {
+        fail(file_.empty() ? "standard output" : file_.string(), error);
+    }
+}
+
+void WholeText::finish() {
+    if (file_.empty()) {
+        return;
+    }
+    int error = !part_.empty() && ::fsync(fd_) != 0 ? errno : 0;
+    ::close(std::exchange(fd_, -1));
+    if (error == 0 && !part_.empty() && std::rename(part_.c_str(), file_.c_str()) != 0) {
+        error = errno;
     }
     if (error != 0) {
-        if (!special) {
-            ::unlink(name.c_str());
-        }
-        fail(target, error);
+        fail(file_.string(), error);
+    }
+    if (!part_.empty()) {
+        part_.clear();
+        static_cast<void>(sync_to_disk(folder_of(file_)));  // some network disks cannot
     }
 }
 

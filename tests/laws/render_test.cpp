@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -119,4 +121,66 @@ TEST_CASE("out of contact render's god-object is the closest point, as `palpate 
     CHECK(free > kTicks / 3);
     CHECK(free < kTicks);
     CHECK(worst < 1e-10);
+}
+
+TEST_CASE(
+    "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
+    "path",
+    "[cli][law]") {
+    const auto seed = GENERATE(range(0U, 2U));
+    CAPTURE(seed);
+    Random random(seed + 2910U);
+    const TemporaryFolder folder;
+    write(folder.file("s.toml"), kRubs + bows(random));
+    // Rows of any width, some 2 MB: pieces of them begin anywhere in a row.
+    constexpr int kRows = 40'000;
+    constexpr int kFew = 3'000;
+    const double phase = random.in(0.0, 6.0);
+    std::string path = seed == 0U ? "t_s,x_m,y_m\n" : "\xEF\xBB\xBF\"t_s\",what,y_m,x_m\r\n";
+    std::string few;
+    for (int k = 0; k < kRows; ++k) {
+        few = k == kFew ? path : few;
+        const double x = 0.04 * std::sin(0.003 * k + phase);
+        const double y = 0.03 + 0.02 * std::sin(0.011 * k);
+        path += seed == 0U ? fmt::format("{},{},{:.{}f}\n", 0.001 * k, x, y, random.below(40))
+                           : fmt::format(" {}, \"a, b\",{:.{}f}  ,{}\r\n{}", 0.001 * k, y,
+                                         random.below(40), x, k % 100 == 7 ? "\n" : "");
+    }
+    write(folder.file("t.csv"), path);
+    write(folder.file("few.csv"), few);
+    const auto felt = [&](const std::string& shell) {
+        tests::Process process({"/bin/sh", "-c",
+                                fmt::format("cd {} && P={} && {}", folder.path().string(),
+                                            tests::palpate_program(), shell)});
+        Finished done = process.wait();
+        CAPTURE(shell, done.error);
+        REQUIRE(done.code == 0);
+        return done.out;
+    };
+    const std::string whole = felt("$P render s.toml t.csv");
+    CHECK(std::count(whole.begin(), whole.end(), '\n') == kRows + 1);
+    CHECK((felt("cat t.csv | $P render s.toml /dev/stdin") == whole));
+    CHECK((felt("$P render s.toml /dev/stdin < t.csv") == whole));
+    CHECK((felt("$P render s.toml t.csv -o o.csv && cat o.csv") == whole));
+    CHECK(
+        (felt("mkfifo p && (cat t.csv > p & $P render s.toml p -o o.csv) && cat o.csv") == whole));
+    const std::string begin = felt("$P render s.toml few.csv");
+    CHECK((begin == whole.substr(0, begin.size())));
+
+    // A wrong row far down is refused with its place before anything is written.
+    const std::size_t last = path.rfind("0.00", path.size() - 40);
+    path.insert(last, "x");
+    write(folder.file("bad.csv"), path);
+    for (const std::string to : {"", "-o bad_o.csv"}) {
+        tests::Process process({"/bin/sh", "-c",
+                                fmt::format("cd {} && {} render s.toml bad.csv {}",
+                                            folder.path().string(), tests::palpate_program(), to)});
+        const Finished done = process.wait();
+        CAPTURE(to, done.error);
+        CHECK(done.code == 2);
+        CHECK(done.out.empty());
+        CHECK_THAT(done.error, Catch::Matchers::ContainsSubstring("bad.csv:") &&
+                                   Catch::Matchers::ContainsSubstring("not a finite number"));
+        CHECK_FALSE(std::filesystem::exists(folder.file("bad_o.csv")));
+    }
 }

@@ -1,13 +1,7 @@
-#include <array>
-#include <cmath>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "engine/base/files.hpp"
-#include "protocols/file/protocol_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "ui/cli/scene_tools.hpp"
+#include "ui/cli/trajectory.hpp"
 #include "ui/command/command.hpp"
 
 namespace palpate::ui {
@@ -20,21 +14,11 @@ struct SceneOptions {
     std::string output;  ///< empty: standard output
 };
 
-constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
-
-/// The columns that points of so many dimensions need, with or without time before them.
-data::NumberTable read_points(const std::string& file, int dimension, bool with_time) {
-    const std::span<const std::string_view> all(kColumns);
-    const std::size_t first = with_time ? 0 : 1;
-    const auto last = static_cast<std::size_t>(dimension) + 1;
-    data::NumberTable points = data::read_numbers(file, all.subspan(first, last - first));
+data::NumberTable read_points(const std::string& file, int dimension) {
+    data::NumberTable points = data::read_numbers(file, point_columns(dimension, false));
     for (std::size_t row = 0; row < points.rows(); ++row) {
-        for (std::size_t column = with_time ? 1 : 0; column < points.columns.size(); ++column) {
-            if (const double x = points.at(row, column); std::fabs(x) > protocols::kFarthest) {
-                throw data::CsvError(fmt::format("{}:{}: {} is {}: give metres from {} to {}", file,
-                                                 points.lines[row], points.columns[column], x,
-                                                 -protocols::kFarthest, protocols::kFarthest));
-            }
+        for (std::size_t column = 0; column < points.columns.size(); ++column) {
+            check_reach(file, points.lines[row], points.columns[column], points.at(row, column));
         }
     }
     return points;
@@ -48,20 +32,13 @@ void declare_scene(CommandWords& words, SceneOptions& options, const std::string
 
 int render(const SceneOptions& options) {
     const protocols::SceneFile scene = protocols::load_scene(options.scene);
-    const data::NumberTable path = read_points(options.points, scene.dimension(), true);
-    std::string text;
-    try {
-        text = render_csv(scene, path, options.points);
-    } catch (const std::invalid_argument& e) {  // the curves do not make an object
-        throw protocols::ProtocolError(fmt::format("{}:1:1: {}", options.scene, e.what()));
-    }
-    write_whole(options.output, text);
+    render_csv(scene, options.scene, options.points, options.output);
     return 0;
 }
 
 int closest(const SceneOptions& options) {
     const protocols::SceneFile scene = protocols::load_scene(options.scene);
-    const data::NumberTable points = read_points(options.points, scene.dimension(), false);
+    const data::NumberTable points = read_points(options.points, scene.dimension());
     write_whole(options.output, closest_csv(scene, points));
     return 0;
 }

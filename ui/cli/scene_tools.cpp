@@ -2,14 +2,18 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <memory>
+#include <stdexcept>
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "engine/base/whole_text.hpp"
 #include "engine/surface/surface_scene.hpp"
 #include "engine/thesis/thesis_scene.hpp"
+#include "ui/cli/trajectory.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -19,40 +23,6 @@ using engine::Vec2;
 using engine::Vec3;
 using protocols::Law;
 using protocols::SceneFile;
-
-/// Tick periods that differ by less than this share are the same: t_s in decimals is rounded.
-constexpr double kSamePeriod = 1e-6;
-
-constexpr double kLongestPeriod = 3600.0;  ///< s
-
-/// Tick period of a path of a single row, s.
-constexpr double kUsualPeriod = 0.001;
-
-/// Periods of all ticks, s: the first one is taken to be as long as the second.
-std::vector<double> periods_of(const data::NumberTable& path, const std::string& file) {
-    std::vector<double> periods(path.rows(), kUsualPeriod);
-    if (path.rows() < 2) {
-        return periods;
-    }
-    const std::size_t last = path.rows() - 1;
-    const double mean = (path.at(last, 0) - path.at(0, 0)) / static_cast<double>(last);
-    for (std::size_t i = 1; i <= last; ++i) {
-        const double period = path.at(i, 0) - path.at(i - 1, 0);
-        if (period > kLongestPeriod) {
-            throw data::CsvError(
-                fmt::format("{}:{}: t_s is {} after {}: give ticks of at most {} s", file,
-                            path.lines[i], path.at(i, 0), path.at(i - 1, 0), kLongestPeriod));
-        }
-        if (!(period > 0.0)) {
-            throw data::CsvError(
-                fmt::format("{}:{}: t_s is {} after {}: time has to grow from row to row", file,
-                            path.lines[i], path.at(i, 0), path.at(i - 1, 0)));
-        }
-        periods[i] = std::fabs(period - mean) <= kSamePeriod * mean ? mean : period;
-    }
-    periods[0] = periods[1];
-    return periods;
-}
 
 /// A mode as render writes it: whoever reads its tables knows them so.
 std::string_view mode_text(engine::Mode mode) {
@@ -85,7 +55,8 @@ public:
             add(p[k]);
         }
     }
-    [[nodiscard]] std::string take() { return std::move(text_); }
+    [[nodiscard]] const std::string& text() const noexcept { return text_; }
+    void clear() { text_.clear(); }
 
 private:
     void comma() {
@@ -155,24 +126,22 @@ void add_row(Lines& lines, double t, const PlaneTick& tick) {
     lines.end();
 }
 
-std::string render_plane(const SceneFile& file,
-                         const data::NumberTable& path,
-                         const std::vector<double>& periods) {
+/// Writes the row of a tick.
+using Feel = std::function<void(Lines&, const Trajectory::Tick&)>;
+
+Feel plane_feel(const SceneFile& file, double period) {
     const auto outline = std::make_shared<const engine::Outline>(protocols::outline_of(file));
-    engine::Scene scene(outline,
-                        protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]));
-    engine::ContactState state;
-    engine::TrackState track;
-    Lines lines(kPlaneHead);
-    for (std::size_t i = 0; i < path.rows(); ++i) {
-        if (periods[i] != scene.spec().period) {
-            scene.set_period(periods[i]);
+    const auto scene = std::make_shared<engine::Scene>(outline, protocols::spec_of(file, period));
+    return [outline, scene, state = engine::ContactState{}, track = engine::TrackState{}](
+               Lines& lines, const Trajectory::Tick& tick) mutable {
+        if (tick.period != scene->spec().period) {
+            scene->set_period(tick.period);
         }
-        const Vec2 hip{path.at(i, 1), path.at(i, 2)};
-        const engine::Contact felt = scene.tick(state, hip);
-        const engine::ClosestPoint cp = scene.closest(track, hip);
+        const Vec2 hip{tick.hip.x, tick.hip.y};
+        const engine::Contact felt = scene->tick(state, hip);
+        const engine::ClosestPoint cp = scene->closest(track, hip);
         const engine::Contact c = shown(felt, cp);
-        add_row(lines, path.at(i, 0),
+        add_row(lines, tick.t,
                 {c.mode,
                  spot_of(*outline, cp.place),
                  cp.point,
@@ -181,28 +150,22 @@ std::string render_plane(const SceneFile& file,
                  c.tangential_force,
                  c.force,
                  {c.held(), c.vertex_slew, c.unproven}});
-    }
-    return lines.take();
+    };
 }
 
-std::string render_surface(const SceneFile& file,
-                           const data::NumberTable& path,
-                           const std::vector<double>& periods) {
-    engine::SurfaceScene scene(
-        file.surfaces,
-        {.contact = protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0])});
-    engine::SurfaceState state;
-    Lines lines(kSpaceHead);
-    for (std::size_t i = 0; i < path.rows(); ++i) {
-        if (periods[i] != scene.spec().contact.period) {
-            scene.set_period(periods[i]);
+Feel surface_feel(const SceneFile& file, double period) {
+    const auto scene = std::make_shared<engine::SurfaceScene>(
+        file.surfaces, engine::SurfaceSceneSpec{.contact = protocols::spec_of(file, period)});
+    return [scene, surface_of = file.surface_of, state = engine::SurfaceState{}](
+               Lines& lines, const Trajectory::Tick& tick) mutable {
+        if (tick.period != scene->spec().contact.period) {
+            scene->set_period(tick.period);
         }
-        const engine::SurfaceContact c =
-            scene.tick(state, {path.at(i, 1), path.at(i, 2), path.at(i, 3)});
+        const engine::SurfaceContact c = scene->tick(state, tick.hip);
         lines.begin();
-        lines.add(path.at(i, 0));
+        lines.add(tick.t);
         lines.add(mode_text(c.mode));
-        lines.add(file.surface_of[c.cp.place.surface]);
+        lines.add(surface_of[c.cp.place.surface]);
         lines.add(c.cp.u);
         lines.add(c.cp.v);
         lines.add_point<3>(c.cp.point);
@@ -214,8 +177,7 @@ std::string render_surface(const SceneFile& file,
                           .slewed = c.vertex_slew,
                           .unproven = !c.settled || !c.cp.proven});
         lines.end();
-    }
-    return lines.take();
+    };
 }
 
 engine::ThesisSpec thesis_spec(const SceneFile& file, double period) {
@@ -235,29 +197,27 @@ engine::ThesisSpec thesis_spec(const SceneFile& file, double period) {
     return spec;
 }
 
-std::string render_thesis(const SceneFile& file,
-                          const data::NumberTable& path,
-                          const std::string& name,
-                          const std::vector<double>& periods) {
-    const double period = periods.empty() ? kUsualPeriod : periods[0];
-    for (std::size_t i = 0; i < periods.size(); ++i) {
-        if (periods[i] != period) {
+void check_even(const Trajectory& path) {
+    for (Trajectory::Rows rows(path); rows.next();) {
+        if (rows.tick().period != path.first_period()) {
             throw data::CsvError(
                 fmt::format("{}:{}: a tick of {} s among ticks of {} s: the thesis' renderer needs "
                             "even ticks",
-                            name, path.lines[i], periods[i], period));
+                            path.name(), rows.line(), rows.tick().period, path.first_period()));
         }
     }
+}
+
+Feel thesis_feel(const SceneFile& file, double period) {
     const bool closed = protocols::outline_of(file).closed();
-    const engine::ThesisScene scene(file.curves, closed, thesis_spec(file, period));
-    engine::ThesisState state;
-    Lines lines(kPlaneHead);
-    for (std::size_t i = 0; i < path.rows(); ++i) {
-        const engine::ThesisTick t = scene.tick(state, {path.at(i, 1), path.at(i, 2)});
-        add_row(lines, path.at(i, 0),
-                {t.mode, {t.cp_segment, t.cp_u}, t.cp, t.go, t.fn, t.ft, t.force, {}});
-    }
-    return lines.take();
+    const auto scene =
+        std::make_shared<const engine::ThesisScene>(file.curves, closed, thesis_spec(file, period));
+    return
+        [scene, state = engine::ThesisState{}](Lines& lines, const Trajectory::Tick& tick) mutable {
+            const engine::ThesisTick t = scene->tick(state, {tick.hip.x, tick.hip.y});
+            add_row(lines, tick.t,
+                    {t.mode, {t.cp_segment, t.cp_u}, t.cp, t.go, t.fn, t.ft, t.force, {}});
+        };
 }
 
 /// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker decides the
@@ -267,6 +227,21 @@ bool by_thesis(const SceneFile& file) {
     return law == Law::thesis_literal || law == Law::thesis_latched ||
            (!file.renderer.certified && law == Law::frictionless);
 }
+
+Feel feel_of(const SceneFile& scene, double period) {
+    if (!scene.surfaces.empty()) {
+        return surface_feel(scene, period);
+    }
+    if (scene.curves.empty()) {
+        throw std::invalid_argument(
+            "curves in space cannot be felt, only asked for the closest point: give plane curves "
+            "or [[surface]] tables");
+    }
+    return by_thesis(scene) ? thesis_feel(scene, period) : plane_feel(scene, period);
+}
+
+/// So many bytes are written at once.
+constexpr std::size_t kPiece = std::size_t{1} << 16U;
 
 template <int D>
 std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
@@ -295,7 +270,7 @@ std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
         lines.add(std::sqrt(foot.distance2));
         lines.end();
     }
-    return lines.take();
+    return lines.text();
 }
 
 std::string closest_on_surfaces(const SceneFile& scene, const data::NumberTable& points) {
@@ -312,26 +287,38 @@ std::string closest_on_surfaces(const SceneFile& scene, const data::NumberTable&
         lines.add(cp.distance);
         lines.end();
     }
-    return lines.take();
+    return lines.text();
 }
 
 }  // namespace
 
-std::string render_csv(const SceneFile& scene,
-                       const data::NumberTable& path,
-                       const std::string& file_name) {
-    const std::vector<double> periods = periods_of(path, file_name);
-    if (!scene.surfaces.empty()) {
-        return render_surface(scene, path, periods);
+void render_csv(const SceneFile& scene,
+                const std::string& scene_name,
+                const std::filesystem::path& path,
+                const std::filesystem::path& output) {
+    const Trajectory trajectory(path, scene.dimension());
+    const bool space = !scene.surfaces.empty();
+    if (!space && by_thesis(scene)) {
+        check_even(trajectory);
     }
-    if (scene.curves.empty()) {
-        throw std::invalid_argument(
-            "curves in space cannot be felt, only asked for the closest point: give plane curves "
-            "or "
-            "[[surface]] tables");
+    Feel feel;
+    try {
+        feel = feel_of(scene, trajectory.first_period());
+    } catch (const std::invalid_argument& e) {  // the curves do not make an object
+        throw protocols::ProtocolError(fmt::format("{}:1:1: {}", scene_name, e.what()));
     }
-    return by_thesis(scene) ? render_thesis(scene, path, file_name, periods)
-                            : render_plane(scene, path, periods);
+    const std::string_view head = space ? kSpaceHead : kPlaneHead;
+    WholeText whole(output, fmt::format("{}\n", head));
+    Lines lines(head);
+    for (Trajectory::Rows rows(trajectory); rows.next();) {
+        feel(lines, rows.tick());
+        if (lines.text().size() > kPiece) {
+            whole.add(lines.text());
+            lines.clear();
+        }
+    }
+    whole.add(lines.text());
+    whole.finish();
 }
 
 std::string closest_csv(const SceneFile& scene, const data::NumberTable& points) {

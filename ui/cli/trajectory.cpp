@@ -1,0 +1,91 @@
+#include "ui/cli/trajectory.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "protocols/file/scene_file.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
+
+/// Tick periods that differ by less than this share are the same.
+constexpr double kSamePeriod = 1e-6;
+constexpr double kLongestPeriod = 3600.0;  ///< s
+/// Tick period of a path of a single row, s.
+constexpr double kUsualPeriod = 0.001;
+
+}  // namespace
+
+std::span<const std::string_view> point_columns(int dimension, bool with_time) {
+    const std::size_t first = with_time ? 0 : 1;
+    return std::span(kColumns).subspan(first, static_cast<std::size_t>(dimension) + 1 - first);
+}
+
+void check_reach(const std::string& file,
+                 std::size_t line,
+                 std::string_view column,
+                 double metres) {
+    if (std::fabs(metres) > protocols::kFarthest) {
+        throw data::CsvError(fmt::format("{}:{}: {} is {}: give metres from {} to {}", file, line,
+                                         column, metres, -protocols::kFarthest,
+                                         protocols::kFarthest));
+    }
+}
+
+Trajectory::Trajectory(const std::filesystem::path& file, int dimension)
+    : text_(file), dimension_(dimension), first_(kUsualPeriod) {
+    Rows rows(*this);
+    std::size_t count = 0;
+    double begin = 0.0;
+    double second = 0.0;
+    for (; rows.next(); ++count) {
+        begin = count == 0 ? rows.tick().t : begin;
+        second = count == 1 ? rows.tick().t : second;
+    }
+    if (count > 1) {
+        mean_ = (rows.tick().t - begin) / static_cast<double>(count - 1);
+        first_ = evened(second - begin);
+    }
+}
+
+double Trajectory::evened(double period) const noexcept {
+    return std::fabs(period - mean_) <= kSamePeriod * mean_ ? mean_ : period;
+}
+
+Trajectory::Rows::Rows(const Trajectory& path)
+    : path_(path), rows_(path.text_, point_columns(path.dimension_, true)) {}
+
+bool Trajectory::Rows::next() {
+    if (!rows_.next()) {
+        return false;
+    }
+    const std::string& file = path_.name();
+    const double before = tick_.t;
+    tick_ = {.t = rows_.at(0), .period = path_.first_};
+    for (int k = 0; k < path_.dimension_; ++k) {
+        const auto column = static_cast<std::size_t>(k) + 1;
+        tick_.hip[k] = rows_.at(column);
+        check_reach(file, rows_.line(), kColumns.at(column), tick_.hip[k]);
+    }
+    if (read_++ == 0) {
+        return true;
+    }
+    const double period = tick_.t - before;
+    if (period > kLongestPeriod) {
+        throw data::CsvError(fmt::format("{}:{}: t_s is {} after {}: give ticks of at most {} s",
+                                         file, rows_.line(), tick_.t, before, kLongestPeriod));
+    }
+    if (!(period > 0.0)) {
+        throw data::CsvError(
+            fmt::format("{}:{}: t_s is {} after {}: time has to grow from row to row", file,
+                        rows_.line(), tick_.t, before));
+    }
+    tick_.period = path_.evened(period);
+    return true;
+}
+
+}  // namespace palpate::ui
