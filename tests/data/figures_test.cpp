@@ -201,6 +201,73 @@ TEST_CASE("over the corner the closest point changes curves while the god-object
     CHECK(run.at("gos_go_curve").back() == 1.0);
 }
 
+TEST_CASE("outside the god-object of the figures is the closest point", "[figures][law]") {
+    const Columns run = table_of("fig_3_2_4");
+    const auto& mode = run.at("gos_mode");
+    int free = 0;
+    for (std::size_t i = 0; i < mode.size(); ++i) {
+        if (mode[i] == kFree) {
+            ++free;
+            REQUIRE(run.at("gos_go_curve")[i] == run.at("gos_cp_curve")[i]);
+            REQUIRE(run.at("gos_go_u")[i] == run.at("gos_cp_u")[i]);
+        }
+    }
+    CHECK(free > 500);
+}
+
+TEST_CASE("force in the figure of touches is the stiffness times the depth, and none outside",
+          "[figures][law]") {
+    const Columns run = table_of("fig_2_1_8");
+    int touches = 0;
+    for (std::size_t i = 0; i < run.at("time_s").size(); ++i) {
+        const bool felt = run.at("mode")[i] != kFree;
+        touches += felt && run.at("mode")[i - 1] == kFree ? 1 : 0;
+        REQUIRE(felt == (run.at("depth_m")[i] > 0.0));
+        REQUIRE(std::hypot(run.at("force_x_n")[i], run.at("force_y_n")[i]) ==
+                Approx(100.0 * run.at("depth_m")[i]).margin(1e-9));
+    }
+    CHECK(touches == 4);
+}
+
+TEST_CASE(
+    "stiction in the figure is mu_s at break-away and mu_d beyond, Stribeck's law its formula",
+    "[figures][law]") {
+    const Columns curves = table_of("fig_3_1_1");
+    const auto& speed = curves.at("speed_m_per_s");
+    for (std::size_t i = 0; i < speed.size(); ++i) {
+        CAPTURE(speed[i]);
+        CHECK(curves.at("stiction_sliding")[i] == Approx(kMuD).epsilon(1e-9));
+        CHECK(curves.at("stiction_breakaway")[i] <= kMuS + 1e-9);
+        if (speed[i] < 0.005) {  // a tick of a faster hand goes over the top
+            CHECK(curves.at("stiction_breakaway")[i] == Approx(kMuS).epsilon(0.01));
+        }
+        const double share = speed[i] / 0.01;
+        const double steady =
+            (kMuD + (kMuS - kMuD) * std::exp(-share * share)) * std::tanh(speed[i] / 0.002);
+        CHECK(curves.at("stribeck_sliding")[i] == Approx(steady).epsilon(1e-6));
+    }
+}
+
+TEST_CASE(
+    "held at a corner, the god-object stands on the first curve while HIP is in another region",
+    "[figures][law]") {
+    const Columns run = table_of("fig_3_1_4");
+    const auto& mode = run.at("mode");
+    const std::size_t last =
+        mode.size() - 1 -
+        static_cast<std::size_t>(std::find(mode.rbegin(), mode.rend(), kStuck) - mode.rbegin());
+    const std::size_t first =
+        static_cast<std::size_t>(std::find(mode.begin(), mode.end(), kStuck) - mode.begin());
+    REQUIRE(first < last);
+    CHECK(run.at("region")[first] != run.at("region")[last]);
+    for (std::size_t i = first + 1; i <= last; ++i) {
+        REQUIRE(mode[i] == kStuck);
+        REQUIRE(run.at("go_x_m")[i] == run.at("go_x_m")[first]);
+    }
+    CHECK(std::hypot(run.at("cp_x_m")[last] - run.at("go_x_m")[last],
+                     run.at("cp_y_m")[last] - run.at("go_y_m")[last]) > 1e-3);
+}
+
 TEST_CASE("without friction the force is the stiffness times the depth", "[figures][law]") {
     const Columns press = table_of("fig_2_1_6");
     for (const int k : {100, 500, 1000}) {
