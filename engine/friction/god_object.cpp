@@ -219,7 +219,8 @@ private:
         if (over_tip && (pays || s.nu < 0.0)) {  // the normal that points at HIP lies in the fan
             return settle_at({.tangent = s.tangent, .nu = -glm::length(h_ - seam.point)});
         }
-        walk_.slid = walk_.slid || (budget_ < kNever && seam.kind == SeamKind::convex);  // a turn is no rest
+        walk_.slid =
+            walk_.slid || (budget_ < kNever && seam.kind == SeamKind::convex);  // a turn is no rest
         if (!pays) {
             phi += direction_ * (budget_ - used_) / radius_;
             used_ = budget_;

@@ -19,7 +19,8 @@ constexpr const char* kUsage =
     "palpate_stress [--seconds N] [--seed S] [--scenes N] [--mood gentle|wild|study|cusp|huge]\n"
     "               [--object outline|surface|patches] [--out DIR]\n"
     "  random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
-    "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads if they do not cross themselves.\n";
+    "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads if they do not "
+    "cross themselves.\n";
 
 struct Options {
     double seconds = 60.0;
