@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -136,12 +137,22 @@ SurfaceData random_data(Random& random, Mood mood) {
             }
             return d;
         }
-        case 2: {
-            SurfaceData d = tests::random_surface(random, 1.0, random.coin() ? 0.0 : 0.3, 5, false);
-            return d;
-        }
+        case 2:
+            return tests::random_surface(random, 1.0, random.coin() ? 0.0 : 0.3, 5, false);
         default:
             return wild_sheet(random);
+    }
+}
+
+/// Drawn until no patch is a mere curve, which is refused.
+SurfaceData random_data_with_width(Random& random, Mood mood) {
+    for (;;) {
+        SurfaceData data = random_data(random, mood);
+        try {
+            static_cast<void>(tests::make_surface(data));
+            return data;
+        } catch (const std::invalid_argument&) {
+        }
     }
 }
 
@@ -327,8 +338,11 @@ std::string surface_text(const SurfaceData& d) {
 
 SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     Random random(seed);
-    SurfaceCase c{
-        .seed = seed, .data = random_data(random, mood), .pieces = {}, .surface = {}, .path = {}};
+    SurfaceCase c{.seed = seed,
+                  .data = random_data_with_width(random, mood),
+                  .pieces = {},
+                  .surface = {},
+                  .path = {}};
     const double size = random.coin() ? random.decade(-2.0, 0.0) : random.decade(-6.0, 3.0);
     const Vec3 away =
         random.below(6) == 0 ? random.decade(0.0, 2.0) * point(random, -1.0, 1.0) : Vec3{};
