@@ -97,8 +97,8 @@ Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
     return {s, by_u > by_v ? Footing::Way::along_u : Footing::Way::along_v, excess};
 }
 
-/// Which of two patches decides: the one in whose cone the GO is, then the one that leads on, then
-/// the one that carries; of two in which it rests that on which it is, or a sheet that lies on
+/// Which of two patches decides: the one in whose cone the GO is, then the one into which its drive leads, then the one
+/// that leads on along their edge, then the one that carries; of two in which it rests that on which it is, or a sheet that lies on
 /// itself would turn over. Without friction there is no cone to rest in while another leads on, by
 /// more than a foot looks different from the other side.
 int SurfaceGround::rank(const Footing& f) const noexcept {
@@ -106,7 +106,8 @@ int SurfaceGround::rank(const Footing& f) const noexcept {
         return 0;
     }
     const bool leads = mu_ == 0.0 && f.excess > 1e-9 * surface_.size();
-    return f.way == Footing::Way::rests ? 2 : leads ? 3 : 1;
+    const bool flows = mu_ > 0.0 && f.way == Footing::Way::open;
+    return f.way == Footing::Way::rests ? 3 : leads ? 4 : flows ? 2 : 1;
 }
 
 Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {

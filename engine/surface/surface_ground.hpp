@@ -49,6 +49,11 @@ public:
     [[nodiscard]] Work work() const noexcept { return work_; }
 
     [[nodiscard]] SurfaceSpot look(SurfacePlace place) noexcept;
+    /// Point and derivatives alone; u and v may lie outside of the patch. @param besides  work that it is for
+    [[nodiscard]] SurfaceJet jet(const SurfacePlace& place, Work besides) noexcept {
+        work_ += surface_.patch(place).work() + besides;
+        return surface_.local_jet(place);
+    }
 
     /// Within its cone; where that is narrower than rounding (no load, no friction) at a foot.
     [[nodiscard]] static bool settled(const SurfaceSpot& s) noexcept {

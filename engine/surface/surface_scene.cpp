@@ -133,7 +133,10 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         if (!looks) {
             state.seen = feet_.track(state.track, hip, kTickWork);
         }
-        return free(state, hip);
+        SurfaceContact ended = free(state, hip);
+        ended.on_flow = slide.on_flow;
+        ended.settled = slide.settled;
+        return ended;
     }
     SurfaceContact contact = render(slide, h, mu);
     if (spec_.contact.damping > 0.0) {
@@ -161,6 +164,7 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                            .mu = mu,
                            .vertex_slew = slide.out_of_budget,
                            .outside_cone = slide.outside_cone,
+                           .on_flow = slide.on_flow,
                            .settled = slide.settled};
     const double cone = mu * load;
     // Without friction what is left along the surface is rounding, or held.

@@ -59,6 +59,7 @@ struct SurfaceContact {
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
     bool outside_cone =
         false;  ///< the GO rests at an open border, in a concave crease, or under the slew
+    bool on_flow = true;   ///< false: the GO's walk left its flow where that has no direction
     bool settled = true;   ///< false: the work limit of a tick ended the GO's walk
     bool skipped = false;  ///< out of reach: cp.distance is a lower bound
     bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended

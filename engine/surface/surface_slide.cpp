@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/surface/surface_flow.hpp"
 #include "engine/surface/surface_step.hpp"
 
 namespace palpate::engine {
 namespace {
 
 using Way = Footing::Way;
+
+/// Way beside the flow that is told, of the size.
+constexpr double kAstray = 1e-8;
 
 /// The walk of one tick.
 class Slider {
@@ -31,10 +35,17 @@ public:
                 spent_ = true;
                 break;
             }
+            if (at.way == Way::open && ground_.mu() > 0.0 && flows(at, slid)) {
+                if (done_) {
+                    break;
+                }
+                continue;
+            }
             const SurfaceSpot next = advance(at);
             const double chord = glm::length(next.jet.point - at.spot.jet.point);
             slid += chord;
             slew_.used += chord;
+            astray_ += (at.way == Way::open ? strays_ : on_pole(at.spot.place)) ? chord : 0.0;
             if (done_) {
                 at.spot = next;
                 if (at.way != Way::open) {
@@ -51,6 +62,44 @@ public:
     }
 
 private:
+    /// Along the flow to the cone, or over an edge of the patch. False where it has to go on in steps.
+    bool flows(Footing& at, double& slid) noexcept {
+        using End = SurfaceFlow::Arrival::End;
+        const Vec3 from = at.spot.jet.point;
+        const SurfaceFlow::Arrival to =
+            SurfaceFlow(ground_, work_).follow(at.spot, slew_.budget - slew_.used);
+        strays_ = to.end != End::foot;
+        if (!(to.spot.r2 <= at.spot.r2 + 12.0 * std::sqrt(at.spot.r2) * at.spot.noise)) {
+            return false;
+        }
+        slid += to.way;
+        slew_.used += to.way;
+        last_ = last_excess_ = 0.0;
+        trust_ = 1e300;
+        switch (to.end) {
+            case End::cone:
+                at = ground_.on_patch(to.spot);
+                done_ = true;
+                return true;
+            case End::spent:
+                at = ground_.on_patch(to.spot);
+                return true;
+            case End::edge:
+                at = onwards(to.spot);
+                slid += glm::length(at.spot.jet.point - to.spot.jet.point);
+                return glm::length(to.spot.jet.point - from) > 4.0 * to.spot.noise;
+            default:
+                at = ground_.on_patch(to.spot);
+                return tired() || at.way != Way::open;
+        }
+    }
+
+    /// Off a pole it goes along the nearest of a few lines.
+    [[nodiscard]] bool on_pole(const SurfacePlace& p) const noexcept {
+        const SurfaceObject& surface = ground_.surface();
+        return ground_.mu() > 0.0 && (surface.pole_u(p) || surface.pole_v(p));
+    }
+
     /// Where the god-object goes on; over a convex edge, with a vertex slew, through its fan.
     Footing onwards(const SurfaceSpot& s) noexcept {
         const Footing at = ground_.footing(s);
@@ -333,6 +382,7 @@ private:
                 .outside_cone = outside,
                 .in_crease = outside && at.way == Way::held && !spent_ && ground_.enclosed(s.place),
                 .out_of_budget = spent_,
+                .on_flow = astray_ <= kAstray * size_,
                 .settled = !tired() && (!outside || barred || foot_ || spent_)};
     }
 
@@ -347,6 +397,8 @@ private:
     SurfaceSlew slew_;
     SurfaceFan& fan_;
     bool spent_ = false;
+    bool strays_ = false;       ///< the last step did not follow the flow
+    double astray_ = 0.0;       ///< way of such steps, m
     double last_ = 0.0;         ///< length of the last step, m
     double trust_ = 1e300;      ///< so long may the next one be, m
     double last_excess_ = 0.0;  ///< before it, m

@@ -17,6 +17,8 @@ struct SurfaceSlide {
     bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
     bool in_crease = false;      ///< in a concave crease, whose sides carry together
     bool out_of_budget = false;  ///< the vertex slew ended the walk, outside of the cone
+    bool on_flow =
+        true;  ///< false: where the flow has no direction it was left by more than 1e-8 of the size
     bool settled = true;  ///< false: the work limit ended the walk, mostly outside of the cone
 };
 

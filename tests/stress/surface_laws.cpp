@@ -20,6 +20,9 @@ using tests::operator+;
 /// So is a foot where the distance has hardly a minimum.
 constexpr double kSurfaceFootSlack = 200.0;
 
+/// How far from the end of its flow a slide may end, of the size of the object.
+constexpr double kFlowSlack = 1e-6;
+
 bool finite(const Vec3& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -97,6 +100,7 @@ std::optional<Breach> SurfaceLaws::look(const Vec3& h,
         check_walk(now, before, after);
         check_rest(now, before, after);
     }
+    check_flow(now, before);
     check_energy(now);
     started_ = true;
     last_ = now;
@@ -227,6 +231,42 @@ void SurfaceLaws::check_walk(const Tick& now,
         check("a slip ends on the edge of the cone", c.mu * c.normal_force,
               c.tangential_force + 1e3 * k * same_);
     }
+}
+
+/// A slide ends at the first place of its flow within the cone. Where a coefficient that differs by 1e-9 leads elsewhere,
+/// or the flow has no end that doubles can tell, nothing is asked for.
+void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
+    const SurfaceContact& c = now.contact;
+    const engine::Friction& friction = scene_->spec().contact.friction;
+    const double mu = engine::coefficient(friction, before.theta);
+    if (!before.touching || !started_ || free(last_.contact) || !(mu > 0.0) || !c.on_flow ||
+        !c.settled || c.outside_cone || !scene_->spec().contact.slew.none()) {
+        return;
+    }
+    const ExactFlow flow(scene_->object(), oracles_);
+    const FlowEnd end = flow.end(before.place, now.h, mu);
+    if (end.kind != FlowEnd::Kind::cone || (end.load <= 0.0L && free(c))) {
+        return;
+    }
+    ++walks_;
+    const double limit = kFlowSlack * scene_->object().size() + 10.0 * same_;
+    const auto off = [&c, limit](const FlowEnd& e) {
+        return free(c) ? (e.load > 0.0L ? 2.0 * limit : 0.0) : length(minus(e.point, c.go));
+    };
+    if (off(end) <= limit) {
+        return;
+    }
+    for (const long double by : {-1e-9L, 1e-9L, -1e-7L, 1e-7L}) {
+        const FlowEnd other = flow.end(before.place, now.h, mu * (1.0L + by));
+        if (other.kind != end.kind || length(minus(other.point, c.go)) <= limit ||
+            length(other.point + -1.0L * end.point) > limit) {
+            ++ties_;
+            return;
+        }
+    }
+    check(free(c) ? "a slide with a place in its cone ahead does not end the contact"
+                  : "a slide ends at the first place of its flow in the cone",
+          off(end), limit);
 }
 
 /// With the same coefficient the same HIP finds the contact stuck, and the same force.

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "engine/surface/surface_scene.hpp"
+#include "tests/stress/exact_flow.hpp"
 #include "tests/stress/tick_laws.hpp"
 #include "tests/support/surface_oracle.hpp"
 
@@ -20,6 +21,10 @@ public:
                                              const engine::SurfaceState& after,
                                              const engine::SurfaceContact& contact);
 
+    /// Slides that were held to the end of their flow, and those of them whose end hangs on rounding.
+    [[nodiscard]] std::uint64_t walks() const noexcept { return walks_; }
+    [[nodiscard]] std::uint64_t ties() const noexcept { return ties_; }
+
 private:
     struct Tick {
         engine::Vec3 h{};
@@ -34,6 +39,7 @@ private:
     void check_rest(const Tick& now,
                     const engine::SurfaceState& before,
                     const engine::SurfaceState& after);
+    void check_flow(const Tick& now, const engine::SurfaceState& before);
     void check_energy(const Tick& now);
     [[nodiscard]] const tests::SurfaceOracle& oracle(const engine::SurfaceContact& c) const {
         return oracles_[static_cast<std::size_t>(c.surface)];
@@ -44,6 +50,8 @@ private:
 
     const engine::SurfaceScene* scene_;
     std::vector<tests::SurfaceOracle> oracles_;
+    std::uint64_t walks_ = 0;
+    std::uint64_t ties_ = 0;
     double extent_ = 0.0;
     double same_ = 0.0;
     std::size_t ticks_ = 0;

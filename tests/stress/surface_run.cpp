@@ -61,7 +61,7 @@ std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
         }
         ++tally.ticks;
         tally.in_contact += contact.mode != engine::Mode::free ? 1U : 0U;
-        tally.unproven += contact.cp.proven ? 0U : 1U;
+        tally.unproven += contact.cp.proven && contact.on_flow ? 0U : 1U;
         tally.unsettled += contact.settled ? 0U : 1U;
         if (i % 8 == 0) {
             engine::SurfaceState again = before;
@@ -75,6 +75,8 @@ std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
         }
     }
     tally.certified += state.track.certified_calls;
+    tally.walks += laws.walks();
+    tally.ties += laws.ties();
     return std::nullopt;
 }
 

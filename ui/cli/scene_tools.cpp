@@ -175,7 +175,7 @@ Feel surface_feel(const SceneFile& file, double period) {
         lines.add_point<3>(c.force);
         add_marks(lines, {.held = c.outside_cone && !c.vertex_slew,
                           .slewed = c.vertex_slew,
-                          .unproven = !c.settled || !c.cp.proven});
+                          .unproven = !c.settled || !c.cp.proven || !c.on_flow});
         lines.end();
     };
 }

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "engine/surface/flow_spot.hpp"
+
+namespace palpate::engine {
+
+/// Follows the flow of a sliding god-object inside one patch (FlowSpot has its equations) to the first place within the
+/// cone, or to the edge of the patch.
+///
+/// Since the second derivative along the flow is known, y'' = g(y) with y' = f(y0) at the start of each step:
+/// Nystroem's method of order 5 with three evaluations (Hairer, Norsett & Wanner, Solving Ordinary Differential
+/// Equations I, II.14), its error measured by how far the direction at its end is from the sum of the bends on the way;
+/// a short step by one evaluation and the corrector y0 + h/2 (f0 + f1) + h^2/12 (g0 - g1) of order 4. The error of a
+/// step is below kFlowError of the stretch. Where the excess over the cone changes sign along a step, at its
+/// ends, its stages or between them, the first such place is closed in on the quintic through the step.
+class SurfaceFlow {
+public:
+    struct Arrival {
+        enum class End : std::uint8_t {
+            cone,    ///< on the inner side of the cone's edge
+            edge,    ///< on an edge of the patch, outside of the cone
+            spent,   ///< `most` is used up
+            foot,    ///< close to a foot that carries nothing
+            failed,  ///< the flow has no direction here, or the work limit is reached
+        };
+        SurfaceSpot spot{};
+        double way = 0.0;  ///< m
+        End end = End::failed;
+    };
+
+    /// @param limit  of ground.work()
+    SurfaceFlow(SurfaceGround& ground, Work limit) noexcept : ground_(ground), limit_(limit) {}
+
+    /// @param from  outside of its cone, whose drive leads into its patch
+    /// @param most  way that may be used, m
+    [[nodiscard]] Arrival follow(const SurfaceSpot& from, double most) noexcept;
+
+private:
+    struct Node {
+        double x = 0.0;
+        double excess = 0.0;
+        double rate = 0.0;  ///< per step
+    };
+    struct Step {
+        double h = 0.0;
+        double error = 0.0;
+        FlowSpot to{};
+        Vec2 end{};
+        double excess = 0.0;  ///< at the end
+        Node nodes[4];
+        int count = 0;
+    };
+    [[nodiscard]] FlowSpot look(const Vec2& at) noexcept;
+    [[nodiscard]] bool short_step(const FlowSpot& from, double h, Step& step) noexcept;
+    [[nodiscard]] bool long_step(const FlowSpot& from, double h, Step& step) noexcept;
+    [[nodiscard]] bool into_cone(
+        const FlowArc& arc, Node low, Node high, SurfaceSpot& spot, double& x) noexcept;
+    [[nodiscard]] bool tired() const noexcept { return ground_.work() >= limit_; }
+
+    SurfaceGround& ground_;
+    Work limit_;
+    SurfacePlace place_{};
+    double tolerance_ = 0.0;
+};
+
+}  // namespace palpate::engine

@@ -1,0 +1,268 @@
+#include "tests/stress/exact_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::stress {
+namespace {
+
+using engine::SurfaceHeading;
+using engine::SurfacePlace;
+using tests::inner;
+using tests::Long3;
+using tests::LongJet;
+using tests::operator*;
+using tests::operator+;
+
+constexpr int kMostSteps = 4000;
+constexpr long double kStepError = 1e-11L;  ///< of |r|
+constexpr long double kOn = 1e-14L;         ///< so close to an edge is on it, of its range
+
+Long3 crossed(const Long3& a, const Long3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The interval of index i among those that are not empty.
+std::size_t knot_of(const std::vector<double>& t, std::size_t i) {
+    for (std::size_t k = 0; k + 1 < t.size(); ++k) {
+        if (t[k] < t[k + 1] && i-- == 0) {
+            return k;
+        }
+    }
+    return 0;
+}
+
+}  // namespace
+
+ExactFlow::Piece ExactFlow::piece_of(const SurfacePlace& p) const {
+    const auto& d = (*oracles_)[p.surface].data();
+    Piece piece{.surface = p.surface, .i = p.i, .j = p.j};
+    piece.pu = knot_of(d.knots_u, p.i);
+    piece.pv = knot_of(d.knots_v, p.j);
+    piece.lo = {d.knots_u[piece.pu], d.knots_v[piece.pv]};
+    piece.hi = {d.knots_u[piece.pu + 1], d.knots_v[piece.pv + 1]};
+    return piece;
+}
+
+ExactFlow::Place ExactFlow::look(const Piece& piece, const Two& at) const {
+    const LongJet j = (*oracles_)[piece.surface].jet(piece.pu, piece.pv, at[0], at[1]);
+    Place p;
+    p.at = at;
+    p.point = j.s;
+    const Long3 r = h_ + -1.0L * j.s;
+    p.reach = std::sqrt(inner(r, r));
+    const Long3 area = crossed(j.su, j.sv);
+    const long double e = inner(j.su, j.su);
+    const long double f = inner(j.su, j.sv);
+    const long double g = inner(j.sv, j.sv);
+    const long double area2 = inner(area, area);
+    p.metric = {e, f, g};
+    const long double tiny = 1e-18L * object_->size() * object_->size();  // a pole
+    if (!(area2 > 1e-20L * e * g) || e < tiny || g < tiny) {
+        return p;
+    }
+    const Long3 n = (1.0L / std::sqrt(area2)) * area;
+    p.load = -inner(r, n);
+    const Long3 t = r + p.load * n;
+    p.along = std::sqrt(inner(t, t));
+    p.excess = p.along - mu_ * std::max(p.load, 0.0L);
+    const long double a = inner(t, j.su);
+    const long double b = inner(t, j.sv);
+    const long double by = 1.0L / (area2 * p.along);
+    p.way = {(g * a - f * b) * by, (e * b - f * a) * by};
+    p.regular = std::isfinite(p.way[0]) && std::isfinite(p.way[1]) && p.along > 0.0L;
+    return p;
+}
+
+long double ExactFlow::room(const Piece& piece, const Place& p) const {
+    long double least = p.excess / p.reach;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const long double range = piece.hi[k] - piece.lo[k];
+        least = std::min(
+            {least, (p.at[k] - piece.lo[k]) / range + kOn, (piece.hi[k] - p.at[k]) / range + kOn});
+    }
+    return least;
+}
+
+/// Dormand & Prince (1980), J. Comp. Appl. Math. 6.
+ExactFlow::Step ExactFlow::step(const Piece& piece, const Place& from, long double s) const {
+    static constexpr long double kA[6][6] = {
+        {1.0L / 5.0L},
+        {3.0L / 40.0L, 9.0L / 40.0L},
+        {44.0L / 45.0L, -56.0L / 15.0L, 32.0L / 9.0L},
+        {19372.0L / 6561.0L, -25360.0L / 2187.0L, 64448.0L / 6561.0L, -212.0L / 729.0L},
+        {9017.0L / 3168.0L, -355.0L / 33.0L, 46732.0L / 5247.0L, 49.0L / 176.0L,
+         -5103.0L / 18656.0L},
+        {35.0L / 384.0L, 0.0L, 500.0L / 1113.0L, 125.0L / 192.0L, -2187.0L / 6784.0L,
+         11.0L / 84.0L}};
+    static constexpr long double kError[7] = {
+        71.0L / 57600.0L,      0.0L,           -71.0L / 16695.0L, 71.0L / 1920.0L,
+        -17253.0L / 339200.0L, 22.0L / 525.0L, -1.0L / 40.0L};
+    Two ways[7];
+    ways[0] = from.way;
+    Step result;
+    result.clean = true;
+    Place p;
+    for (std::size_t k = 0; k < 6; ++k) {
+        Two at = from.at;
+        for (std::size_t m = 0; m <= k; ++m) {
+            at[0] += s * kA[k][m] * ways[m][0];
+            at[1] += s * kA[k][m] * ways[m][1];
+        }
+        p = look(piece, at);
+        if (!p.regular) {
+            return result;
+        }
+        result.clean = result.clean && room(piece, p) >= 0.0L;
+        ways[k + 1] = p.way;
+    }
+    Two off{};
+    for (std::size_t m = 0; m < 7; ++m) {
+        off[0] += s * kError[m] * ways[m][0];
+        off[1] += s * kError[m] * ways[m][1];
+    }
+    const auto& [e, f, g] = from.metric;
+    result.error = std::sqrt(
+        std::max(e * off[0] * off[0] + 2.0L * f * off[0] * off[1] + g * off[1] * off[1], 0.0L));
+    result.to = p;
+    result.regular = true;
+    return result;
+}
+
+/// To the patch beyond the edge on which `p` is, and over which its way leads. False at a border.
+bool ExactFlow::cross(Piece& piece, Place& p) const {
+    SurfacePlace at{.i = piece.i, .j = piece.j, .surface = piece.surface};
+    int edges = 0;
+    SurfaceHeading heading;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const long double range = piece.hi[k] - piece.lo[k];
+        const long double share = (p.at[k] - piece.lo[k]) / range;
+        double& t = k == 0 ? at.u : at.v;
+        t = std::clamp(static_cast<double>(share), 0.0, 1.0);
+        const bool low = share <= 2.0L * kOn;
+        const bool high = share >= 1.0L - 2.0L * kOn;
+        if (low || high) {
+            t = low ? 0.0 : 1.0;
+            if (p.way[k] * (high ? 1.0L : -1.0L) > 0.0L) {
+                heading = {k == 0, high};
+                ++edges;
+            }
+        }
+    }
+    if (edges != 1 || !object_->cross(at, heading)) {
+        return false;
+    }
+    piece = piece_of(at);
+    p = look(piece, {piece.lo[0] + at.u * (piece.hi[0] - piece.lo[0]),
+                     piece.lo[1] + at.v * (piece.hi[1] - piece.lo[1])});
+    return true;
+}
+
+FlowEnd ExactFlow::end(const SurfacePlace& from, const engine::Vec3& h, long double mu) const {
+    h_ = {h.x, h.y, h.z};
+    mu_ = mu;
+    Piece piece = piece_of(from);
+    Place p = look(piece, {piece.lo[0] + from.u * (piece.hi[0] - piece.lo[0]),
+                           piece.lo[1] + from.v * (piece.hi[1] - piece.lo[1])});
+    FlowEnd end;
+    const auto ends = [&end, &p](FlowEnd::Kind kind) {
+        end.kind = kind;
+        end.point = p.point;
+        end.load = p.load;
+        return end;
+    };
+    /// On an edge, and the way leads over it.
+    const auto led_off = [&piece](const Place& q) {
+        for (std::size_t k = 0; k < 2; ++k) {
+            const long double range = piece.hi[k] - piece.lo[k];
+            if ((q.at[k] - piece.lo[k] <= 2.0L * kOn * range && q.way[k] < 0.0L) ||
+                (piece.hi[k] - q.at[k] <= 2.0L * kOn * range && q.way[k] > 0.0L)) {
+                return true;
+            }
+        }
+        return false;
+    };
+    long double s = 0.05L * p.reach;
+    int crossings = 0;
+    for (int n = 0; n < kMostSteps; ++n) {
+        if (!p.regular) {
+            return ends(FlowEnd::Kind::lost);
+        }
+        if (p.excess <= 0.0L) {
+            return ends(FlowEnd::Kind::cone);
+        }
+        if (p.along < 1e-7L * p.reach) {
+            return ends(FlowEnd::Kind::foot);
+        }
+        if (led_off(p)) {
+            const Place before = p;
+            if (!cross(piece, p)) {
+                p = before;
+                return ends(FlowEnd::Kind::edge);
+            }
+            if (p.regular && p.excess > 0.0L && led_off(p)) {
+                return ends(FlowEnd::Kind::edge);
+            }
+            if (++crossings > 100) {
+                return ends(FlowEnd::Kind::lost);
+            }
+            continue;
+        }
+        Step tried = step(piece, p, s);
+        int halvings = 0;
+        while (!tried.regular || tried.error > kStepError * p.reach) {
+            s *= tried.regular ? 0.5L : 0.2L;
+            if (++halvings > 80) {
+                return ends(FlowEnd::Kind::lost);
+            }
+            tried = step(piece, p, s);
+        }
+        // A stage within the cone, the end not: shorter, until they agree.
+        while (tried.regular && !tried.clean && room(piece, tried.to) >= 0.0L &&
+               s > 1e-9L * p.reach) {
+            s *= 0.5L;
+            tried = step(piece, p, s);
+        }
+        if (tried.regular && room(piece, tried.to) < 0.0L) {
+            long double good = 0.0L;
+            long double bad = s;
+            long double f_good = std::max(room(piece, p), 1e-15L);
+            long double f_bad = room(piece, tried.to);
+            Place inside = tried.to;
+            int last = 0;
+            for (int k = 0; k < 80 && bad - good > 1e-18L * p.reach; ++k) {
+                long double x = (good * f_bad - bad * f_good) / (f_bad - f_good);
+                if (!(x > good && x < bad) || k % 4 == 3) {
+                    x = 0.5L * (good + bad);
+                }
+                const Step there = step(piece, p, x);
+                if (!there.regular) {
+                    return ends(FlowEnd::Kind::lost);
+                }
+                const long double f = room(piece, there.to);
+                const bool out = f >= 0.0L;
+                if (!out) {
+                    inside = there.to;
+                }
+                (out ? good : bad) = x;
+                (out ? f_good : f_bad) = f;
+                (out ? f_bad : f_good) *= last == (out ? 1 : -1) ? 0.5L : 1.0L;
+                last = out ? 1 : -1;
+                if (!out && f > -1e-15L) {
+                    break;
+                }
+            }
+            p = inside;
+            end.way += bad;
+            continue;  // within the cone, or on an edge
+        }
+        end.way += s;
+        p = tried.to;
+        const long double grow =
+            0.9L * std::pow(kStepError * p.reach / (tried.error + 1e-300L), 0.2L);
+        s *= std::clamp(grow, 0.3L, 3.0L);
+    }
+    return ends(FlowEnd::Kind::lost);
+}
+
+}  // namespace palpate::stress
