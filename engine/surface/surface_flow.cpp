@@ -7,7 +7,7 @@ namespace palpate::engine {
 namespace {
 
 /// Of a step, as a share of the stretch.
-constexpr double kFlowError = 3e-12;
+constexpr double kFlowError = 2e-11;
 /// A flow that asks for steps that are shorter than this, of the size, has no direction to speak of.
 constexpr double kLeast = 1e-8;
 constexpr Work kStageWork = 150;  ///< besides the evaluation
@@ -234,7 +234,7 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
         for (int k = 0; !good && k < 60 && !tired(); ++k) {
             good = long_step(a, h, step);
             if (!good) {
-                const double fits = std::pow(tolerance_ / step.error, 1.0 / 6.0);
+                const double fits = std::sqrt(std::sqrt(tolerance_ / step.error));
                 h *= std::clamp(0.9 * fits, 0.1, 0.7);
                 if (h < least) {
                     break;
@@ -244,11 +244,10 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
         if (!good) {
             break;
         }
-        const double grow =
-            step.count == 2
-                ? 4.0
-                : std::clamp(0.9 * std::pow(tolerance_ / (step.error + 1e-300), 1.0 / 6.0), 0.3,
-                             4.0);
+        const double rest = tolerance_ / (step.error + 1e-300);
+        const double grow = step.count == 2
+                              ? 4.0
+                              : std::clamp(0.9 * std::sqrt(std::sqrt(std::sqrt(rest))), 0.3, 4.0);
         longest = grow * h;
         const FlowArc arc(a, step.to, step.end, h);
         // The edge of the patch.

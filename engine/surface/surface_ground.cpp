@@ -98,8 +98,8 @@ Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
 }
 
 /// Which of two patches decides: the one in whose cone the GO is, then the one into which its drive leads, then the one
-/// that leads on along their edge, then the one that carries; of two in which it rests that on which it is, or a sheet that lies on
-/// itself would turn over. Without friction there is no cone to rest in while another leads on, by
+/// that leads on along their edge, then the one that carries; of two in which it rests that on which it is, or a sheet
+/// that lies on itself would turn over. Without friction there is no cone to rest in while another leads on, by
 /// more than a foot looks different from the other side.
 int SurfaceGround::rank(const Footing& f) const noexcept {
     if (f.way == Footing::Way::held) {

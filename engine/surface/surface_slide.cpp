@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/surface/slide_step.hpp"
 #include "engine/surface/surface_flow.hpp"
-#include "engine/surface/surface_step.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -13,6 +13,9 @@ using Way = Footing::Way;
 
 /// Way beside the flow that is told, of the size.
 constexpr double kAstray = 1e-8;
+
+/// Sine of the angle between tangents, and their length by the size, below which a place is singular.
+constexpr double kSingular = 1e-7;
 
 /// The walk of one tick.
 class Slider {
@@ -35,6 +38,7 @@ public:
                 spent_ = true;
                 break;
             }
+            singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet));
             if (at.way == Way::open && ground_.mu() > 0.0 && flows(at, slid)) {
                 if (done_) {
                     break;
@@ -45,7 +49,7 @@ public:
             const double chord = glm::length(next.jet.point - at.spot.jet.point);
             slid += chord;
             slew_.used += chord;
-            astray_ += (at.way == Way::open ? strays_ : on_pole(at.spot.place)) ? chord : 0.0;
+            astray_ += at.way == Way::open && strays_ ? chord : 0.0;
             if (done_) {
                 at.spot = next;
                 if (at.way != Way::open) {
@@ -94,10 +98,13 @@ private:
         }
     }
 
-    /// Off a pole it goes along the nearest of a few lines.
-    [[nodiscard]] bool on_pole(const SurfacePlace& p) const noexcept {
-        const SurfaceObject& surface = ground_.surface();
-        return ground_.mu() > 0.0 && (surface.pole_u(p) || surface.pole_v(p));
+    /// Where the tangents nearly vanish, or are one, rounding has a say in where the flow leads.
+    [[nodiscard]] bool singular(const SurfaceJet& j) const noexcept {
+        const double e = glm::dot(j.du, j.du);
+        const double g = glm::dot(j.dv, j.dv);
+        const Vec3 area = glm::cross(j.du, j.dv);
+        const double tiny = kSingular * kSingular * size_ * size_;
+        return e < tiny || g < tiny || glm::dot(area, area) < kSingular * kSingular * (e * g);
     }
 
     /// Where the god-object goes on; over a convex edge, with a vertex slew, through its fan.
@@ -206,51 +213,6 @@ private:
         return std::max(whole / rate, slow ? 2.0 * last_ : 0.0);
     }
 
-    /// The step of this length: into the patch, or along its edge.
-    [[nodiscard]] static SurfaceStep step_of(const Footing& at,
-                                             const SurfaceSteps& steps,
-                                             double length) noexcept {
-        if (at.way != Way::open) {
-            return steps.along(at.way == Way::along_u, length);
-        }
-        const SurfacePlace& p = at.spot.place;
-        SurfaceStep step = steps.of(length);
-        if (steps.ridge() && (leaves(p.u, step.du) || leaves(p.v, step.dv))) {
-            step = {-step.du, -step.dv, step.length, false};
-        }
-        const bool out_u = leaves(p.u, step.du);
-        const bool out_v = leaves(p.v, step.dv);
-        if (!out_u && !out_v) {
-            return step;
-        }
-        // The lowest place lies beyond an edge: on it, or straight away from it.
-        const SurfaceStep edge = steps.along(out_v, length);
-        const SurfaceStep straight = steps.straight(length);
-        const bool on = !leaves(p.u, edge.du) && !leaves(p.v, edge.dv) && !(out_u && out_v);
-        return on && steps.fall(edge) > steps.fall(straight) ? edge : straight;
-    }
-
-    static bool leaves(double at, double by) noexcept {
-        return (at == 0.0 && by < 0.0) || (at == 1.0 && by > 0.0);
-    }
-
-    /// A step ends on the edge of its patch.
-    static SurfaceStep cut(const SurfaceSpot& s, SurfaceStep step) noexcept {
-        step.du = leaves(s.place.u, step.du) ? 0.0 : step.du;  // by rounding
-        step.dv = leaves(s.place.v, step.dv) ? 0.0 : step.dv;
-        const auto share = [](double at, double by) {
-            const double room = by > 0.0 ? 1.0 - at : at;
-            return std::fabs(by) > room ? room / std::fabs(by) : 1.0;
-        };
-        const double part = std::min(share(s.place.u, step.du), share(s.place.v, step.dv));
-        return {part * step.du, part * step.dv, part * step.length, step.newton && part == 1.0};
-    }
-
-    /// Below the last bits of the parameters.
-    static bool still(const SurfaceStep& step) noexcept {
-        return std::fabs(step.du) < 0.25 * kEpsilon && std::fabs(step.dv) < 0.25 * kEpsilon;
-    }
-
     [[nodiscard]] SurfaceSpot go(const SurfaceSpot& s,
                                  const SurfaceStep& step,
                                  double share) noexcept {
@@ -258,27 +220,6 @@ private:
         p.u = std::clamp(p.u + share * step.du, 0.0, 1.0);
         p.v = std::clamp(p.v + share * step.dv, 0.0, 1.0);
         return ground_.look(p);
-    }
-
-    /// Part of the stretch along the way of `step`, m.
-    [[nodiscard]] static double ahead(const SurfaceStep& step, const SurfaceSpot& s) noexcept {
-        const Vec3 way = step.du * s.jet.du + step.dv * s.jet.dv;
-        const double length = glm::length(way);
-        return length > 0.0 ? glm::dot(s.r, way) / length : 0.0;
-    }
-
-    /// Excess over the cone; along an edge only that of the part along it.
-    [[nodiscard]] static double measure(const Footing& at,
-                                        const SurfaceStep& step,
-                                        const SurfaceSpot& s) noexcept {
-        return at.way == Way::open ? s.excess : ahead(step, s) - s.cone;
-    }
-
-    /// How far from the cone a step ends, m.
-    [[nodiscard]] static double left(const Footing& at,
-                                     const SurfaceStep& step,
-                                     const SurfaceSpot& s) noexcept {
-        return at.way == Way::open ? s.excess : std::fabs(ahead(step, s)) - s.cone;
     }
 
     /// The step went into the cone by more than rounding, or past it.
@@ -382,7 +323,7 @@ private:
                 .outside_cone = outside,
                 .in_crease = outside && at.way == Way::held && !spent_ && ground_.enclosed(s.place),
                 .out_of_budget = spent_,
-                .on_flow = astray_ <= kAstray * size_,
+                .on_flow = !singular_ && astray_ <= kAstray * size_,
                 .settled = !tired() && (!outside || barred || foot_ || spent_)};
     }
 
@@ -398,6 +339,7 @@ private:
     SurfaceFan& fan_;
     bool spent_ = false;
     bool strays_ = false;       ///< the last step did not follow the flow
+    bool singular_ = false;     ///< the walk went on from a place without tangents
     double astray_ = 0.0;       ///< way of such steps, m
     double last_ = 0.0;         ///< length of the last step, m
     double trust_ = 1e300;      ///< so long may the next one be, m

@@ -13,28 +13,31 @@ struct SurfaceSlide {
     Vec3 tangential{};           ///< r without its normal part, r = HIP - GO, m
     double length = 0.0;         ///< |tangential|, m
     double load = 0.0;           ///< nu = -r . n, m: > 0 inside
-    double slid = 0.0;           ///< way of the GO, m: sum of chords
+    double slid = 0.0;           ///< way of the GO, m: of the flow, or the sum of its chords
     bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
     bool in_crease = false;      ///< in a concave crease, whose sides carry together
     bool out_of_budget = false;  ///< the vertex slew ended the walk, outside of the cone
     bool on_flow =
-        true;  ///< false: where the flow has no direction it was left by more than 1e-8 of the size
+        true;  ///< false: the flow had no direction, or was left by more than 1e-8 of the size
     bool settled = true;  ///< false: the work limit ended the walk, mostly outside of the cone
 };
+
+/// What one slide of a tick may cost, some 0.1 ms; up to 7 evaluations of the surface are usual.
+inline constexpr Work kSlideWork = 180'000;
 
 /// Lets the god-object go down |r|, r = HIP - GO, until r fits the friction cone of its own normal:
 ///
 ///     dg/ds = t / |t|   to the first g where |t| <= mu max(nu, 0);   r = t - nu n
 ///
-/// Along this flow |r| falls at the rate |t| / |r|, which is what passivity rests on. Without
-/// friction it ends at a foot of HIP. It is followed in steps (SurfaceSteps) that begin along t and
-/// bend as the flow does, each inside one patch; a step is as long as Newton's on |t| - mu nu,
+/// Along this flow |r| falls at the rate |t| / |r|, which is what passivity rests on. Inside a patch it is followed by
+/// SurfaceFlow. Without friction it ends at a foot of HIP; there, along edges, and where the flow has no direction,
+/// the walk goes in steps (SurfaceSteps) that begin along t, each inside one patch, as long as Newton's on
+/// |t| - mu nu,
 ///
 ///     ds = (|t| - mu nu) / (1 - kappa (nu + mu |t|))    with kappa the normal curvature along t,
 ///
 /// twice the one before where the cone lies further than that promises, and a quarter if |r| did
-/// not fall. A step over the cone is closed in from both sides, so that the end lies on the cone,
-/// on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
+/// not fall. The end lies on the cone, on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
 ///
 /// On an edge all patches that meet there are asked (SurfaceGround::footing): the GO goes on into
 /// one of them, along the edge, or stays where every way is barred, at an open border and in a
@@ -43,9 +46,6 @@ struct SurfaceSlide {
 /// @param h   HIP relative to surface.origin(), m
 /// @param mu  >= 0, not read without friction
 /// @param work  what it may cost
-/// What one slide of a tick may cost, some 0.06 ms; 2 or 3 evaluations of the surface are usual.
-inline constexpr Work kSlideWork = 110'000;
-
 template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                                             const SurfacePlace& from,

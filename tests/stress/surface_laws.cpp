@@ -233,8 +233,8 @@ void SurfaceLaws::check_walk(const Tick& now,
     }
 }
 
-/// A slide ends at the first place of its flow within the cone. Where a coefficient that differs by 1e-9 leads elsewhere,
-/// or the flow has no end that doubles can tell, nothing is asked for.
+/// A slide ends at the first place of its flow within the cone. Where a coefficient that differs by 1e-9, or a hand by
+/// rounding, leads elsewhere, or the flow has no end that doubles can tell, nothing is asked for.
 void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     const SurfaceContact& c = now.contact;
     const engine::Friction& friction = scene_->spec().contact.friction;
@@ -256,8 +256,18 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     if (off(end) <= limit) {
         return;
     }
+    std::vector<FlowEnd> others;
     for (const long double by : {-1e-9L, 1e-9L, -1e-7L, 1e-7L}) {
-        const FlowEnd other = flow.end(before.place, now.h, mu * (1.0L + by));
+        others.push_back(flow.end(before.place, now.h, mu * (1.0L + by)));
+    }
+    for (int k = 0; k < 3; ++k) {
+        for (const double by : {-same_, same_}) {
+            Vec3 moved = now.h;
+            moved[k] += by;
+            others.push_back(flow.end(before.place, moved, mu));
+        }
+    }
+    for (const FlowEnd& other : others) {
         if (other.kind != end.kind || length(minus(other.point, c.go)) <= limit ||
             length(other.point + -1.0L * end.point) > limit) {
             ++ties_;
