@@ -39,7 +39,7 @@ public:
                 break;
             }
             singular_ = singular_ || (ground_.mu() > 0.0 && singular(at.spot.jet));
-            if (at.way == Way::open && ground_.mu() > 0.0 && flows(at, slid)) {
+            if (at.way == Way::open && ground_.mu() > 0.0 && !lost_ && flows(at, slid)) {
                 if (done_) {
                     break;
                 }
@@ -71,8 +71,9 @@ private:
         using End = SurfaceFlow::Arrival::End;
         const Vec3 from = at.spot.jet.point;
         const SurfaceFlow::Arrival to =
-            SurfaceFlow(ground_, work_).follow(at.spot, slew_.budget - slew_.used);
+            SurfaceFlow(ground_, work_ / 2).follow(at.spot, slew_.budget - slew_.used);
         strays_ = to.end != End::foot;
+        lost_ = to.end == End::failed;  // in steps from here on, and it is told
         if (!(to.spot.r2 <= at.spot.r2 + 12.0 * std::sqrt(at.spot.r2) * at.spot.noise)) {
             return false;
         }
@@ -339,6 +340,7 @@ private:
     SurfaceFan& fan_;
     bool spent_ = false;
     bool strays_ = false;       ///< the last step did not follow the flow
+    bool lost_ = false;         ///< the flow has no direction, or costs too much
     bool singular_ = false;     ///< the walk went on from a place without tangents
     double astray_ = 0.0;       ///< way of such steps, m
     double last_ = 0.0;         ///< length of the last step, m

@@ -23,7 +23,7 @@ struct SurfaceSlide {
 };
 
 /// What one slide of a tick may cost, some 0.1 ms; up to 7 evaluations of the surface are usual.
-inline constexpr Work kSlideWork = 180'000;
+inline constexpr Work kSlideWork = 150'000;
 
 /// Lets the god-object go down |r|, r = HIP - GO, until r fits the friction cone of its own normal:
 ///
