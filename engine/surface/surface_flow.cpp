@@ -12,7 +12,7 @@ constexpr double kFlowError = 2e-11;
 constexpr double kLeast = 1e-8;
 constexpr Work kStageWork = 150;  ///< besides the evaluation
 constexpr double kBorder = 8.0 * kEpsilon;
-constexpr double kBeyond = 1.25;  ///< share of a step up to which its quintic is believed
+constexpr double kBeyond = 1.02;  ///< share of a step up to which its quintic is believed
 
 /// A cubic between two nodes, with its slope.
 struct Cubic {
@@ -282,8 +282,9 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
                 maybe = to.excess <= 0.0;
             }
             // A little further on.
-            maybe = maybe || (last && high.rate < 0.0 && high.excess <= -0.2 * high.rate &&
-                              out > 1.9 && way + kBeyond * h < most);
+            maybe =
+                maybe || (last && high.rate < 0.0 && high.excess <= -(kBeyond - 1.0) * high.rate &&
+                          out > 1.9 && way + kBeyond * h < most);
             if (!maybe) {
                 continue;
             }
