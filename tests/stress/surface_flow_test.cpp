@@ -60,7 +60,7 @@ engine::SurfaceScene scene_with(const std::vector<SurfaceData>& pieces,
     return {tests::made(pieces), engine::SurfaceSceneSpec{.contact = spec}};
 }
 
-/// How far the forces on a whole surface and on the same cut along u differ beyond 3e-11 of the size, as a share of the
+/// How far the forces on a whole surface and on the same cut along u differ beyond 1e-10 of the size, as a share of the
 /// largest, until a tick says that it is not proven.
 double cut_differs(const SurfaceCase& c, double share, std::size_t& compared) {
     const auto& knots = c.data.knots_u;
@@ -91,7 +91,8 @@ double cut_differs(const SurfaceCase& c, double share, std::size_t& compared) {
         }
         compared += x.mode == engine::Mode::slip ? 1U : 0U;
         largest = std::max({largest, glm::length(x.force), glm::length(y.force)});
-        const double rounding = 3e-11 * c.spec.stiffness * c.surface->size();
+        const double rounding =
+            c.spec.stiffness * (1e-10 * c.surface->size() + 1e-11 * glm::length(h));
         worst = std::max(worst, glm::length(x.force - y.force) - rounding);
     }
     return largest > 0.0 ? worst / largest : 0.0;
