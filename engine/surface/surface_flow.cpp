@@ -215,7 +215,10 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
     double way = 0.0;
     int last_bits = 0;
     while (a.regular) {
-        if (a.load <= 0.0 && a.length < 1e-2 * std::fabs(a.load)) {
+        // Where no cone to speak of is left the steps of Newton's kind take over: there all ways lead to the foot.
+        const double aside = std::fabs(a.load);
+        if ((a.load <= 0.0 && a.length < 1e-2 * aside) ||
+            (a.length < 1e-6 * aside && a.excess > 0.9 * a.length)) {
             return end_at(a.at, way, End::foot);
         }
         if (tired()) {
@@ -227,6 +230,8 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
         }
         const double bend = a.measure(a.bend);
         double h = std::min({newton, longest, most - way, longest < 1e299 ? 1e300 : 0.2 / bend});
+        // What is beside the way falls as |t| does: a step to a small part of it would not be stable.
+        h = a.excess > 0.7 * a.length ? std::min(h, 0.7 * a.length) : h;
         h = std::max(h, 4.0 * from.noise);
         Step step;
         const double slow = h * bend;
