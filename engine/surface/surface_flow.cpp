@@ -143,12 +143,14 @@ bool SurfaceFlow::long_step(const FlowSpot& a, double h, Step& step) noexcept {
 bool SurfaceFlow::into_cone(
     const FlowArc& arc, Node low, Node high, SurfaceSpot& spot, double& x) noexcept {
     const Cubic model(low, high);
-    double lo = low.x;
+    double lo = 0.0;  // there the excess is known, at the stages nearly
     double hi = high.excess > 0.0 ? kBeyond : high.x;
     SurfaceSpot best;
     bool found = false;
-    double at = high.excess > 0.0 ? high.x - high.excess / high.rate : low.x;
-    if (high.excess <= 0.0) {
+    double at = high.excess > 0.0 ? high.x - high.excess / high.rate
+              : low.excess > 0.0  ? low.x
+                                  : high.x;
+    if (high.excess <= 0.0 && low.excess > 0.0) {
         double a = low.x;
         double b = high.x;
         for (int i = 0; i < 20 && b - a > 1e-9; ++i) {
@@ -218,7 +220,7 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
         // Where no cone to speak of is left the steps of Newton's kind take over: there all ways lead to the foot.
         const double aside = std::fabs(a.load);
         if ((a.load <= 0.0 && a.length < 1e-2 * aside) ||
-            (a.length < 1e-6 * aside && a.excess > 0.9 * a.length)) {
+            (a.length < 1e-6 * aside && a.excess > 0.999 * a.length)) {
             return end_at(a.at, way, End::foot);
         }
         if (tired()) {
@@ -305,8 +307,13 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
             (out_u <= out_v ? at.x : at.y) = out_u <= out_v ? border_u : border_v;
             return end_at(at, way + out * h, End::edge);
         }
+        const FlowSpot end = step.count == 2 ? look(step.end) : step.to;
+        if (end.excess < -4.0 * from.rounding && h > 64.0 * least * kLeast) {
+            longest = 0.5 * h;  // somewhere on the way, then
+            continue;
+        }
         way += h;
-        a = step.count == 2 ? look(step.end) : step.to;
+        a = end;
         if (way >= most * (1.0 - 1e-12)) {
             return end_at(a.at, way, End::spent);
         }
