@@ -110,15 +110,11 @@ SurfaceData wild_sheet(Random& random) {
         std::array<double, 3>{0.0, 1.0, 3.0}.at(static_cast<std::size_t>(random.below(3)));
     const int degree = std::array<int, 3>{1, 4, 9}.at(static_cast<std::size_t>(random.below(3)));
     SurfaceData d = tests::random_surface(random, 1.0, decades, degree, random.coin());
-    switch (random.below(4)) {
-        case 0:
-            collapse(d, random);
-            break;
-        case 1:
-            degenerate(d, random);
-            break;
-        default:
-            break;
+    const int how = random.below(4);
+    if (how == 0) {
+        collapse(d, random);
+    } else if (how == 1) {
+        degenerate(d, random);
     }
     return d;
 }
