@@ -21,21 +21,8 @@ inline std::vector<double> random_knots(Random& random, int degree, int inner, b
     return knots;
 }
 
-/// Whether two columns have the same points in the first `rows` rows.
-inline bool same_columns(const std::vector<std::vector<engine::Vec3>>& points,
-                         std::size_t rows,
-                         std::size_t one,
-                         std::size_t other) {
-    for (std::size_t i = 0; i < rows; ++i) {
-        if (points[i][one] != points[i][other]) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/// Anything goes: degrees 1 to 9, control points at random in a box, repeated points, folded sheets; but no column that
-/// is all of the one before it, since a span between them may be a mere curve.
+/// Anything goes: degrees 1 to 9, control points at random in a box, repeated points, folded sheets; but none repeated
+/// of degree 1, where a span could be a mere curve.
 inline SurfaceData random_surface(
     Random& random, double size, double decades, int max_degree = 9, bool rough = true) {
     SurfaceData d;
@@ -55,8 +42,7 @@ inline SurfaceData random_surface(
                 p.y = static_cast<double>(j) / static_cast<double>(n - 1) - 0.5 + 0.1 * p.y;
                 p.z *= 0.3;
             }
-            const bool repeated = j > 0 && random.below(8) == 0 &&
-                                  (i + 1 < m || !same_columns(d.points, i, j - 1, j));
+            const bool repeated = j > 0 && random.below(8) == 0 && d.degree_v > 1;
             d.points[i].push_back(repeated ? d.points[i].back() : size * p);
             d.weights[i].push_back(decades > 0.0 ? random.decade(-decades, decades) : 1.0);
         }
