@@ -82,52 +82,53 @@ void stops(int times) {
     const tests::TemporaryFolder folder;
     const tests::Terminal terminal;
     tests::StopButton button(folder.file("button"));
-    tests::PressedDesk desk(tests::PressingHand::Does::presses,
-                            {std::string(tests::kTerminal) + "=" + terminal.name()}, false,
-                            {"--stop-button", folder.file("button")});
-    tests::XHand& hand = desk.session->hand();
-    const auto window = [&] {
-        return hand.find_window("palpate: ");
+    using Desk = tests::PressedDesk;
+    const auto hand = [](Desk& desk) -> tests::XHand& {
+        return desk.session->hand();
     };
     const auto none = [] {
     };
     struct Way {
         const char* name;
-        std::function<void()> act;
+        std::function<void(Desk&)> act;
         std::function<void()> undo;
     };
     for (const auto& [name, act, undo] :
-         {Way{"Escape at the window", [&] { hand.key("Escape"); }, none},
-          Way{"Space let go (dead man)", [&] { hand.release("space"); }, none},
-          Way{"Escape at the terminal", [&] { terminal.type("\x1b"); }, none},
-          Way{"Enter at the terminal", [&] { terminal.type("\n"); }, none},
+         {Way{"Escape at the window", [&](Desk& desk) { hand(desk).key("Escape"); }, none},
+          Way{"Escape at the terminal", [&](Desk&) { terminal.type("\x1b"); }, none},
+          Way{"Enter at the terminal", [&](Desk&) { terminal.type("\n"); }, none},
           Way{"palpate stop",
-              [&] {
+              [](Desk& desk) {
                   tests::palpate_command({"stop", desk.file});
               },
               none},
-          Way{"stop button", [&] { button.send(1); },
+          Way{"stop button", [&](Desk&) { button.send(1); },
               [&] {
                   button.send(0);
               }},
-          Way{"stop button unplugged", [&] { button.unplug(); },
+          Way{"stop button unplugged", [&](Desk&) { button.unplug(); },
               [&] {
                   button.plug_in();
               }},
-          Way{"keyboard taken away", [&] { hand.take_keyboard_away(); }, none},
-          Way{"window to be closed", [&] { hand.ask_to_close(window()); }, none}}) {
+          Way{"keyboard taken away", [&](Desk& desk) { hand(desk).take_keyboard_away(); }, none},
+          Way{"window to be closed",
+              [&](Desk& desk) { hand(desk).ask_to_close(hand(desk).find_window("palpate: ")); },
+              none}}) {
+        Desk desk(tests::PressingHand::Does::presses,
+                  {std::string(tests::kTerminal) + "=" + terminal.name()}, false,
+                  {"--stop-button", folder.file("button")});
         std::vector<double> ms;
         for (int i = 0; i < times; ++i) {
             if (!desk.feel()) {
                 throw std::runtime_error("the emulated board got no torque");
             }
             const std::int64_t start = now_ns();
-            act();
+            act(desk);
             if (!desk.force_ends()) {
                 throw std::runtime_error("the motors stayed on");
             }
             ms.push_back(1e-6 * static_cast<double>(desk.board.motors().since_ns - start));
-            hand.release("space");
+            hand(desk).release("space");
             undo();
             desk.goes_on();
         }
