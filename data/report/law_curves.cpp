@@ -74,7 +74,7 @@ MadeFigure make_law_curves() {
     const auto panel = [&](std::string title, const engine::SceneSpec& spec, const char* name) {
         Panel made{.title = std::move(title),
                    .x = {.label = "speed of HIP", .unit = "mm/s", .log = true},
-                   .y = {.label = "F_T / F_N", .unit = "", .low = 0.4, .high = 0.8},
+                   .y = {.label = "F_T / F_N", .unit = "", .low = 0.0, .high = 0.8},
                    .height = 240.0};
         Series moving{.name = "while it slides"};
         Series largest{.name = "at break-away", .ink = Ink::vermillion, .stroke = Stroke::dashed};

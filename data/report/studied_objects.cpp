@@ -22,7 +22,7 @@ constexpr std::array<Studied, 5> kStudied{{{"(a) Convex, 10 1/m", 10.0},
                                            {"(b) Convex, 5 1/m", 5.0},
                                            {"(c) Straight", 0.0},
                                            {"(d) Concave, 5 1/m", -5.0},
-                                           {"Concave, 10 1/m", -10.0}}};
+                                           {"(e) Concave, 10 1/m", -10.0}}};
 
 }  // namespace
 
@@ -33,7 +33,7 @@ MadeFigure make_studied_objects() {
                   .columns = 3,
                   .share_x = false,
                   .width = 980.0};
-    Panel all = plane_mm("(e) All on top of each other", 170.0);
+    Panel all = plane_mm("(f) All on top of each other", 170.0);
     std::vector<CsvColumn> table{{"curvature_per_m", {}}, {"x_m", {}}, {"y_m", {}}};
     for (const Studied& one : kStudied) {
         std::vector<Vec2> points = stimuli::silhouette({.curvature = one.curvature});
