@@ -37,11 +37,11 @@ void check(const SurfacePatch& patch) {
                                     " m: give a number above 0");
     }
     for (const double curvature : {patch.curvature_x, patch.curvature_y}) {
-        if (!(std::fabs(curvature) * patch.size / 2.0 <= kMostHalfSine)) {
+        if (!(std::fabs(curvature) * patch.size / 2.0 <= kMaxHalfSine)) {
             throw std::invalid_argument(
                 "a curvature of " + number_text(curvature) + " 1/m is too strong for a patch of " +
                 number_text(1e3 * patch.size) + " mm: stay within " +
-                number_text(2.0 * kMostHalfSine / patch.size) + " 1/m either way");
+                number_text(2.0 * kMaxHalfSine / patch.size) + " 1/m either way");
         }
     }
 }

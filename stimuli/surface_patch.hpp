@@ -8,7 +8,7 @@
 namespace palpate::stimuli {
 
 /// Side of a patch times the stronger of its curvatures, halved: no steeper than 30 degrees along x or y.
-inline constexpr double kMostHalfSine = 0.5;
+inline constexpr double kMaxHalfSine = 0.5;
 /// How far the level rim goes on beyond the patch on each side, m: out of every reach.
 inline constexpr double kRim = 0.5;
 

@@ -54,17 +54,17 @@ std::optional<std::string> outermost(const Protocol& protocol, const std::string
         return std::nullopt;
     }
     const double side = *curvature_of(*object) > 0.0 ? 1.0 : -1.0;
-    const protocols::ObjectSpec* most = nullptr;
+    const protocols::ObjectSpec* extreme = nullptr;
     for (const std::size_t i : objects_of(protocol, true)) {
         const protocols::ObjectSpec& picture = protocol.objects[i];
         if (!curvature_of(picture)) {
             return std::nullopt;
         }
-        if (most == nullptr || side * *curvature_of(picture) > side * *curvature_of(*most)) {
-            most = &picture;
+        if (extreme == nullptr || side * *curvature_of(picture) > side * *curvature_of(*extreme)) {
+            extreme = &picture;
         }
     }
-    return most == nullptr ? std::nullopt : std::optional(most->name);
+    return extreme == nullptr ? std::nullopt : std::optional(extreme->name);
 }
 
 void count_catches(Database& database,
@@ -99,18 +99,19 @@ void at_least(
     }
 }
 
-void at_most(Judged& one, std::string_view rule, std::int64_t some, std::int64_t all, double most) {
-    if (all > 0 && share_of(some, all) > most) {
+void check_share(
+    Judged& one, std::string_view rule, std::int64_t some, std::int64_t all, double extreme) {
+    if (all > 0 && share_of(some, all) > extreme) {
         one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, above {}", rule, some, all,
-                                         share_of(some, all), most));
+                                         share_of(some, all), extreme));
     }
 }
 
 void apply(const ExclusionSpec& rules, Judged& one) {
     at_least(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min);
     at_least(one, "share_correct_min", one.correct, one.main, rules.share_correct_min);
-    at_most(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
-    at_most(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max);
+    check_share(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
+    check_share(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max);
     if (rules.sessions_finished && one.unfinished > 0) {
         one.broken.push_back("sessions_finished: " + counted(one.unfinished, "is not", "are not"));
     }

@@ -254,7 +254,7 @@ std::string why_unbounded(SigmaEnd end) {
             return "as good as 0: no answer is wrong but by lapse";
         case SigmaEnd::blunt:
             return "unbounded: the answers do not follow the items";
-        case SigmaEnd::untold:
+        case SigmaEnd::unknown:
             break;
     }
     return "not told: no answers, or too few different ones";

@@ -66,7 +66,7 @@ void person_text(const IdentificationReport& report,
                            part.end == SigmaEnd::both
                                ? with(part.sigma, part.sigma_interval)
                                : why_unbounded(part.end) + " " + ends_text(*part.sigma_interval));
-        if (f > 0 && part.end != SigmaEnd::untold) {
+        if (f > 0 && part.end != SigmaEnd::unknown) {
             const ThurstoneChange& change = person.changes[f - 1];
             const auto number = [](const std::optional<double>& value, const Interval& interval) {
                 return (value ? fmt::format("{:.3g}", *value) : "no end") + " " +

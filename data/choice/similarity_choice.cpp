@@ -13,7 +13,7 @@ namespace palpate::data {
 namespace {
 
 constexpr double kResidual = 1e-10;
-constexpr int kMostRounds = 100000;
+constexpr int kMaxRounds = 100000;
 
 using Table = std::vector<std::vector<double>>;
 
@@ -234,7 +234,7 @@ std::optional<double> edge(HeldPair& profile, double top, double start, double e
 
 void add_intervals(SimilarityFit& fit, const Table& table) {
     constexpr double kLeast = -20.0;  // ln 2e-9
-    constexpr double kMost = 14.0;    // ln 1e6
+    constexpr double kMax = 14.0;     // ln 1e6
     const std::size_t m = table.size();
     fit.intervals.assign(m, std::vector<Interval>(m, Interval{1.0, 1.0}));
     for (std::size_t i = 0; i < m; ++i) {
@@ -242,10 +242,10 @@ void add_intervals(SimilarityFit& fit, const Table& table) {
             HeldPair profile(table, i, j);
             const double similarity = fit.similarity[i][j];
             const double start =
-                similarity > 0.0 ? std::clamp(std::log(similarity), kLeast, kMost) : kLeast;
+                similarity > 0.0 ? std::clamp(std::log(similarity), kLeast, kMax) : kLeast;
             const auto low = edge(profile, fit.log_likelihood, start, kLeast);
             HeldPair upward(table, i, j);
-            const auto high = edge(upward, fit.log_likelihood, start, kMost);
+            const auto high = edge(upward, fit.log_likelihood, start, kMax);
             fit.intervals[i][j] = fit.intervals[j][i] = {
                 low ? std::exp(*low) : 0.0,
                 high ? std::exp(*high) : std::numeric_limits<double>::infinity()};
@@ -265,7 +265,7 @@ SimilarityFit fit_similarity(const CallCounts& counts) {
     const Margins wanted = margins_of(table);
     Factors f(m);
     SimilarityFit fit;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
         fit.residual = match(f, table, wanted);
         if (fit.residual < kResidual) {
             break;

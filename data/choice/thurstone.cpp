@@ -138,7 +138,7 @@ void add_intervals(ThurstoneFit& fit,
         const double at = top.at[layout.sigma(f)];
         const bool sharp = !low.at && (low.loss < kNoLoss || at < limits.low);
         const bool blunt = !high.at && (high.loss < kNoLoss || at > limits.high);
-        part.end = model.answers(f) == 0.0 || (sharp && blunt) ? SigmaEnd::untold
+        part.end = model.answers(f) == 0.0 || (sharp && blunt) ? SigmaEnd::unknown
                  : sharp                                       ? SigmaEnd::sharp
                  : blunt                                       ? SigmaEnd::blunt
                                                                : SigmaEnd::both;

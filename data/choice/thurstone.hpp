@@ -25,9 +25,9 @@ struct ThurstoneSpec {
 /// Whether the answers bound a sigma. Its estimate is a number in the first case alone.
 enum class SigmaEnd : std::uint8_t {
     both,
-    sharp,   ///< as good as 0: no answer is wrong but by lapses
-    blunt,   ///< as good as infinite: answers do not follow the items
-    untold,  ///< any is as good: no answers, or too few different ones
+    sharp,    ///< as good as 0: no answer is wrong but by lapses
+    blunt,    ///< as good as infinite: answers do not follow the items
+    unknown,  ///< any is as good: no answers, or too few different ones
 };
 
 /// A condition's part of a fit.

@@ -56,14 +56,15 @@ PartChunks::PartChunks(Asked& db, const TrialPart& part)
 }
 
 void PartChunks::require_all(Asked& db, const std::vector<std::int64_t>& counts) {
-    Query told(db,
-               "SELECT session.session_id, rate_hz, felt.ticks FROM main.trial JOIN "
-               "main.presentation AS felt ON felt.trial_id = trial.trial_id AND felt.interval = ?2 "
-               "JOIN main.session USING (session_id) WHERE trial.trial_id = ?1");
-    if (!told.bind(1, part_.trial).bind(2, part_.interval).step()) {
+    Query stored(
+        db,
+        "SELECT session.session_id, rate_hz, felt.ticks FROM main.trial JOIN "
+        "main.presentation AS felt ON felt.trial_id = trial.trial_id AND felt.interval = ?2 "
+        "JOIN main.session USING (session_id) WHERE trial.trial_id = ?1");
+    if (!stored.bind(1, part_.trial).bind(2, part_.interval).step()) {
         fail(part_, "it has ticks, but no row in trial and presentation");
     }
-    period_ns_ = engine::tick_period_ns(told.real(1));
+    period_ns_ = engine::tick_period_ns(stored.real(1));
     std::int64_t next = 0;
     std::string missing;
     for (std::size_t i = 0; i < counts.size() && missing.empty(); ++i) {
@@ -73,8 +74,8 @@ void PartChunks::require_all(Asked& db, const std::vector<std::int64_t>& counts)
         }
         next += counts[i];
     }
-    if (missing.empty() && told.integer(2) > next) {  // NULL, of a trial that did not end, is 0
-        missing = fmt::format("ticks {} to {} are missing", next, told.integer(2) - 1);
+    if (missing.empty() && stored.integer(2) > next) {  // NULL, of a trial that did not end, is 0
+        missing = fmt::format("ticks {} to {} are missing", next, stored.integer(2) - 1);
     }
     if (missing.empty()) {
         return;
@@ -83,7 +84,7 @@ void PartChunks::require_all(Asked& db, const std::vector<std::int64_t>& counts)
                "SELECT 1 FROM main.event WHERE session_id = ?1 AND event_kind = 'ticks lost' UNION "
                "ALL SELECT 1 FROM main.session_provenance WHERE session_id = ?1 AND key = 'traces' "
                "AND value = 'none'");
-    if (!lost.bind(1, told.integer(0)).step()) {
+    if (!lost.bind(1, stored.integer(0)).step()) {
         fail(part_, missing);
     }
 }

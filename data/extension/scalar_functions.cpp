@@ -90,8 +90,8 @@ void d_prime_function(sqlite3_context* context, int count, sqlite3_value** value
         return;
     }
     std::int64_t alternatives = 0;
-    constexpr std::int64_t kMost = 1000;
-    if (!whole(values[2], alternatives) || alternatives < 2 || alternatives > kMost) {
+    constexpr std::int64_t kMax = 1000;
+    if (!whole(values[2], alternatives) || alternatives < 2 || alternatives > kMax) {
         refuse(context, "d_prime: alternatives must be a whole number from 2 to 1000");
         return;
     }

@@ -186,8 +186,8 @@ std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
 
 /// For one more: of a long trial none is kept beside it. @return the memory of one that went
 Ticks TickStore::State::make_room() {
-    constexpr std::size_t kMostParts = 4;
-    constexpr std::size_t kMostTicks = 400'000;  // 60 MB
+    constexpr std::size_t kMaxParts = 4;
+    constexpr std::size_t kMaxTicks = 400'000;  // 60 MB
     const auto ticks = [this] {
         std::size_t sum = 0;
         for (const auto& one : kept) {
@@ -196,7 +196,7 @@ Ticks TickStore::State::make_room() {
         return sum;
     };
     Ticks room;
-    while (kept.size() >= kMostParts || ticks() > kMostTicks) {
+    while (kept.size() >= kMaxParts || ticks() > kMaxTicks) {
         if (kept.front().use_count() == 1) {
             room = kept.front()->take_room();
         }

@@ -11,7 +11,7 @@
 namespace palpate::data {
 namespace {
 
-constexpr double kMostAnswers = 1e6;
+constexpr double kMaxAnswers = 1e6;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::vector<Answers> read_answers(const std::filesystem::path& file) {
     for (std::size_t row = 0; row < table.rows(); ++row) {
         const double n = table.at(row, 1);
         const double k = table.at(row, 2);
-        if (!(n >= 0.0 && n <= kMostAnswers) || n != std::floor(n)) {
+        if (!(n >= 0.0 && n <= kMaxAnswers) || n != std::floor(n)) {
             refuse(row, 1,
                    "give how many answers there are, a whole number from 0 to 1000000 (1 "
                    "where a row is a trial)");

@@ -197,14 +197,14 @@ std::optional<double> corrected(const CurveSpec& spec,
                                 Quantity quantity,
                                 double share) {
     const bool logarithm = by_logarithm(spec, quantity);
-    const auto told = [logarithm](double value) {
+    const auto on_scale = [logarithm](double value) {
         return logarithm ? engine::natural_log(value) : value;
     };
     double sum = 0.0;
     std::size_t used = 0;
     for (const double value : of_all(spec, samples, quantity, share)) {
         if (std::isfinite(value) && (!logarithm || value > 0.0)) {
-            sum += told(value);
+            sum += on_scale(value);
             ++used;
         }
     }
@@ -212,11 +212,11 @@ std::optional<double> corrected(const CurveSpec& spec,
     const double from = quantity_of(spec, samples.from, quantity, share);
     const auto few = static_cast<double>(samples.at.size()) / 100.0;
     if (used == 0 || static_cast<double>(samples.at.size() - used) > few ||
-        static_cast<double>(samples.steep) > few || !std::isfinite(told(estimate)) ||
-        !std::isfinite(told(from))) {
+        static_cast<double>(samples.steep) > few || !std::isfinite(on_scale(estimate)) ||
+        !std::isfinite(on_scale(from))) {
         return std::nullopt;
     }
-    const double value = told(estimate) - (sum / static_cast<double>(used) - told(from));
+    const double value = on_scale(estimate) - (sum / static_cast<double>(used) - on_scale(from));
     return logarithm ? protocols::exponential(value) : value;
 }
 

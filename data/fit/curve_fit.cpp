@@ -331,7 +331,7 @@ std::optional<Interval> profile_interval(const CurveModel& model,
     const bool falls = (quantity == Quantity::jnd || quantity == Quantity::weber) &&
                        place->tie.kind == Tie::Kind::none;
     const double least = rate || positive ? 0.0 : -kInfinity;
-    const double most = rate ? place->high : kInfinity;
+    const double max = rate ? place->high : kInfinity;
     // Where a slope without end is not refuted, no JND is too small, though the model's slopes have an end.
     bool endless = false;
     if (place->tie.kind == Tie::Kind::jnd || place->tie.kind == Tie::Kind::weber) {
@@ -339,7 +339,7 @@ std::optional<Interval> profile_interval(const CurveModel& model,
         endless = 2.0 * (fit.value - end.value) < kReach * kReach &&
                   (place->tie.kind == Tie::Kind::jnd || end.at[0] > 0.0);
     }
-    const double at_down = endless ? least : down ? place->quantity(*down) : falls ? most : least;
+    const double at_down = endless ? least : down ? place->quantity(*down) : falls ? max : least;
     // Where a threshold of 0 is not refuted, no Weber fraction is too large.
     bool through_zero = false;
     if (place->tie.kind == Tie::Kind::weber) {
@@ -350,7 +350,7 @@ std::optional<Interval> profile_interval(const CurveModel& model,
         const Optimum zero = highest(model, near, others, Search::thorough, 1e-10).best;
         through_zero = 2.0 * (fit.value - zero.value) < kReach * kReach;
     }
-    const double at_up = through_zero ? most : up ? place->quantity(*up) : falls ? least : most;
+    const double at_up = through_zero ? max : up ? place->quantity(*up) : falls ? least : max;
     Interval found{std::min(at_down, at_up), std::max(at_down, at_up)};
     if (fit.maxima && (quantity == Quantity::threshold || quantity == Quantity::at_share)) {
         // The slopes that are searched have an end, and their curves end beside the steps.

@@ -41,14 +41,14 @@ double term(double k, double p) {
 }  // namespace
 
 void check(const CurveSpec& spec) {
-    const auto rate = [](const char* what, double value, double most) {
-        if (!(value >= 0.0 && value <= most)) {
+    const auto rate = [](const char* what, double value, double max) {
+        if (!(value >= 0.0 && value <= max)) {
             throw std::invalid_argument(
-                fmt::format("the {} is {}: give a share from 0 to {}, or free", what, value, most));
+                fmt::format("the {} is {}: give a share from 0 to {}, or free", what, value, max));
         }
     };
-    rate("guess rate", spec.guess, kMostGuess);
-    rate("lapse rate", spec.lapse, kMostLapse);
+    rate("guess rate", spec.guess, kMaxGuess);
+    rate("lapse rate", spec.lapse, kMaxLapse);
     const auto prior = [](const char* what, const std::optional<Prior>& one, bool beta) {
         if (one &&
             !(std::isfinite(one->first) && std::isfinite(one->second) && one->second > 0.0)) {
@@ -179,7 +179,7 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
     last_ = z_.back();
     const double range = last_ - first_;
     low_ = {first_ - kBeyond * range, natural_log(kShallowest / range), 0.0, 0.0};
-    high_ = {last_ + kBeyond * range, natural_log(kSteepest / gap), kMostGuess, kMostLapse};
+    high_ = {last_ + kBeyond * range, natural_log(kSteepest / gap), kMaxGuess, kMaxLapse};
 }
 
 void CurveModel::tie(const Tie& tie) {
@@ -377,8 +377,8 @@ double CurveModel::flat_deviance() const {
     const double least = spec_.two_sided  ? (spec_.lapse_free ? 0.0 : spec_.lapse)
                        : spec_.guess_free ? 0.0
                                           : spec_.guess;
-    const double most = spec_.lapse_free ? 1.0 : 1.0 - spec_.lapse;
-    const double share = std::clamp(k / n, least, most);
+    const double max = spec_.lapse_free ? 1.0 : 1.0 - spec_.lapse;
+    const double share = std::clamp(k / n, least, max);
     return std::max(0.0, 2.0 * (saturated() - term(k, share) - term(n - k, 1.0 - share)));
 }
 

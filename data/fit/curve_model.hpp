@@ -60,8 +60,8 @@ struct CurveSpec {
 /// @throws std::invalid_argument with value and remedy for rates or priors out of their ranges
 void check(const CurveSpec& spec);
 
-inline constexpr double kMostGuess = 0.7;
-inline constexpr double kMostLapse = 0.25;
+inline constexpr double kMaxGuess = 0.7;
+inline constexpr double kMaxLapse = 0.25;
 
 inline constexpr std::size_t kCurveParameters = 4;
 /// (location, ln b, guess, lapse). The location is where F = 1/2, on the axis on which the family is b (x - t): ln x

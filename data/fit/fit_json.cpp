@@ -48,17 +48,17 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
                 {"condition", curve.answers.condition},
                 {"levels", curve.model.levels()},
                 {"answers", answers_of(curve)}};
-    for (const Told& told : curve.told) {
-        one[key_of(told.quantity)] = {
-            {"estimate", number(told.value)},
-            {"why", told.why.empty() ? Json(nullptr) : Json(told.why)},
-            {"given", told.fixed},
-            {"se", told.se ? number(*told.se) : Json(nullptr)},
-            {"profile_95", interval_json(told.profile)},
-            {"profile_open", open_json(told.profile)},
-            {"bootstrap_95", interval_json(told.bootstrap)},
-            {"bootstrap_open", open_json(told.bootstrap)},
-            {"corrected", told.corrected ? number(*told.corrected) : Json(nullptr)}};
+    for (const QuantityEstimate& estimate : curve.estimates) {
+        one[key_of(estimate.quantity)] = {
+            {"estimate", number(estimate.value)},
+            {"why", estimate.why.empty() ? Json(nullptr) : Json(estimate.why)},
+            {"given", estimate.fixed},
+            {"se", estimate.se ? number(*estimate.se) : Json(nullptr)},
+            {"profile_95", interval_json(estimate.profile)},
+            {"profile_open", open_json(estimate.profile)},
+            {"bootstrap_95", interval_json(estimate.bootstrap)},
+            {"bootstrap_open", open_json(estimate.bootstrap)},
+            {"corrected", estimate.corrected ? number(*estimate.corrected) : Json(nullptr)}};
     }
     one["deviance"] = curve.fit.deviance;
     one["parameters"] = curve.fit.parameters;

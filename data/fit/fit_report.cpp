@@ -53,47 +53,50 @@ bool ratios(const Answers& answers) {
                                [](const Level& level) { return level.stimulus >= 0.0; });
 }
 
-Told told_of(const FittedCurve& curve, const FitOptions& options, Quantity quantity) {
+QuantityEstimate estimate_of(const FittedCurve& curve,
+                             const FitOptions& options,
+                             Quantity quantity) {
     const CurveSpec& spec = options.spec;
     const double share = options.at.value_or(0.5);
-    Told told{.quantity = quantity, .value = kNoValue};
+    QuantityEstimate estimate{.quantity = quantity, .value = kNoValue};
     if (quantity == Quantity::weber && !ratios(curve.answers)) {
-        told.why = "none: a stimulus is below 0";
-        return told;
+        estimate.why = "none: a stimulus is below 0";
+        return estimate;
     }
-    told.value = quantity_of(spec, curve.fit.at, quantity, share);
+    estimate.value = quantity_of(spec, curve.fit.at, quantity, share);
     const bool rate = quantity == Quantity::guess || quantity == Quantity::lapse;
     const CurveMask free = curve.model.free();
-    told.fixed = rate && !(quantity == Quantity::lapse || spec.two_sided ? free[3] : free[2]);
-    if (told.fixed) {
-        return told;
+    estimate.fixed = rate && !(quantity == Quantity::lapse || spec.two_sided ? free[3] : free[2]);
+    if (estimate.fixed) {
+        return estimate;
     }
-    if (std::isnan(told.value)) {
-        told.why = undefined_why(curve, quantity);
-        return told;
+    if (std::isnan(estimate.value)) {
+        estimate.why = undefined_why(curve, quantity);
+        return estimate;
     }
     if (!curve.fit.shallow) {
-        told.profile = profile_interval(curve.model, curve.fit, quantity, share);
+        estimate.profile = profile_interval(curve.model, curve.fit, quantity, share);
     }
-    told.why = unbounded_why(curve.fit, quantity);
-    if (told.why.empty() && curve.fit.maxima && !rate && !of_steepness(quantity)) {
-        told.value = off_axis(spec.family, curve.fit.maxima->low);
+    estimate.why = unbounded_why(curve.fit, quantity);
+    if (estimate.why.empty() && curve.fit.maxima && !rate && !of_steepness(quantity)) {
+        estimate.value = off_axis(spec.family, curve.fit.maxima->low);
         const double high = off_axis(spec.family, curve.fit.maxima->high);
-        told.why = told.value < high
-                     ? fmt::format("{} {:.9g} to {:.9g}", kNotDetermined, told.value, high)
-                     : "";
+        estimate.why = estimate.value < high
+                         ? fmt::format("{} {:.9g} to {:.9g}", kNotDetermined, estimate.value, high)
+                         : "";
     }
-    if (!told.why.empty()) {
-        told.value = kNoValue;
-        return told;
+    if (!estimate.why.empty()) {
+        estimate.value = kNoValue;
+        return estimate;
     }
-    told.se = standard_error(spec, curve.fit, quantity, share);
+    estimate.se = standard_error(spec, curve.fit, quantity, share);
     if (!curve.samples.at.empty() && !curve.fit.steep) {
-        told.bootstrap = bootstrap_interval(of_all(spec, curve.samples, quantity, share),
-                                            quantity_of(spec, curve.samples.from, quantity, share));
-        told.corrected = corrected(spec, curve.fit, curve.samples, quantity, share);
+        estimate.bootstrap =
+            bootstrap_interval(of_all(spec, curve.samples, quantity, share),
+                               quantity_of(spec, curve.samples.from, quantity, share));
+        estimate.corrected = corrected(spec, curve.fit, curve.samples, quantity, share);
     }
-    return told;
+    return estimate;
 }
 
 /// All that is told of a curve that is fitted.
@@ -104,7 +107,7 @@ void tell(FittedCurve& curve, const FitOptions& options) {
         asked.insert(asked.begin() + 1, Quantity::at_share);
     }
     for (const Quantity quantity : asked) {
-        curve.told.push_back(told_of(curve, options, quantity));
+        curve.estimates.push_back(estimate_of(curve, options, quantity));
     }
 }
 
@@ -187,15 +190,15 @@ double p_of_equal(const FitReport& report,
                              place_two, two.fit, quantity);
 }
 
-const Told& told_in(const FittedCurve& curve, Quantity quantity) {
-    return *std::ranges::find(curve.told, quantity, &Told::quantity);
+const QuantityEstimate& estimate_in(const FittedCurve& curve, Quantity quantity) {
+    return *std::ranges::find(curve.estimates, quantity, &QuantityEstimate::quantity);
 }
 
 std::optional<Interval> interval_of_difference(const CurveSpec& spec,
                                                const FittedCurve& one,
                                                const FittedCurve& two,
                                                Quantity quantity) {
-    if (!told_in(one, quantity).bootstrap || !told_in(two, quantity).bootstrap) {
+    if (!estimate_in(one, quantity).bootstrap || !estimate_in(two, quantity).bootstrap) {
         return std::nullopt;
     }
     const std::vector<double> first = of_all(spec, one.samples, quantity);
@@ -229,10 +232,10 @@ void compare(FitReport& report, const std::string& condition) {
             continue;
         }
         Difference made{.participant = two.answers.participant, .condition = condition};
-        made.threshold =
-            told_in(two, Quantity::threshold).value - told_in(*one, Quantity::threshold).value;
+        made.threshold = estimate_in(two, Quantity::threshold).value -
+                         estimate_in(*one, Quantity::threshold).value;
         made.determined = !std::isnan(made.threshold) || one->fit.far || two.fit.far;
-        made.jnd = told_in(two, Quantity::jnd).value - told_in(*one, Quantity::jnd).value;
+        made.jnd = estimate_in(two, Quantity::jnd).value - estimate_in(*one, Quantity::jnd).value;
         made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
         made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
         made.threshold_p = p_of_equal(report, *one, two, Quantity::threshold);
@@ -264,12 +267,12 @@ Known known_of(const FitReport& report,
     if (curve == nullptr) {
         return {"", kNoValue, kNoValue, "no answers"};
     }
-    const Told& told = told_in(*curve, quantity);
-    Known known{person, told.value, told.value, told.why};
-    if (std::isnan(told.value)) {
+    const QuantityEstimate& estimate = estimate_in(*curve, quantity);
+    Known known{person, estimate.value, estimate.value, estimate.why};
+    if (std::isnan(estimate.value)) {
         const bool jnd = quantity == Quantity::jnd;
-        known.rank = told.why.starts_with(kNotDetermined) ? kNoValue
-                   : curve->fit.shallow                   ? (jnd ? kEndless : kNoValue)
+        known.rank = estimate.why.starts_with(kNotDetermined) ? kNoValue
+                   : curve->fit.shallow                       ? (jnd ? kEndless : kNoValue)
                    : !jnd ? (curve->fit.at[0] > curve->model.last() ? kEndless : -kEndless)
                    : curve->fit.far ? kEndless
                                     : -kEndless;

@@ -41,7 +41,7 @@ struct FitOptions {
 };
 
 /// One quantity of a curve.
-struct Told {
+struct QuantityEstimate {
     Quantity quantity = Quantity::threshold;
     double value = 0.0;  ///< NaN: there is none
     std::string why{};   ///< why there is none: "unbounded: ...", "not determined: 2 to 3"
@@ -57,7 +57,7 @@ struct FittedCurve {
     CurveModel model;
     CurveFit fit{};
     Bootstrap samples{};
-    std::vector<Told> told{};
+    std::vector<QuantityEstimate> estimates{};
 };
 
 /// Of one participant, a condition less the first.

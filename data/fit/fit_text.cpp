@@ -77,28 +77,28 @@ double scale_of(const std::optional<Interval>& interval) {
     return interval ? interval->high - interval->low : 0.0;
 }
 
-std::string told_text(const FitOptions& options, const Told& told) {
-    const std::string name = quantity_text(options, told.quantity);
-    if (told.fixed) {
+std::string estimate_text(const FitOptions& options, const QuantityEstimate& estimate) {
+    const std::string name = quantity_text(options, estimate.quantity);
+    if (estimate.fixed) {
         return fmt::format(
-            "  {:<15} {:<10.4g} {}\n", name, told.value,
-            options.spec.two_sided && told.quantity == Quantity::guess ? "as lapse" : "given");
+            "  {:<15} {:<10.4g} {}\n", name, estimate.value,
+            options.spec.two_sided && estimate.quantity == Quantity::guess ? "as lapse" : "given");
     }
-    const bool unbounded = told.why.starts_with("unbounded");
-    const bool place = told.why.starts_with("not determined");
-    if (!told.why.empty() && !unbounded && !place) {
-        return fmt::format("  {:<15} {}\n", name, told.why);
+    const bool unbounded = estimate.why.starts_with("unbounded");
+    const bool place = estimate.why.starts_with("not determined");
+    if (!estimate.why.empty() && !unbounded && !place) {
+        return fmt::format("  {:<15} {}\n", name, estimate.why);
     }
-    const double scale = told.se.value_or(scale_of(told.profile));
+    const double scale = estimate.se.value_or(scale_of(estimate.profile));
     const std::string value = unbounded ? "unbounded"
-                            : place     ? told.why
-                                        : number_text_of(told.value, scale);
-    const std::string se = told.se ? fmt::format("{:.3g}", *told.se) : "-";
+                            : place     ? estimate.why
+                                        : number_text_of(estimate.value, scale);
+    const std::string se = estimate.se ? fmt::format("{:.3g}", *estimate.se) : "-";
     std::string line = fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se,
-                                   interval_text(told.profile, scale));
+                                   interval_text(estimate.profile, scale));
     if (options.bootstrap > 0) {
-        line += fmt::format(" {:<22} {}", interval_text(told.bootstrap, scale),
-                            told.corrected ? number_text_of(*told.corrected, scale) : "-");
+        line += fmt::format(" {:<22} {}", interval_text(estimate.bootstrap, scale),
+                            estimate.corrected ? number_text_of(*estimate.corrected, scale) : "-");
     }
     return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
 }
@@ -118,8 +118,8 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
     }
     text += fmt::format("\n  {:<15} {:<10} {:<10} {:<22}{}\n", "", "estimate", "se", "profile",
                         options.bootstrap > 0 ? fmt::format(" {:<22} corrected", "bootstrap") : "");
-    for (const Told& told : curve.told) {
-        text += told_text(options, told);
+    for (const QuantityEstimate& estimate : curve.estimates) {
+        text += estimate_text(options, estimate);
     }
     for (const protocols::Estimate& one : curve.answers.believed) {
         text += fmt::format("  the rule's posterior, {}: mean {:.4g}", one.name,

@@ -157,12 +157,12 @@ Highest highest(const CurveModel& model,
         CurvePoint at{};
         double value = 0.0;
     };
-    const auto keep = [](std::vector<Start>& starts, std::size_t most) {
-        most = std::min(most, starts.size());
-        std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(most),
+    const auto keep = [](std::vector<Start>& starts, std::size_t max) {
+        max = std::min(max, starts.size());
+        std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(max),
                           starts.end(),
                           [](const Start& a, const Start& b) { return a.value > b.value; });
-        starts.resize(most);
+        starts.resize(max);
     };
     std::vector<Start> all;
     const std::vector<std::vector<CurvePoint>> grid = rows(model, near, free, search);

@@ -20,14 +20,14 @@ std::vector<double> log_rates(std::size_t rate) {
     constexpr double kLeast = -16.0;  // 1e-7
     constexpr double kFine = -7.0;
     const bool guess = rate == 2;
-    const double most = engine::natural_log(guess ? kMostGuess : kMostLapse);
+    const double max = engine::natural_log(guess ? kMaxGuess : kMaxLapse);
     std::vector<double> all;
     for (double at = kLeast; at < kFine; at += 0.25) {
         all.push_back(at);
     }
     const int steps = guess ? 224 : 112;
     for (int i = 0; i <= steps; ++i) {
-        all.push_back(kFine + (most - kFine) * i / steps);
+        all.push_back(kFine + (max - kFine) * i / steps);
     }
     return all;
 }
@@ -147,7 +147,7 @@ Joint climb_together(std::span<const CurveModel> models,
                      double tolerance) {
     const std::size_t n = models.size();
     const std::size_t rate = models.front().spec().shared_rate();
-    const double most = models.front().high()[rate];
+    const double max = models.front().high()[rate];
     std::vector<CurvePoint> gradients(n);
     std::vector<CurveMatrix> informations(n);
     const auto derivatives = [&](const std::vector<CurvePoint>& at) {
@@ -187,9 +187,9 @@ Joint climb_together(std::span<const CurveModel> models,
             bend += damped[rate][rate] - dot_own(info[rate], by_rate[c], rate);
         }
         const double now = best.at.front()[rate];
-        const bool held = (now <= 0.0 && slope <= 0.0) || (now >= most && slope >= 0.0);
+        const bool held = (now <= 0.0 && slope <= 0.0) || (now >= max && slope >= 0.0);
         const double move = held || !(bend > 0.0) ? 0.0 : slope / bend;
-        const double next_rate = std::clamp(now + move, 0.0, most);
+        const double next_rate = std::clamp(now + move, 0.0, max);
         double gain = move * slope;
         Joint next{.at = best.at};
         for (std::size_t c = 0; c < n; ++c) {

@@ -64,10 +64,10 @@ Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind&
                 values.push_back(*row[friction]);
             }
             if (friction > 0 && row[friction] && row[0]) {
-                const double most = std::max(std::fabs(*row[friction]), std::fabs(*row[0]));
+                const double max = std::max(std::fabs(*row[friction]), std::fabs(*row[0]));
                 const double difference = *row[friction] - *row[0];
                 // Equal answers in another number differ in their last bits, and all to one side.
-                differences.push_back(std::fabs(difference) <= 1e-12 * most ? 0.0 : difference);
+                differences.push_back(std::fabs(difference) <= 1e-12 * max ? 0.0 : difference);
             }
         }
         made.means.push_back(values.empty() ? std::nullopt

@@ -114,8 +114,8 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
         ++counts[{std::to_string(shapes[i]), std::to_string(responses[i])}];
     }
     made.bits = mutual_information(counts);
-    const double most = std::max(entropy_of(shapes), 0.0);
-    made.corrected = std::clamp(made.bits.miller_madow, 0.0, most);
+    const double max = std::max(entropy_of(shapes), 0.0);
+    made.corrected = std::clamp(made.bits.miller_madow, 0.0, max);
     Confusion matrix(shapes, responses);
     const double cells = matrix.cells();
     if (shapes.size() >= 2) {
@@ -124,8 +124,8 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
                                     (2.0 * static_cast<double>(shapes.size()) * std::numbers::ln2);
         const double half = kNormal95 * matrix.jackknife_error();
         made.interval =
-            Interval{std::clamp(centre - half, 0.0, most),
-                     std::clamp(std::max(centre + half, made.bits.miller_madow), 0.0, most)};
+            Interval{std::clamp(centre - half, 0.0, max),
+                     std::clamp(std::max(centre + half, made.bits.miller_madow), 0.0, max)};
     }
     std::vector<std::size_t> dealt(responses.begin(), responses.end());
     Pcg32 random(seed, stream);
@@ -179,7 +179,7 @@ Trend trend(std::span<const Moment> moments) {
     double zz = 0.0;
     double xy = 0.0;
     double zy = 0.0;
-    double most = 0.0;
+    double max = 0.0;
     for (const Moment& one : moments) {
         const double dx = one.trial - x;
         const double dz = one.since_break.value_or(0.0) - z;
@@ -189,11 +189,11 @@ Trend trend(std::span<const Moment> moments) {
         zz += dz * dz;
         xy += dx * dy;
         zy += dz * dy;
-        most = std::max(most, std::fabs(one.value));
+        max = std::max(max, std::fabs(one.value));
     }
     // What one trial changes, against the values: rounding is no trend, and no sign of one.
     const auto slope = [&](double raw, double spread) {
-        return std::fabs(raw) * std::sqrt(spread / n) <= 1e-12 * most ? 0.0 : raw;
+        return std::fabs(raw) * std::sqrt(spread / n) <= 1e-12 * max ? 0.0 : raw;
     };
     Trend made;
     const double both = xx * zz - xz * xz;

@@ -189,7 +189,7 @@ double PowerStudies::found(std::size_t participants) {
     return place->second;
 }
 
-LeastPeople PowerStudies::least(double wanted, std::size_t most) {
+LeastPeople PowerStudies::least(double wanted, std::size_t max) {
     const auto n = static_cast<std::int64_t>(spec_.studies);
     const auto share = [&](std::size_t participants) {
         return found(participants) / static_cast<double>(n);
@@ -199,13 +199,13 @@ LeastPeople PowerStudies::least(double wanted, std::size_t most) {
     };
     const auto search = [&](const auto& enough) -> std::optional<std::size_t> {
         std::size_t low = 2;  // its power is not enough, as far as that is known
-        std::size_t high = std::min<std::size_t>(6, most);
+        std::size_t high = std::min<std::size_t>(6, max);
         while (!enough(high)) {
-            if (high == most) {
+            if (high == max) {
                 return std::nullopt;
             }
             low = high;
-            high = std::min(2 * high, most);
+            high = std::min(2 * high, max);
         }
         while (high - low > 1) {
             const std::size_t middle = (low + high) / 2;
@@ -213,26 +213,27 @@ LeastPeople PowerStudies::least(double wanted, std::size_t most) {
         }
         return high;
     };
-    LeastPeople told{.power = wanted};
-    told.people = search([&](std::size_t people) { return share(people) >= wanted; });
-    told.low = search([&](std::size_t people) { return ends(people).high >= wanted; });
-    told.high = search([&](std::size_t people) { return ends(people).low >= wanted; });
-    if (!told.people || !told.low || (told.high && *told.high - *told.low <= 2)) {
-        return told;
+    LeastPeople least_people{.power = wanted};
+    least_people.people = search([&](std::size_t people) { return share(people) >= wanted; });
+    least_people.low = search([&](std::size_t people) { return ends(people).high >= wanted; });
+    least_people.high = search([&](std::size_t people) { return ends(people).low >= wanted; });
+    if (!least_people.people || !least_people.low ||
+        (least_people.high && *least_people.high - *least_people.low <= 2)) {
+        return least_people;
     }
     // A person more raises the power by so much near there: 1.96 standard errors are to be as much.
-    const std::size_t right = told.high.value_or(most);
-    const std::size_t left = std::min(*told.low, right - 1);
+    const std::size_t right = least_people.high.value_or(max);
+    const std::size_t left = std::min(*least_people.low, right - 1);
     const double growth = (share(right) - share(left)) / static_cast<double>(right - left);
     if (growth > 0.0) {
         const double studies = wanted * (1.0 - wanted) * std::pow(kNormal95 / growth, 2.0);
         const double step = std::pow(10.0, std::floor(std::log10(studies)));
-        told.studies = static_cast<std::size_t>(std::ceil(studies / step) * step);
-        if (*told.studies <= spec_.studies) {
-            told.studies.reset();
+        least_people.studies = static_cast<std::size_t>(std::ceil(studies / step) * step);
+        if (*least_people.studies <= spec_.studies) {
+            least_people.studies.reset();
         }
     }
-    return told;
+    return least_people;
 }
 
 double PowerStudies::truth() const {

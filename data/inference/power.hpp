@@ -80,10 +80,10 @@ public:
 
     /// @param participants  2 or more. Any number of threads gives the same.
     [[nodiscard]] PowerPoint at(std::size_t participants);
-    /// The least number of participants from 3 to `most` whose power is at least `wanted`, taken to grow with it, and which
+    /// The least number of participants from 3 to `max` whose power is at least `wanted`, taken to grow with it, and which
     /// numbers Monte-Carlo error allows: the least whose power could be that high, and the least whose power must be, by
     /// the ends of Wilson's 95 % interval of the share of studies.
-    [[nodiscard]] LeastPeople least(double wanted, std::size_t most);
+    [[nodiscard]] LeastPeople least(double wanted, std::size_t max);
     /// Mean of `expected` over all people drawn so far: the true difference of shares.
     [[nodiscard]] double truth() const;
 
@@ -118,7 +118,7 @@ struct PowerReport {
     std::vector<PowerPoint> points{};  ///< by participants
     std::vector<PowerPoint> null{};  ///< the same without an effect; its power is the type I error
     std::vector<LeastPeople> least{};  ///< for powers in order
-    std::size_t most = 0;
+    std::size_t max = 0;
 };
 
 /// Tables for people, with the sentence for a pre-registration.

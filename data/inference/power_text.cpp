@@ -48,7 +48,7 @@ std::string least_text(const PowerReport& report) {
     std::string text;
     for (const LeastPeople& one : report.least) {
         const auto number = [&](const std::optional<std::size_t>& people) {
-            return people ? fmt::format("{}", *people) : fmt::format("more than {}", report.most);
+            return people ? fmt::format("{}", *people) : fmt::format("more than {}", report.max);
         };
         text += fmt::format("  Power of {:.2g} takes {} people", one.power, number(one.people));
         text += one.low == one.high

@@ -131,17 +131,17 @@ Json part_json(const StatsReport& report, const StatsPart& part) {
                 {"measures", Json::object()},  {"mixed_model", Json::object()},
                 {"confidence", Json::array()}, {"within_person", Json::object()}};
     for (const PersonStats& person : part.people) {
-        Json& told = one["people"][person.subject];
+        Json& entry = one["people"][person.subject];
         for (std::size_t f = 0; f < person.cells.size(); ++f) {
-            told["friction"][report.table.frictions[f]] = cell_json(person.cells[f]);
+            entry["friction"][report.table.frictions[f]] = cell_json(person.cells[f]);
         }
-        told["confidence_area"] = finite(person.confidence_area);
-        told["overconfidence"] = finite(person.overconfidence);
-        told["brier"] = finite(person.brier);
-        told["share_per_trial"] = finite(person.answers.trial);
-        told["share_since_break"] = finite(person.answers.since_break);
-        told["log_rt_per_trial"] = finite(person.log_rt.trial);
-        told["log_rt_since_break"] = finite(person.log_rt.since_break);
+        entry["confidence_area"] = finite(person.confidence_area);
+        entry["overconfidence"] = finite(person.overconfidence);
+        entry["brier"] = finite(person.brier);
+        entry["share_per_trial"] = finite(person.answers.trial);
+        entry["share_since_break"] = finite(person.answers.since_break);
+        entry["log_rt_per_trial"] = finite(person.log_rt.trial);
+        entry["log_rt_since_break"] = finite(person.log_rt.since_break);
     }
     for (const Measure& measure : part.measures) {
         one["measures"][measure.key] = measure_json(report, part, measure);

@@ -172,10 +172,10 @@ std::vector<ConfidenceLevel> levels_of(const StatsReport& report, const std::vec
             }
         }
     }
-    std::vector<ConfidenceLevel> told;
-    constexpr std::size_t kMostLevels = 12;  // of more the table would be a scatter of answers
-    if (levels.size() > kMostLevels) {
-        return told;
+    std::vector<ConfidenceLevel> found;
+    constexpr std::size_t kMaxLevels = 12;  // of more the table would be a scatter of answers
+    if (levels.size() > kMaxLevels) {
+        return found;
     }
     for (const auto& [level, used] : levels) {
         std::vector<double> shares;
@@ -186,11 +186,11 @@ std::vector<ConfidenceLevel> levels_of(const StatsReport& report, const std::vec
                 shares.push_back(one.right / one.n);
             }
         }
-        told.push_back({.level = level,
-                        .n = static_cast<std::int64_t>(n),
-                        .share = mean_share_over_people(shares)});
+        found.push_back({.level = level,
+                         .n = static_cast<std::int64_t>(n),
+                         .share = mean_share_over_people(shares)});
     }
-    return told;
+    return found;
 }
 
 std::optional<TwoCounts> two_counts(const PersonStats& person, std::size_t friction) {

@@ -310,8 +310,8 @@ void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
         add("Laplace", mixed.laplace, mixed.laplace_null,
             mixed.simulated ? all_digits(mixed.simulated->p) : "");
         add("Gauss-Hermite", mixed.quadrature, mixed.quadrature_null, "");
-        const auto told = warnings_of(mixed);
-        warnings.insert(warnings.end(), told.begin(), told.end());
+        const auto of_mixed = warnings_of(mixed);
+        warnings.insert(warnings.end(), of_mixed.begin(), of_mixed.end());
     }
     if (cells.empty()) {
         return;

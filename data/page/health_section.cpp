@@ -196,16 +196,16 @@ void add_health(PageWriter& page, const Study& study) {
                     .y = {.label = "person (session)"},
                     .height = std::max(80.0, 15.0 * static_cast<double>(rows.cells.size()))};
         Series dots{.ink = Ink::blue, .mark = Mark::points};
-        double most = 0.1;
+        double max = 0.1;
         for (std::size_t row = 0; row < rows.cells.size(); ++row) {
             const double y = -static_cast<double>(row);
             dots.x.push_back(100.0 * rows.number(row, name));
             dots.y.push_back(y);
-            most = std::isfinite(dots.x.back()) ? std::max(most, 1.08 * dots.x.back()) : most;
+            max = std::isfinite(dots.x.back()) ? std::max(max, 1.08 * dots.x.back()) : max;
             panel.y.names.emplace_back(y, fmt::format("{} ({})", rows.text(row, "person"),
                                                       rows.text(row, "session_number")));
         }
-        panel.x.high = most;
+        panel.x.high = max;
         panel.y.low = 0.4 - static_cast<double>(rows.cells.size());
         panel.y.high = 0.6;
         panel.series.push_back(std::move(dots));

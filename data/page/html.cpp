@@ -225,7 +225,7 @@ void PageWriter::add_results(const Results& results, const std::string& id) {
         }
         csv += line + '\n';
     }
-    const std::string told =
+    const std::string captions =
         html_table(results.names, results.cells, results.caption) +
         fmt::format(
             "<p class=\"from\">The same numbers: <code>{}</code> <a class=\"csv\" "
@@ -234,8 +234,8 @@ void PageWriter::add_results(const Results& results, const std::string& id) {
             data_address("text/csv", csv));
     body_ += results.folded
                ? fmt::format("<details class=\"more\"><summary>{}</summary>\n{}</details>\n",
-                             html_text(results.caption), told)
-               : told;
+                             html_text(results.caption), captions)
+               : captions;
 }
 
 void PageWriter::figure(const PageFigure& figure) {

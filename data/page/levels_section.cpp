@@ -23,18 +23,17 @@ Results fit_results(const PageNumbers& numbers) {
                     .command = numbers.fit_words,
                     .caption = "Thresholds, JND and slopes with 95 % intervals"};
     for (const FittedCurve& curve : numbers.fit->curves) {
-        for (const Told& told : curve.told) {
-            if (told.fixed) {
+        for (const QuantityEstimate& one : curve.estimates) {
+            if (one.fixed) {
                 continue;
             }
             results.cells.push_back(
                 {curve.answers.participant, curve.answers.condition,
-                 std::string(word_of(told.quantity)), all_digits(told.value),
-                 told.se ? all_digits(*told.se) : "",
-                 told.profile ? all_digits(told.profile->low) : "",
-                 told.profile ? all_digits(told.profile->high) : "",
-                 told.bootstrap ? all_digits(told.bootstrap->low) : "",
-                 told.bootstrap ? all_digits(told.bootstrap->high) : "",
+                 std::string(word_of(one.quantity)), all_digits(one.value),
+                 one.se ? all_digits(*one.se) : "", one.profile ? all_digits(one.profile->low) : "",
+                 one.profile ? all_digits(one.profile->high) : "",
+                 one.bootstrap ? all_digits(one.bootstrap->low) : "",
+                 one.bootstrap ? all_digits(one.bootstrap->high) : "",
                  single_answers(curve) ? "" : all_digits(curve.samples.deviance_p)});
         }
     }

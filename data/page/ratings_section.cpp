@@ -29,9 +29,9 @@ Panel levels_panel(const Rows& rows,
                    const std::string& felt,
                    const std::vector<std::string>& frictions,
                    std::size_t levels) {
-    const double most = static_cast<double>(levels);
+    const double max = static_cast<double>(levels);
     Panel panel{.title = felt,
-                .x = {.label = "level", .low = 0.4, .high = most + 0.6},
+                .x = {.label = "level", .low = 0.4, .high = max + 0.6},
                 .y = {.label = "share of answers", .low = 0.0},
                 .height = 150.0};
     for (std::size_t level = 1; level <= levels; ++level) {

@@ -37,15 +37,15 @@ std::vector<Vec2> thinned(const std::vector<Vec2>& points) {
         open.pop_back();
         const Vec2 way = points[to] - points[from];
         const double length2 = glm::dot(way, way);
-        double most = kNear * kNear;
+        double max = kNear * kNear;
         std::size_t at = from;
         for (std::size_t i = from + 1; i < to; ++i) {
             const Vec2 off = points[i] - points[from];
             const double along =
                 length2 > 0.0 ? std::clamp(glm::dot(off, way) / length2, 0.0, 1.0) : 0.0;
             const Vec2 rest = off - along * way;
-            if (glm::dot(rest, rest) > most) {
-                most = glm::dot(rest, rest);
+            if (glm::dot(rest, rest) > max) {
+                max = glm::dot(rest, rest);
                 at = i;
             }
         }

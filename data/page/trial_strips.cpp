@@ -109,10 +109,10 @@ std::string ticks_text(const std::vector<double>& values, double step) {
     std::vector<std::int64_t> steps;
     steps.reserve(values.size());
     for (const double value : values) {
-        constexpr double kMost = 1e12;  // further out nothing is drawn
+        constexpr double kMax = 1e12;  // further out nothing is drawn
         const double n = std::round(value / step);
-        steps.push_back(std::isfinite(n) && std::fabs(n) < kMost ? static_cast<std::int64_t>(n)
-                                                                 : kNoNumber);
+        steps.push_back(std::isfinite(n) && std::fabs(n) < kMax ? static_cast<std::int64_t>(n)
+                                                                : kNoNumber);
     }
     return tick_text(steps);
 }

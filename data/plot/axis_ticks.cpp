@@ -25,9 +25,9 @@ AxisTicks linear_ticks(const AxisRange& range, int wanted) {
     const double step = digit * std::pow(10.0, power);
 
     AxisTicks out;
-    const double most = std::max(std::fabs(range.low), std::fabs(range.high));
-    if (most >= 1e5 || most < 1e-2) {
-        out.exponent = 3 * static_cast<int>(std::floor(std::log10(most) / 3.0));
+    const double max = std::max(std::fabs(range.low), std::fabs(range.high));
+    if (max >= 1e5 || max < 1e-2) {
+        out.exponent = 3 * static_cast<int>(std::floor(std::log10(max) / 3.0));
     }
     const int decimals = std::max(0, out.exponent - power);
     const double unit = digit * std::pow(10.0, power - out.exponent);

@@ -217,11 +217,11 @@ FrictionMarkers find_markers(const FrictionRun& run) {
 }
 
 double largest_jump(const FrictionRun& run, std::size_t from, std::size_t to) {
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t i = std::max<std::size_t>(from, 1); i <= to && i < run.size(); ++i) {
-        most = std::max(most, glm::length(run[i].force - run[i - 1].force));
+        max = std::max(max, glm::length(run[i].force - run[i - 1].force));
     }
-    return most;
+    return max;
 }
 
 }  // namespace palpate::data

@@ -76,10 +76,10 @@ std::string shape_text(const Protocol& protocol,
     return fmt::format("free form, {:.4g} \u00d7 {:.4g} mm", size.x, size.y);
 }
 
-/// A round number of millimetres (1, 2 or 5 times a power of ten), at most `most`.
-double bar_length(double most) {
-    const double power = std::pow(10.0, std::floor(std::log10(most)));
-    const double times = most / power;
+/// A round number of millimetres (1, 2 or 5 times a power of ten), at most `max`.
+double bar_length(double max) {
+    const double power = std::pow(10.0, std::floor(std::log10(max)));
+    const double times = max / power;
     return power * (times >= 5.0 ? 5.0 : times >= 2.0 ? 2.0 : 1.0);
 }
 

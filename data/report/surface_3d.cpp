@@ -227,14 +227,14 @@ MadeFigure make_surface_forces() {
     friction.markers = numbered(run, [](const SurfaceTick& t) {
         return Vec2{t.t, t.friction_force};
     });
-    Series most{.name = "μ F_N", .x = {}, .y = {}, .ink = Ink::vermillion};
+    Series max{.name = "μ F_N", .x = {}, .y = {}, .ink = Ink::vermillion};
     for (const SurfaceTick& tick : run) {
-        most.x.push_back(tick.t);
-        most.y.push_back(tick.mu * tick.normal_force);
+        max.x.push_back(tick.t);
+        max.y.push_back(tick.mu * tick.normal_force);
     }
-    most.stroke = Stroke::dashed;
-    most.width = 1.2;
-    friction.series.push_back(most);
+    max.stroke = Stroke::dashed;
+    max.width = 1.2;
+    friction.series.push_back(max);
     friction.series.front().name = "friction";
     Figure figure{.id = "fig_3_2_7",
                   .title = "Figure 3.2.7: normal and friction force on the surface",

@@ -262,11 +262,11 @@ MadeFigure make_surface_patches() {
     }
     const auto largest = [](const EdgeRun& run) {
         const std::size_t at = crossing(run);
-        double most = 0.0;
+        double max = 0.0;
         for (std::size_t k = at - 20; k < at + 120 && k < run.size(); ++k) {
-            most = std::max(most, glm::length(run[k].felt.force - run[k - 1].felt.force));
+            max = std::max(max, glm::length(run[k].felt.force - run[k - 1].felt.force));
         }
-        return most;
+        return max;
     };
     Figure figure{.id = "fig_3_1_2_patches",
                   .title = "Over the edge of an object of four NURBS surfaces",

@@ -150,11 +150,11 @@ std::vector<Panel> over_time(const Passage& passage) {
 }
 
 double worst(const Passage& passage, std::size_t track) {
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t i = 0; i < passage.t.size(); ++i) {
-        most = passage.t[i] >= kSettled ? std::max(most, passage.tracks[track].error[i]) : most;
+        max = passage.t[i] >= kSettled ? std::max(max, passage.tracks[track].error[i]) : max;
     }
-    return most;
+    return max;
 }
 
 std::vector<CsvColumn> table(const Passage& passage) {

@@ -13,7 +13,7 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::size_t kMostExact = 40;  ///< 2^20 sums in each half
+constexpr std::size_t kMaxExact = 40;  ///< 2^20 sums in each half
 constexpr int kDrawn = 1'000'000;
 
 /// Standard error of the mean times the 97.5 % point of t; nothing if it would be 0 or is not known.
@@ -114,7 +114,7 @@ SignFlip sign_flip(std::span<const double> differences) {
     if (far <= 0.0) {
         return {};
     }
-    const bool exact = differences.size() <= kMostExact;
+    const bool exact = differences.size() <= kMaxExact;
     return {.p = exact ? exact_share(differences, far) : drawn_share(differences, far),
             .exact = exact};
 }

@@ -13,7 +13,7 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::size_t kMostRanked = 300;  ///< 90,000 sums
+constexpr std::size_t kMaxRanked = 300;  ///< 90,000 sums
 
 /// Twice the mean rank of each size, so that ties are whole numbers too; in the order of `sizes`.
 std::vector<std::size_t> doubled_ranks(const std::vector<double>& sizes) {
@@ -102,7 +102,7 @@ SignedRank signed_rank(std::span<const double> differences) {
     }
     SignedRank made{.v = 0.5 * static_cast<double>(sum),
                     .ranked = ranks.size(),
-                    .exact = ranks.size() <= kMostRanked};
+                    .exact = ranks.size() <= kMaxRanked};
     if (ranks.empty()) {
         return made;
     }

@@ -6,7 +6,7 @@ namespace palpate::data {
 namespace {
 
 /// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk gets there.
-constexpr std::size_t kMostWaiting = std::size_t{1} << 18U;
+constexpr std::size_t kMaxWaiting = std::size_t{1} << 18U;
 /// Ticks that are worth waking the thread before they have to be saved.
 constexpr std::size_t kBatch = 512;
 
@@ -122,7 +122,7 @@ void AsyncRecorder::begin_interval(protocols::TrialId trial,
 void AsyncRecorder::append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) {
     const auto now = std::chrono::steady_clock::now();
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return error_ || waiting_ticks_ < kMostWaiting; });
+    changed_.wait(lock, [this] { return error_ || waiting_ticks_ < kMaxWaiting; });
     if (error_) {
         std::rethrow_exception(error_);
     }

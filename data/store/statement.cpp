@@ -99,7 +99,7 @@ Statement::Statement(Statement&& other) noexcept
     : connection_(other.connection_), statement_(std::exchange(other.statement_, nullptr)) {}
 
 Statement::~Statement() {
-    constexpr std::size_t kMostIdle = 100;
+    constexpr std::size_t kMaxIdle = 100;
     if (statement_ == nullptr) {
         return;
     }
@@ -110,7 +110,7 @@ Statement::~Statement() {
     }
     reset();
     const std::scoped_lock lock(idle_guard);
-    if (connection_->idle.size() >= kMostIdle) {
+    if (connection_->idle.size() >= kMaxIdle) {
         sqlite3_finalize(statement_);
         return;
     }

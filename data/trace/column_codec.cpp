@@ -30,9 +30,9 @@ constexpr Word unfold(Word folded) noexcept {
 
 /// What a rule foretells of the next value: what is taken from it. All in two's complement of a Word.
 template <class Word>
-class Foretold {
+class Predicted {
 public:
-    Foretold(Rule rule, std::int64_t first_tick) noexcept
+    Predicted(Rule rule, std::int64_t first_tick) noexcept
         : line_(rule == Rule::line ? ~Word{0} : Word{0}),
           more_(rule == Rule::after ? Word{1} : Word{0}),
           before_(rule == Rule::after ? static_cast<Word>(first_tick) - 1 : Word{0}),
@@ -56,11 +56,11 @@ void numbers_of(Rule rule,
                 std::int64_t first_tick,
                 std::span<const std::int64_t> values,
                 std::span<std::uint64_t> numbers) noexcept {
-    Foretold<Word> foretold(rule, first_tick);
+    Predicted<Word> predicted(rule, first_tick);
     for (std::size_t i = 0; i < values.size(); ++i) {
         const auto value = static_cast<Word>(values[i]);
-        numbers[i] = fold<Word>(value - foretold.next());
-        foretold.see(value);
+        numbers[i] = fold<Word>(value - predicted.next());
+        predicted.see(value);
     }
 }
 
@@ -144,9 +144,9 @@ bool read_words(Rule rule,
                                  [](Word number) { return static_cast<Signed>(number); });
     }
     return each_number<Word>(stream, values,
-                             [foretold = Foretold<Word>(rule, first_tick)](Word number) mutable {
-                                 const Word value = foretold.next() + unfold(number);
-                                 foretold.see(value);
+                             [predicted = Predicted<Word>(rule, first_tick)](Word number) mutable {
+                                 const Word value = predicted.next() + unfold(number);
+                                 predicted.see(value);
                                  return static_cast<Signed>(value);
                              });
 }

@@ -12,9 +12,9 @@ inline constexpr std::int32_t kNotANumber = std::numeric_limits<std::int32_t>::m
 /// `value` in steps of 1 / per_unit: floor(value * per_unit + 1/2), so halves go up; beyond 2^31 - 1 steps
 /// the last one on that side, +-(2^31 - 1).
 [[nodiscard]] inline std::int32_t in_steps(double value, double per_unit) noexcept {
-    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    constexpr double kMax = std::numeric_limits<std::int32_t>::max();
     const double steps = value * per_unit + 0.5;
-    if (!(steps > -kMost && steps < kMost)) {
+    if (!(steps > -kMax && steps < kMax)) {
         return !std::isfinite(value) ? kNotANumber
              : steps < 0.0           ? -std::numeric_limits<std::int32_t>::max()
                                      : std::numeric_limits<std::int32_t>::max();

@@ -17,7 +17,7 @@ namespace {
 using engine::TickRecord;
 
 /// A rule makes new scenes with every trial; a factorial design has fewer than this.
-constexpr std::size_t kMostScenes = 256;
+constexpr std::size_t kMaxScenes = 256;
 
 template <class List>
 std::size_t index_of(const List& list, const std::string& name, std::string_view what) {
@@ -118,7 +118,7 @@ std::shared_ptr<const engine::FeltScene> SessionTraces::scene_of(const TraceTria
         const std::shared_ptr<engine::FeltScene> scene(
             new engine::FeltScene(protocols::make_felt_scene(protocol_, felt)));
         scene->restore_decay({.slip = trial.slip_decay, .heal = trial.heal_decay});
-        if (scenes_.size() >= kMostScenes) {
+        if (scenes_.size() >= kMaxScenes) {
             scenes_.clear();
         }
         found = scenes_.emplace(key, scene).first;

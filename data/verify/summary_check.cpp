@@ -63,8 +63,8 @@ std::int64_t felt_ticks(const SessionFrame& frame,
         findings.differs("trace", fmt::format("the last {} ticks ramp the force out", found),
                          fmt::format("at least {}: ticks are missing at the end", ramp));
     }
-    const std::int64_t most = std::max<std::int64_t>(0, all - ramp);
-    return on_virtual_clock(trace) ? most : std::clamp<std::int64_t>(stored, 0, most);
+    const std::int64_t max = std::max<std::int64_t>(0, all - ramp);
+    return on_virtual_clock(trace) ? max : std::clamp<std::int64_t>(stored, 0, max);
 }
 
 /// @param pressed  somebody may have said done, also in a trial that was aborted or faulted later

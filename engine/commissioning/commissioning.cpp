@@ -31,7 +31,7 @@ void check_marks(const Calibration& machine, const std::vector<Vec3>& places) {
     for (const Vec3& place : places) {
         plane.emplace_back(place);
     }
-    if (!(told_apart(machine.pantograph, plane) > 2.0 * kPlaced)) {
+    if (!(separation(machine.pantograph, plane) > 2.0 * kPlaced)) {
         throw std::invalid_argument(
             "these marks do not tell how the encoders are connected: give others, further apart "
             "and not in one line with home");
@@ -40,8 +40,8 @@ void check_marks(const Calibration& machine, const std::vector<Vec3>& places) {
 
 /// Of the pulses that find numbers, N. @param force  that moves the handle
 double strong(const Calibration& machine, double force) {
-    const double most = pulse_forces(machine.axes()).back();
-    return std::fmax(kStrong, machine.gantry ? std::fmin(3.0 * force, most) : force);
+    const double max = pulse_forces(machine.axes()).back();
+    return std::fmax(kStrong, machine.gantry ? std::fmin(3.0 * force, max) : force);
 }
 
 std::string encoders_text(const EncoderProof& proof) {
@@ -202,7 +202,7 @@ std::string prove_order(const Calibration& machine,
 std::string motors_text(const Connection& connection, const std::array<double, 2>& gain) {
     std::string text = explained(connection, "motor", "is too strong", "is too weak");
     for (std::size_t i = 0; i < 2; ++i) {
-        if (!(std::fabs(std::fabs(gain[i]) - 1.0) <= kMostGainError)) {
+        if (!(std::fabs(std::fabs(gain[i]) - 1.0) <= kMaxGainError)) {
             text += (text.empty() ? "" : ", ") + std::string("motor ") + std::to_string(i + 1) +
                     " gives " + number_text(std::round(100.0 * std::fabs(gain[i])) / 100.0) +
                     " times what it should";
@@ -237,7 +237,7 @@ std::string prove_strength(const Calibration& machine,
     done.motors = prove_motors(machine.pantograph, done.pulses, mass.x, delay);
     done.record.dynamics = done.motors->dynamics;
     const std::string what = motors_text(done.motors->connection, done.motors->gain);
-    if (!what.empty() && done.motors->unexplained > kMostUnexplained) {
+    if (!what.empty() && done.motors->unexplained > kMaxUnexplained) {
         return unexplained_text(done.motors->unexplained);
     }
     return what.empty()

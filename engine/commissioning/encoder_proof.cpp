@@ -108,7 +108,7 @@ EncoderProof prove_encoders(const PantographSpec& spec, std::span<const MarkRead
     return proof;
 }
 
-double told_apart(const PantographSpec& spec, std::span<const Vec2> places) {
+double separation(const PantographSpec& spec, std::span<const Vec2> places) {
     const Pantograph machine(spec);
     const std::vector<MarkReading> marks = exact_marks(machine, places);
     if (marks.size() < 2) {
@@ -139,13 +139,13 @@ std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& h
         }
     }
     std::vector<Vec2> best;
-    double most = 2.0 * kPlaced;
+    double max = 2.0 * kPlaced;
     for (std::size_t i = 0; i < within.size(); ++i) {
         for (std::size_t k = i + 1; k < within.size(); ++k) {
             const std::vector<Vec2> places{home, within[i], within[k]};
-            const double least = told_apart(spec, places);
-            if (least > most) {
-                most = least;
+            const double least = separation(spec, places);
+            if (least > max) {
+                max = least;
                 best = places;
             }
         }

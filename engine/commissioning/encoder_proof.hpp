@@ -46,7 +46,7 @@ inline constexpr double kPlaced = 0.005;
 
 /// By how far the wrong connection that is hardest to see misses one of `places`, m: it has to be
 /// more than 2 kPlaced. Home is the first of them.
-[[nodiscard]] double told_apart(const PantographSpec& spec, std::span<const Vec2> places);
+[[nodiscard]] double separation(const PantographSpec& spec, std::span<const Vec2> places);
 
 /// Home, and two places within the study's 80 x 60 mm that tell all connections best.
 /// @throws std::invalid_argument if no two tell them

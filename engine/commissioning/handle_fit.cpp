@@ -17,7 +17,7 @@ constexpr std::size_t kEvery = 4;  ///< ticks between two that are compared
 using Numbers = LeastSquares::Row;
 
 constexpr Numbers kLeast{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05};
-constexpr Numbers kMost{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 100.0, 10.0, 20.0};
+constexpr Numbers kMax{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 100.0, 10.0, 20.0};
 /// What a step of the differences is, where a number is near 0.
 constexpr Numbers kSmall{1e-6, 1e-6, 1e-3, 1e-4, 1e-4, 3e-5, 3e-5, 1e-2, 1e-3, 1e-2};
 
@@ -26,7 +26,7 @@ Numbers numbers_of(const FittedHandle& handle) {
     Numbers all{d.inertia.x,  d.inertia.y,  d.handle_mass,    d.damping.x,       d.damping.y,
                 d.friction.x, d.friction.y, d.handle_damping, d.handle_friction, handle.ratio};
     for (std::size_t i = 0; i < all.size(); ++i) {
-        all[i] = std::clamp(all[i], kLeast[i], kMost[i]);
+        all[i] = std::clamp(all[i], kLeast[i], kMax[i]);
     }
     return all;
 }
@@ -160,7 +160,7 @@ Numbers changed(const HandleDynamics& before, const Numbers& by) {
 FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start, bool free_ratio) {
     const Numbers found =
         nearest_numbers([&](const Numbers& x) { return predicted(tracks, x); }, counted(tracks),
-                        numbers_of(start), {kLeast, kMost, kSmall}, free_ratio ? 10 : 9);
+                        numbers_of(start), {kLeast, kMax, kSmall}, free_ratio ? 10 : 9);
     FittedHandle handle = handle_of(found);
     handle.unexplained = unexplained(tracks, found);
     return handle;
@@ -172,7 +172,7 @@ HandleChange fit_change(std::span<const Track> tracks, const HandleDynamics& bef
     };
     const Numbers found = nearest_numbers(
         moved, counted(tracks), {1.0, 1.0, 1.0},
-        {.least = {0.02, 0.02, 0.0}, .most = {10.0, 10.0, 10.0}, .small = {1e-2, 1e-2, 1e-2}}, 3);
+        {.least = {0.02, 0.02, 0.0}, .max = {10.0, 10.0, 10.0}, .small = {1e-2, 1e-2, 1e-2}}, 3);
     return {.gain = {found[0], found[1]},
             .friction = found[2],
             .unexplained = unexplained(tracks, changed(before, found))};

@@ -6,11 +6,11 @@
 
 namespace palpate::engine {
 
-/// Least squares by normal equations, at most kMost unknowns.
+/// Least squares by normal equations, at most kMax unknowns.
 class LeastSquares {
 public:
-    static constexpr std::size_t kMost = 10;
-    using Row = std::array<double, kMost>;
+    static constexpr std::size_t kMax = 10;
+    using Row = std::array<double, kMax>;
 
     explicit LeastSquares(std::size_t unknowns) : n_(unknowns) {}
 
@@ -63,7 +63,7 @@ public:
 
 private:
     std::size_t n_;
-    std::array<Row, kMost> a_{};
+    std::array<Row, kMax> a_{};
     Row b_{};
 };
 

@@ -19,7 +19,7 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// What numbers may be.
 struct NumberRange {
     LeastSquares::Row least{};
-    LeastSquares::Row most{};
+    LeastSquares::Row max{};
     LeastSquares::Row small{};  ///< a step of the differences, where a number is near 0
 };
 
@@ -50,7 +50,7 @@ LeastSquares slopes_at(const Predict& predict,
                        const std::vector<double>& missed,
                        const NumberRange& range,
                        std::size_t unknowns) {
-    std::array<std::vector<double>, LeastSquares::kMost> slope;
+    std::array<std::vector<double>, LeastSquares::kMax> slope;
     for (std::size_t i = 0; i < unknowns; ++i) {
         LeastSquares::Row beside = x;
         const double step = std::fmax(0.02 * std::fabs(x[i]), range.small[i]);
@@ -95,7 +95,7 @@ template <class Predict>
             const LeastSquares::Row change = squares.solved(damped);
             LeastSquares::Row next = x;
             for (std::size_t i = 0; i < unknowns; ++i) {
-                next[i] = std::clamp(x[i] + change[i], range.least[i], range.most[i]);
+                next[i] = std::clamp(x[i] + change[i], range.least[i], range.max[i]);
             }
             std::vector<double> there = predict(next);
             std::vector<double> left = detail::missed(measured, there);

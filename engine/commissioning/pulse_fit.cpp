@@ -180,7 +180,7 @@ Order order_of(std::span<const Moments> pulses) {
         responses.push_back(response_of(place));
     }
     Order best;
-    double most = -std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
     for (const bool swapped : {false, true}) {
         for (const Vec2& sign :
              {Vec2{1.0, 1.0}, Vec2{-1.0, 1.0}, Vec2{1.0, -1.0}, Vec2{-1.0, -1.0}}) {
@@ -189,8 +189,8 @@ Order order_of(std::span<const Moments> pulses) {
             for (const Response& response : responses) {
                 sum += positivity(response, order);
             }
-            if (sum > most) {
-                most = sum;
+            if (sum > max) {
+                max = sum;
                 best = order;
             }
         }
@@ -217,8 +217,8 @@ HandleDynamics first_idea(std::span<const Moments> pulses, const Order& order) {
         }
     }
     const auto x = squares.solved();
-    const auto within = [](double value, double least, double most) {
-        return std::fmin(std::fmax(value, least), most);
+    const auto within = [](double value, double least, double max) {
+        return std::fmin(std::fmax(value, least), max);
     };
     return {.handle_mass = within(x[2], 0.02, 1.0),
             .inertia = {within(x[0], 2e-5, 1e-2), within(x[1], 2e-5, 1e-2)},

@@ -14,7 +14,7 @@ namespace {
 constexpr double kDegree = 180.0 / kPi;
 constexpr double kLeastShare =
     0.4;  ///< of a push at once: a change of friction is not enough for it
-constexpr double kMostShare = 2.0;
+constexpr double kMaxShare = 2.0;
 constexpr const char* kUnexplained = "the motion is not explained by mass, damping and friction: ";
 constexpr const char* kMayPull =
     ". Is the desk level, does a cable pull at the handle, does somebody hold it, is something in "
@@ -136,12 +136,12 @@ std::string wrong_with(const Machine& machine,
     if (!(found.share >= kLeastShare)) {
         return moved + "is somebody holding it, does something block it, or is a motor too weak";
     }
-    if (!(found.angle <= kMostTurn)) {
+    if (!(found.angle <= kMaxTurn)) {
         return pushed + "went " + number_text(std::round(found.angle * kDegree)) +
                " degrees beside that: a motor or an encoder is reversed or swapped, a motor has "
                "become weaker, or the handle was not at home";
     }
-    if (!(found.share <= kMostShare)) {
+    if (!(found.share <= kMaxShare)) {
         return moved + "a motor is too strong, or the handle is lighter than it was";
     }
     return {};
@@ -153,7 +153,7 @@ std::string unexplained_by(const RigRecord& record,
                            double delay) {
     for (const Pulse& pulse : pulses) {
         const PulseMatch found = match(machine, pulse, record, delay);
-        if (!(std::fabs(found.share - 1.0) <= kMostGainError && found.angle <= kMostTurn) &&
+        if (!(std::fabs(found.share - 1.0) <= kMaxGainError && found.angle <= kMaxTurn) &&
             !(found.counts <= kMaxRounding)) {
             return kUnexplained + (pushed_text(pulse, machine.axes()) + "moved ") +
                    percent(found.share) + " of what they say, " +

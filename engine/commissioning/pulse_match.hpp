@@ -21,13 +21,13 @@ struct PulseMatch {
 
 /// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within 20
 /// degrees.
-inline constexpr double kMostGainError = 0.3;
-inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
+inline constexpr double kMaxGainError = 0.3;
+inline constexpr double kMaxTurn = 20.0 * kPi / 180.0;
 /// A push that hardly overcomes friction moves by a count or none, and its share and angle say nothing: start and end
 /// are whole counts.
 inline constexpr double kMaxRounding = 1.5;
 /// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
-inline constexpr double kMostUnexplained = 0.2;
+inline constexpr double kMaxUnexplained = 0.2;
 
 /// The turn until the force was reversed, measured and predicted by the plant.
 /// @param record  whose dynamics are those of the handle

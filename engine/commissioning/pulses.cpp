@@ -12,8 +12,8 @@ namespace palpate::engine {
 namespace {
 
 constexpr double kMoreForce = 0.05;    ///< N beyond the strongest pulse, whatever is asked for
-constexpr double kMostSpeed = 0.5;     ///< m/s: nobody pushes a handle that is free
-constexpr double kMostJump = 10.0;     ///< m/s between two readings
+constexpr double kMaxSpeed = 0.5;      ///< m/s: nobody pushes a handle that is free
+constexpr double kMaxJump = 10.0;      ///< m/s between two readings
 constexpr double kSilence = 0.010;     ///< s without a new reading
 constexpr int kAgain = 12;             ///< times that a pulse is tried again
 constexpr int kLateAnswers = 3;        ///< ticks in a row without a new reading that times bear
@@ -80,8 +80,8 @@ PulseRunner::PulseRunner(Device& device, const Machine& machine, double period, 
     limits_ = {.period = period,
                .max_force = pulse_forces(machine.axes()).back() + kMoreForce,
                .ramp_step = 1.0,
-               .speed = kMostSpeed,
-               .jump = kMostJump * period,
+               .speed = kMaxSpeed,
+               .jump = kMaxJump * period,
                .silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period)),
                .delay_ticks = device.traits().delay_ticks,
                .heat_step = motor_time > 0.0 ? period / motor_time : 0.0,
@@ -197,7 +197,7 @@ Rest PulseRunner::watch(double seconds) {
     Rest rest;
     Vec3 last = rest.place;
     Vec3 least(std::numeric_limits<double>::infinity());
-    Vec3 most = -least;
+    Vec3 max = -least;
     double readings = 0.0;
     for (double waited = 0.0; waited < seconds; waited += period_) {
         static_cast<void>(wait_());
@@ -212,13 +212,13 @@ Rest PulseRunner::watch(double seconds) {
             const Vec3 now(counts[0], counts[1], counts[2]);
             rest.counts += now;
             least = glm::min(least, now);
-            most = glm::max(most, now);
+            max = glm::max(max, now);
             last = hip_of(reading);
             readings += 1.0;
         }
     }
     if (readings > 0.0) {
-        rest = {.place = last, .counts = rest.counts / readings, .span = most - least};
+        rest = {.place = last, .counts = rest.counts / readings, .span = max - least};
     }
     return rest;
 }
@@ -234,13 +234,13 @@ Vec3 acting_torque(std::span<const PulseSample> samples, std::size_t k, double d
 }
 
 std::int32_t moved(const Pulse& pulse) noexcept {
-    std::int32_t most = 0;
+    std::int32_t max = 0;
     for (const PulseSample& sample : pulse.samples) {
         for (std::size_t i = 0; i < sample.counts.size(); ++i) {
-            most = std::max(most, std::abs(sample.counts[i] - pulse.samples.front().counts[i]));
+            max = std::max(max, std::abs(sample.counts[i] - pulse.samples.front().counts[i]));
         }
     }
-    return most;
+    return max;
 }
 
 }  // namespace palpate::engine

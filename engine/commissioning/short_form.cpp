@@ -12,7 +12,7 @@ namespace {
 
 /// A motor may have become so much stronger or weaker since: less than what a hand would notice as
 /// another stiffness, more than pulses of whole counts leave open.
-constexpr double kMostGainChange = 0.2;
+constexpr double kMaxGainChange = 0.2;
 
 AxesChange change_of(const Calibration& machine,
                      std::span<const Pulse> pulses,
@@ -35,7 +35,7 @@ std::string changed_text(const Vec3& gains, std::size_t axes) {
     bool stronger = false;
     for (std::size_t i = 0; i < axes; ++i) {
         const double gain = gains[static_cast<int>(i)];
-        if (!(std::fabs(gain - 1.0) <= kMostGainChange)) {
+        if (!(std::fabs(gain - 1.0) <= kMaxGainChange)) {
             stronger = stronger || gain > 1.0;
             text += (text.empty() ? "motor " : ", motor ") +
                     (axes > 2 ? std::string(1, "xyz"[i]) : std::to_string(i + 1)) + " gives " +
@@ -73,9 +73,8 @@ ShortForm prove_again(PulseRunner& runner,
                       number_text(std::round(found.angle * 180.0 / kPi)) + " deg";
     }
     const AxesChange change = change_of(machine, pulses, record, delay);
-    form.refused = change.unexplained > kMostUnexplained
-                     ? unexplained_text(change.unexplained)
-                     : changed_text(change.gain, machine.axes());
+    form.refused = change.unexplained > kMaxUnexplained ? unexplained_text(change.unexplained)
+                                                        : changed_text(change.gain, machine.axes());
     return form;
 }
 

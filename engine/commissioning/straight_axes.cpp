@@ -130,7 +130,7 @@ std::string wrong_motor(const OpenWiring& wiring, int axis, const Pushed& pushed
     Vec3 beside = pushed.way;
     beside[axis] = 0.0;
     const double angle = arc_tan2(glm::length(beside), pushed.way[axis]);
-    if (!(angle <= kMostTurn)) {
+    if (!(angle <= kMaxTurn)) {
         return motor + " moves the handle " + number_text(std::round(angle * 180.0 / kPi)) +
                " degrees beside its axis: are the axes at right angles";
     }
@@ -334,7 +334,7 @@ FittedAxes fit_axes(const Gantry& gantry,
                     const Vec3& mass,
                     double delay) {
     const NumberRange range{.least = {1e-3, 0.0, 0.0, -20.0},
-                            .most = {50.0, 100.0, 20.0, 20.0},
+                            .max = {50.0, 100.0, 20.0, 20.0},
                             .small = {1e-3, 1e-2, 1e-3, 1e-3}};
     FittedAxes found;
     for (int i = 0; i < 3; ++i) {
@@ -357,14 +357,14 @@ std::string wrong_strength(const FittedAxes& found, const Vec3& mass) {
     for (int i = 0; i < 3; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const double gain = mass[i] / found.axes[at].mass;
-        if (!(std::fabs(gain - 1.0) <= kMostGainError)) {
+        if (!(std::fabs(gain - 1.0) <= kMaxGainError)) {
             left = std::fmax(left, found.unexplained[at]);
             append(wrong, "motor " + name(i) + " gives " + hundredths(gain) +
                               " times what it should for " +
                               number_text(std::round(1e4 * mass[i]) / 10.0) + " g that it moves");
         }
     }
-    if (left > kMostUnexplained) {
+    if (left > kMaxUnexplained) {
         return unexplained_text(left);
     }
     return wrong.empty() ? wrong
@@ -377,7 +377,7 @@ AxesChange change_of_axes(const Gantry& gantry,
                           std::span<const Pulse> pulses,
                           const std::array<AxisDynamics, 3>& axes,
                           double delay) {
-    const NumberRange range{.least = {0.02, 0.0}, .most = {10.0, 10.0}, .small = {1e-2, 1e-2}};
+    const NumberRange range{.least = {0.02, 0.0}, .max = {10.0, 10.0}, .small = {1e-2, 1e-2}};
     AxesChange change;
     for (int i = 0; i < 3; ++i) {
         const AxisPulses pushed = pulses_along(gantry, pulses, i, delay);

@@ -18,7 +18,7 @@ constexpr std::size_t kFirstPoints = 16;
 constexpr std::size_t kLastPoints = 256;
 constexpr double kSettled = 1e-13;
 /// Matrices are dense: more control points than this are a mistake.
-constexpr std::size_t kMostPoints = 256;
+constexpr std::size_t kMaxPoints = 256;
 /// A pivot of K below this share of its largest entry is that of a motion which nothing resists.
 constexpr double kFree = 1e-12;
 /// Turns of an inverse iteration, and the relative change that ends it.
@@ -72,9 +72,9 @@ DnurbsSpec checked(DnurbsSpec spec) {
     const auto refuse = [](const std::string& what) {
         throw std::invalid_argument(what);
     };
-    if (n > kMostPoints) {
+    if (n > kMaxPoints) {
         refuse("points_m has " + std::to_string(n) + " control points: give at most " +
-               std::to_string(kMostPoints));
+               std::to_string(kMaxPoints));
     }
     require(not_negative(spec.mu), "mu", spec.mu, "give a number from 0");
     require(not_negative(spec.gamma), "gamma", spec.gamma, "give a number from 0");

@@ -7,7 +7,7 @@
 namespace palpate::engine {
 namespace {
 
-constexpr int kMostSteps = 12;  ///< of Newton's iteration to a foot
+constexpr int kMaxSteps = 12;  ///< of Newton's iteration to a foot
 
 double squared(const Vec2& a) noexcept {
     return glm::dot(a, a);
@@ -25,7 +25,7 @@ SoftShape::Met SoftShape::on_span(const SoftState& state,
     double hi = place == kOfCurve ? 1.0 : looks_[look + 1].at.u;
     double u = looks_[look].at.u;
     Jet<2> jet = this->jet(state, {span, u});
-    for (int i = 0; i < kMostSteps; ++i) {
+    for (int i = 0; i < kMaxSteps; ++i) {
         const Vec2 r = jet.point - hip;
         const double g = glm::dot(r, jet.first);
         (g > 0.0 ? hi : lo) = u;

@@ -94,7 +94,7 @@ const Outline& checked(const Outline& outline) {
 SoftShape::SoftShape(std::shared_ptr<const Outline> outline, double compliance, double period)
     : outline_(std::move(outline)), period_(period) {
     static_cast<void>(checked(*outline_));
-    require(std::isfinite(compliance) && compliance > 0.0 && compliance <= kMostCompliance,
+    require(std::isfinite(compliance) && compliance > 0.0 && compliance <= kMaxCompliance,
             "compliance", compliance, "give m/N above 0, at most 0.005");
     require(std::isfinite(period) && period > 0.0, "tick period", period, "give seconds above 0");
     double chord = std::numeric_limits<double>::infinity();
@@ -283,11 +283,11 @@ bool SoftShape::move(SoftState& state, const Velocities& mean) const noexcept {
 
 double SoftShape::advance(SoftState& state) const noexcept {
     const Velocities mean = unforced(state);
-    double most = 0.0;
+    double max = 0.0;
     for (const Vec2& v : mean) {
-        most = std::max(most, squared(v));
+        max = std::max(max, squared(v));
     }
-    return move(state, mean) ? period_ * std::sqrt(most) : 0.0;
+    return move(state, mean) ? period_ * std::sqrt(max) : 0.0;
 }
 
 void SoftShape::advance(SoftState& state,

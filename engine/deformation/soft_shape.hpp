@@ -37,7 +37,7 @@
 namespace palpate::engine {
 
 /// Softest object, m/N: at 2 N it gives way by the 10 mm that a curve of 40 mm can bear.
-inline constexpr double kMostCompliance = 0.005;
+inline constexpr double kMaxCompliance = 0.005;
 
 /// Displacements and velocities of the control points. A plain value.
 struct SoftState {
@@ -68,7 +68,7 @@ public:
     static constexpr std::size_t kMoving = SoftState::kPoints - 2;
 
     /// @param outline     three spans, closed: A-V, V-B and the base line
-    /// @param compliance  c, m/N, > 0, at most kMostCompliance
+    /// @param compliance  c, m/N, > 0, at most kMaxCompliance
     /// @param period      of a tick, s, > 0
     /// @throws std::invalid_argument for another outline, or a value out of range
     SoftShape(std::shared_ptr<const Outline> outline, double compliance, double period);

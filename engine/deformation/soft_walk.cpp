@@ -8,9 +8,9 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kMostStep = 1.0 / 32;  ///< of u
-constexpr int kMostSteps = 80;          ///< 32 along a span, and what ends it
-constexpr int kMostVisits = 9;          ///< of spans and seams, there and not back
+constexpr double kMaxStep = 1.0 / 32;  ///< of u
+constexpr int kMaxSteps = 80;          ///< 32 along a span, and what ends it
+constexpr int kMaxVisits = 9;          ///< of spans and seams, there and not back
 constexpr double kLastStep = 8.0 * kEpsilon;
 constexpr double kRounding = 1e-15;  ///< m, of places within 1 m
 
@@ -30,11 +30,11 @@ public:
     Walk run(Place& place) noexcept {
         const Place start = place;
         const double before = length(place);
-        for (int i = 0; i < kMostVisits; ++i) {
+        for (int i = 0; i < kMaxVisits; ++i) {
             if (place.on_seam ? at_seam(place) : on_span(place)) {
                 break;
             }
-            walk_.unproven = i + 1 == kMostVisits;
+            walk_.unproven = i + 1 == kMaxVisits;
         }
         if (walk_.unproven || !(length(place) <= before + kRounding)) {
             place = start;
@@ -123,11 +123,11 @@ private:
         double outside = u;
         double inside = end;
         bool bracketed = false;
-        for (int i = 0; i < kMostSteps; ++i) {
+        for (int i = 0; i < kMaxSteps; ++i) {
             if (!bracketed && outside == end) {
                 return true;
             }
-            const double newton = at.slope > 0.0 ? at.excess / at.slope : kMostStep;
+            const double newton = at.slope > 0.0 ? at.excess / at.slope : kMaxStep;
             double next = 0.0;
             if (bracketed) {
                 if (std::fabs(inside - outside) <= kLastStep) {
@@ -136,7 +136,7 @@ private:
                 next = u + dir_ * newton;
                 next = (next - outside) * (next - inside) < 0.0 ? next : 0.5 * (outside + inside);
             } else {
-                next = outside + dir_ * std::clamp(newton, kLastStep, kMostStep);
+                next = outside + dir_ * std::clamp(newton, kLastStep, kMaxStep);
                 next = dir_ > 0.0 ? std::min(next, end) : std::max(next, end);
             }
             u = next;

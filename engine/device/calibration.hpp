@@ -11,7 +11,7 @@
 namespace palpate::engine {
 
 /// Motors of a machine: two in the plane, three in space.
-inline constexpr std::size_t kMostAxes = 3;
+inline constexpr std::size_t kMaxAxes = 3;
 
 /// One driven joint: its encoder and its motor. Angles anticlockwise from the linkage's +x.
 struct Axis {
@@ -75,10 +75,10 @@ struct HaplyWiring {
 struct OpenWiring {
     std::optional<std::uint32_t> id;  ///< the board's own; none: any board
     double watchdog = 0.020;          ///< s without a torque until it stops, 5 to 50 ms
-    std::array<std::uint8_t, kMostAxes> channel{1, 2, 3};  ///< each once, in any order
+    std::array<std::uint8_t, kMaxAxes> channel{1, 2, 3};  ///< each once, in any order
     /// The motor turns clockwise for a positive torque.
-    std::array<bool, kMostAxes> motor_clockwise{};
-    std::array<bool, kMostAxes> encoder_clockwise{};
+    std::array<bool, kMaxAxes> motor_clockwise{};
+    std::array<bool, kMaxAxes> encoder_clockwise{};
 };
 
 /// How a DAQ card is wired to pivot 1 and pivot 2.

@@ -14,7 +14,7 @@ namespace palpate::engine {
 /// whose third count, torque and coordinate are 0, or three straight axes. A plain value.
 class Machine {
 public:
-    using Counts = std::array<std::int32_t, kMostAxes>;
+    using Counts = std::array<std::int32_t, kMaxAxes>;
 
     /// Where the handle is.
     struct Place {

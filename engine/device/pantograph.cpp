@@ -7,12 +7,12 @@ namespace palpate::engine {
 namespace {
 
 std::int32_t rounded(double value) noexcept {
-    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    constexpr double kMax = std::numeric_limits<std::int32_t>::max();
     const double whole = std::floor(value + 0.5);
-    if (!(std::fabs(whole) <= kMost)) {
-        return whole > kMost  ? std::numeric_limits<std::int32_t>::max()
-             : whole < -kMost ? -std::numeric_limits<std::int32_t>::max()
-                              : 0;
+    if (!(std::fabs(whole) <= kMax)) {
+        return whole > kMax  ? std::numeric_limits<std::int32_t>::max()
+             : whole < -kMax ? -std::numeric_limits<std::int32_t>::max()
+                             : 0;
     }
     return static_cast<std::int32_t>(whole);
 }

@@ -51,9 +51,9 @@ Reading SimulatedGantry::read() noexcept {
 Applied SimulatedGantry::press(const Vec3& force) noexcept {
     Applied applied;
     const auto coded = [&](double newton) {
-        const double most = plant_.model().force_limit;
-        applied.saturated = applied.saturated || std::fabs(newton) > most;
-        return whole_steps(std::fmin(std::fmax(newton, -most), most) * kCodesPerN);
+        const double max = plant_.model().force_limit;
+        applied.saturated = applied.saturated || std::fabs(newton) > max;
+        return whole_steps(std::fmin(std::fmax(newton, -max), max) * kCodesPerN);
     };
     applied.codes = {coded(force.x), coded(force.y)};
     applied.code_3 = coded(force.z);

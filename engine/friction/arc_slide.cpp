@@ -87,7 +87,7 @@ double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexc
 bool surely_pays(const SlideTask& task, const Spot& before, const Spot& spot, double used) {
     const double left = std::max(task.budget - used, 0.0);
     const Vec2 straight = spot.jet.point - before.jet.point;
-    return Arc::kMostWay * Arc::kMostWay * glm::dot(straight, straight) <= left * left;
+    return Arc::kMaxWay * Arc::kMaxWay * glm::dot(straight, straight) <= left * left;
 }
 
 /// Takes the way since `before` from the budget; false if the budget ends on it.

@@ -54,7 +54,7 @@ RationalBezier<2> make_arc(const Vec2& from, const Vec2& to, double curvature) {
 }
 
 Arc::Arc(const RationalBezier<2>& span, double sine, double cosine)
-    : sin_(sine), cos_(cosine), most_(0.5 * (1.0 + cosine)), less_(0.5 * (1.0 - cosine)) {
+    : sin_(sine), cos_(cosine), cos2_(0.5 * (1.0 + cosine)), sin2_(0.5 * (1.0 - cosine)) {
     const auto last = static_cast<std::size_t>(span.degree());
     const Vec2 chord = span.local_point(last) - span.local_point(0);
     const double length = glm::length(chord);

@@ -52,7 +52,7 @@ public:
     /// At u in [0, 1], given by u + v = 1.
     [[nodiscard]] Point at(double u, double v) const noexcept {
         const double uv = u * v;
-        const double bulge = 4.0 * less_ * uv;
+        const double bulge = 4.0 * sin2_ * uv;
         const double inverse = 1.0 / (1.0 - bulge);
         const double d = (u - v) * inverse;
         const double along = half_ * d;
@@ -69,7 +69,7 @@ public:
         const Vec2 r = local(h);
         const double p = pull_ + sin_ * r.y;
         const double side = sin_ * r.x;
-        const double d = 2.0 * most_ * r.x / (p + std::sqrt(p * p + side * side));
+        const double d = 2.0 * cos2_ * r.x / (p + std::sqrt(p * p + side * side));
         return p > 0.0 ? 0.5 + 0.5 * d : std::numeric_limits<double>::quiet_NaN();
     }
 
@@ -88,14 +88,14 @@ public:
         const Vec2 r = local(h);
         const double along = dir * r.x + mu * r.y;
         const double out = dir * r.y - mu * r.x;
-        return {.c0 = most_ * along - mu * quarter_,
+        return {.c0 = cos2_ * along - mu * quarter_,
                 .c1 = -(sin_ * out + dir * pull_),
-                .c2 = -less_ * along - mu * quarter_};
+                .c2 = -sin2_ * along - mu * quarter_};
     }
 
     /// No way along an arc is longer than this times the straight one: asin(x) / x up to
     /// kMaxArcSine is 1.45.
-    static constexpr double kMostWay = 1.5;
+    static constexpr double kMaxWay = 1.5;
     /// Way along the arc between two of its points, m.
     [[nodiscard]] double way(const Vec2& from, const Vec2& to) const noexcept;
 
@@ -113,8 +113,8 @@ private:
     double half_ = 0.0;  ///< of the chord, m
     double sin_ = 0.0;   ///< of half the sweep a, > 0 where the arc bulges to the left of travel
     double cos_ = 1.0;
-    double most_ = 1.0;     ///< (1 + cos a) / 2
-    double less_ = 0.0;     ///< (1 - cos a) / 2
+    double cos2_ = 1.0;     ///< (1 + cos a) / 2
+    double sin2_ = 0.0;     ///< (1 - cos a) / 2
     double quarter_ = 0.0;  ///< of l sin a, m
     double pull_ = 0.0;     ///< l cos a / 2, m
 };

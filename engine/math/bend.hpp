@@ -19,12 +19,12 @@ public:
     /// The slope was `before`, and is `after` a step of `du` further.
     void see(double before, double after, double du) noexcept {
         const double half = 0.5 * (after - before) / (before * du);
-        half_ = std::fabs(half) < kMost ? half : 0.0;
+        half_ = std::fabs(half) < kMax ? half : 0.0;
     }
 
 private:
-    static constexpr double kMost = 64.0;  ///< beyond it nothing is foretold
-    double half_ = 0.0;                    ///< share of the slope that half a unit of u changes
+    static constexpr double kMax = 64.0;  ///< beyond it nothing is foretold
+    double half_ = 0.0;                   ///< share of the slope that half a unit of u changes
 };
 
 }  // namespace palpate::engine

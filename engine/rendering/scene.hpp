@@ -24,7 +24,7 @@ struct SceneSpec {
     /// spring law.
     LawSpec law{};
     /// c, m/N, of an object of two curves that yields (engine/deformation/soft_shape.hpp): 0, none does, to
-    /// kMostCompliance. Without damper, slew and law from the literature.
+    /// kMaxCompliance. Without damper, slew and law from the literature.
     double compliance = 0.0;
 };
 

@@ -83,12 +83,12 @@ DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net
     largest_ww_ = largest(ww_);
     const double least_ww = *std::min_element(ww_.begin(), ww_.end());
     const auto steepest = [&](std::size_t step, bool in_u) {
-        double most = 0.0;
+        double max = 0.0;
         for (std::size_t k = step; k < count; ++k) {
             const bool beside = in_u || k % (m_ + 1) != 0;
-            most = beside ? std::max(most, std::fabs(ww_[k] - ww_[k - step])) : most;
+            max = beside ? std::max(max, std::fabs(ww_[k] - ww_[k - step])) : max;
         }
-        return most / least_ww;
+        return max / least_ww;
     };
     tilt_u_ = static_cast<double>(n_) * steepest(m_ + 1, true);
     tilt_v_ = static_cast<double>(m_) * steepest(1, false);

@@ -55,12 +55,12 @@ bool within(const std::vector<Quad>& a, const std::vector<Quad>& b, double toler
         gap[static_cast<std::size_t>(k)] =
             difference(product(lane(a, k), lane(b, 3)), product(lane(b, k), lane(a, 3)));
     }
-    double most2 = 0.0;
+    double max2 = 0.0;
     for (std::size_t i = 0; i < gap[0].size(); ++i) {
-        most2 =
-            std::max(most2, gap[0][i] * gap[0][i] + gap[1][i] * gap[1][i] + gap[2][i] * gap[2][i]);
+        max2 =
+            std::max(max2, gap[0][i] * gap[0][i] + gap[1][i] * gap[1][i] + gap[2][i] * gap[2][i]);
     }
-    if (std::sqrt(most2) <= tolerance * least_weight(a) * least_weight(b)) {
+    if (std::sqrt(max2) <= tolerance * least_weight(a) * least_weight(b)) {
         return true;
     }
     if (depth == 0 || glm::length(value(a, 0.5) - value(b, 0.5)) > tolerance) {
@@ -173,12 +173,12 @@ bool same_curve(const SurfaceBorder& a, const SurfaceBorder& b, bool reversed, d
 }
 
 double sampled_gap(const SurfaceBorder& a, const SurfaceBorder& b, bool reversed) {
-    double most = 0.0;
+    double max = 0.0;
     for (int k = 0; k <= kSamples; ++k) {
         const double s = static_cast<double>(k) / kSamples;
-        most = std::max(most, glm::length(a.at(s) - b.at(reversed ? 1.0 - s : s)));
+        max = std::max(max, glm::length(a.at(s) - b.at(reversed ? 1.0 - s : s)));
     }
-    return most;
+    return max;
 }
 
 }  // namespace palpate::engine

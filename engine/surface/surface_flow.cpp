@@ -197,7 +197,7 @@ bool SurfaceFlow::into_cone(
     return found;
 }
 
-SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) noexcept {
+SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) noexcept {
     using End = Arrival::End;
     place_ = from.place;
     const double reach = std::sqrt(from.r2);
@@ -231,7 +231,7 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
             return end_at(a.at, way, End::cone);
         }
         const double bend = a.measure(a.bend);
-        double h = std::min({newton, longest, most - way, longest < 1e299 ? 1e300 : 0.2 / bend});
+        double h = std::min({newton, longest, max - way, longest < 1e299 ? 1e300 : 0.2 / bend});
         // What is beside the way falls as |t| does: a step to a small part of it would not be stable.
         h = a.excess > 0.7 * a.length ? std::min(h, 0.7 * a.length) : h;
         h = std::max(h, 4.0 * from.noise);
@@ -291,7 +291,7 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
             // A little further on.
             maybe =
                 maybe || (last && high.rate < 0.0 && high.excess <= -(kBeyond - 1.0) * high.rate &&
-                          out > 1.9 && way + kBeyond * h < most);
+                          out > 1.9 && way + kBeyond * h < max);
             if (!maybe) {
                 continue;
             }
@@ -314,7 +314,7 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double most) n
         }
         way += h;
         a = end;
-        if (way >= most * (1.0 - 1e-12)) {
+        if (way >= max * (1.0 - 1e-12)) {
             return end_at(a.at, way, End::spent);
         }
         if (a.excess <= 0.0) {  // by rounding

@@ -19,7 +19,7 @@ public:
         enum class End : std::uint8_t {
             cone,    ///< on the inner side of the cone's edge
             edge,    ///< on an edge of the patch, outside of the cone
-            spent,   ///< `most` is used up
+            spent,   ///< `max` is used up
             foot,    ///< close to a foot that carries nothing
             failed,  ///< the flow has no direction here, or the work limit is reached
         };
@@ -33,7 +33,7 @@ public:
 
     /// @param from  outside of its cone, whose drive leads into its patch
     /// @param most  way that may be used, m
-    [[nodiscard]] Arrival follow(const SurfaceSpot& from, double most) noexcept;
+    [[nodiscard]] Arrival follow(const SurfaceSpot& from, double max) noexcept;
 
 private:
     struct Node {

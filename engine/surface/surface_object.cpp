@@ -168,7 +168,7 @@ void SurfaceObject::join_borders() {
             p.i = corner % 2 == 0 ? 0 : s.rows() - 1;
             p.j = corner < 2 ? 0 : s.columns() - 1;
             if (around(p).full) {
-                throw std::invalid_argument("more than " + std::to_string(kMostAround) +
+                throw std::invalid_argument("more than " + std::to_string(kMaxAround) +
                                             " patches meet at a corner of surface " +
                                             std::to_string(k + 1) + ": give fewer");
             }
@@ -237,7 +237,7 @@ SurfaceObject::Around SurfaceObject::around(const SurfacePlace& p) const noexcep
                 return;
             }
         }
-        all.full = all.full || all.count == kMostAround;
+        all.full = all.full || all.count == kMaxAround;
         if (!all.full) {
             all.places[all.count++] = q;
         }

@@ -21,7 +21,7 @@ struct SurfaceHeading {
 /// shares of their knot ranges they are nowhere farther apart than kJoined of the object's size,
 /// shown by the Bernstein coefficients of their difference. A joined border is an edge like those
 /// between the patches of one surface; a border without a neighbour is open. A border that is one
-/// point (a pole) is joined to nothing. At a corner up to kMostAround patches may meet, reached one
+/// point (a pole) is joined to nothing. At a corner up to kMaxAround patches may meet, reached one
 /// from the next over their edges.
 ///
 /// All surfaces are kept about the middle of the whole object. A place on an edge or a corner is
@@ -30,12 +30,12 @@ class SurfaceObject {
 public:
     /// Of the object's size. What the god-object's stretch may gain when it crosses a border.
     static constexpr double kJoined = 1e-9;
-    static constexpr std::size_t kMostAround = 24;
+    static constexpr std::size_t kMaxAround = 24;
 
     /// @throws std::invalid_argument  for no or a null surface; for borders that are nearly the same (within
     ///     1e-3 of the size), or that run along each other in part or with other parameters; for a
     ///     border of three surfaces; for neighbours whose outward normals lie on different sides;
-    ///     for more than kMostAround patches round a corner: which, how much, what to give
+    ///     for more than kMaxAround patches round a corner: which, how much, what to give
     explicit SurfaceObject(std::vector<std::shared_ptr<const NurbsSurface>> surfaces);
 
     [[nodiscard]] std::size_t count() const noexcept { return surfaces_.size(); }
@@ -78,7 +78,7 @@ public:
 
     /// A point as all patches see it that meet there.
     struct Around {
-        std::array<SurfacePlace, kMostAround> places{};  ///< the one that was asked for first
+        std::array<SurfacePlace, kMaxAround> places{};  ///< the one that was asked for first
         std::size_t count = 0;
         bool open = false;  ///< one of them ends at an open border
         bool pole = false;  ///< one of them ends in a pole

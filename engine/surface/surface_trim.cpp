@@ -162,10 +162,10 @@ std::vector<std::shared_ptr<const NurbsSurface>> trimmed(const NurbsSurface& sur
     }
     const auto us = lines_of(loops, surface.knots_u(), 0, "u");
     const auto vs = lines_of(loops, surface.knots_v(), 1, "v");
-    if ((us.size() - 1) * (vs.size() - 1) > kMostCells) {
+    if ((us.size() - 1) * (vs.size() - 1) > kMaxCells) {
         throw std::invalid_argument(
             "trim loops cut the surface into " + std::to_string((us.size() - 1) * (vs.size() - 1)) +
-            " cells: give loops with fewer corners, for at most " + std::to_string(kMostCells));
+            " cells: give loops with fewer corners, for at most " + std::to_string(kMaxCells));
     }
     const bool bounded = std::any_of(loops.begin(), loops.end(),
                                      [](const TrimLoop& loop) { return area_of(loop) > 0.0; });

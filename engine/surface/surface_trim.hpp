@@ -24,10 +24,10 @@ using TrimLoop = std::vector<Vec2>;
 /// degrees (degree_u + degree_v) times their own, for which no proved closest point is here.
 /// @throws std::invalid_argument  for fewer than 4 corners, an edge across u and v, a corner outside
 ///     of the domain, lines within 1e-9 of the domain, loops that cross or run the wrong way round, more
-///     than kMostCells cells, nothing left: which, the values, what to give
+///     than kMaxCells cells, nothing left: which, the values, what to give
 [[nodiscard]] std::vector<std::shared_ptr<const NurbsSurface>> trimmed(
     const NurbsSurface& surface, std::span<const TrimLoop> loops);
 
-inline constexpr std::size_t kMostCells = 256;
+inline constexpr std::size_t kMaxCells = 256;
 
 }  // namespace palpate::engine

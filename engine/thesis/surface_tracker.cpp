@@ -226,7 +226,7 @@ void SurfaceTracker::leave_edge(SurfaceTrackerState& s, const Vec3& h) const noe
 /// Along the edge, or into the face, on whose side HIP lies most.
 void SurfaceTracker::leave_corner(SurfaceTrackerState& s, const Vec3& h) const noexcept {
     const SurfaceObject::Around all = object_->around(place_of(s));
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t k = 0; k < all.count; ++k) {
         const SurfacePlace& p = all.places[k];
         const SurfaceJet jet = object_->local_jet(p);
@@ -238,8 +238,8 @@ void SurfaceTracker::leave_corner(SurfaceTrackerState& s, const Vec3& h) const n
         };
         const double by_u = along(p.u, jet.du);
         const double by_v = along(p.v, jet.dv);
-        if (std::max(by_u, by_v) > most) {
-            most = std::max(by_u, by_v);
+        if (std::max(by_u, by_v) > max) {
+            max = std::max(by_u, by_v);
             move_to(s, p);
             s.feature = by_u > 0.0 && by_v > 0.0 ? SurfaceFeature::face : SurfaceFeature::edge;
             s.edge_in_u = by_v > by_u;
@@ -280,7 +280,7 @@ double feedback_gain(const SurfaceObject& object, double kappa, double period) {
         throw std::invalid_argument("kappa " + number_text(kappa) + " and period " +
                                     number_text(period) + ": give both finite and above 0");
     }
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t k = 0; k < object.count(); ++k) {
         const NurbsSurface& s = object.surface(k);
         for (int i = 0; i <= kSamples; ++i) {
@@ -290,14 +290,14 @@ double feedback_gain(const SurfaceObject& object, double kappa, double period) {
                 const double f = glm::dot(jet.du, jet.dv);
                 const double g = glm::dot(jet.dv, jet.dv);
                 const double skew = 0.5 * (e - g);
-                most = std::max(most, 0.5 * (e + g) + std::sqrt(skew * skew + f * f));
+                max = std::max(max, 0.5 * (e + g) + std::sqrt(skew * skew + f * f));
             }
         }
     }
-    if (!(most > 0.0)) {
+    if (!(max > 0.0)) {
         throw std::invalid_argument("the object has no area: give one that has");
     }
-    return kappa / (most * period);
+    return kappa / (max * period);
 }
 
 }  // namespace palpate::engine

@@ -64,7 +64,7 @@ std::optional<double> acceptance_of_one(std::span<const Condition> trials,
     if (!binds(counts, limit)) {
         return 1.0;
     }
-    if (trials.size() > kMostCounted) {
+    if (trials.size() > kMaxCounted) {
         return std::nullopt;
     }
     return share_of(count_orders(counts, limit), multinomial(counts));

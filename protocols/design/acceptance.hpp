@@ -22,7 +22,7 @@ struct Acceptance {
 /// @throws OrderError if the limits cannot be kept
 [[nodiscard]] Acceptance acceptance_of(std::span<const Condition> trials, const RunLimits& limits);
 
-/// The exact share of one factor alone; nothing beyond kMostCounted trials.
+/// The exact share of one factor alone; nothing beyond kMaxCounted trials.
 [[nodiscard]] std::optional<double> acceptance_of_one(std::span<const Condition> trials,
                                                       std::size_t Condition::*factor,
                                                       std::size_t limit);

@@ -25,7 +25,7 @@ namespace {
 constexpr std::array<std::string_view, 7> kTablesOfRules{"constant", "staircase",  "quest", "model",
                                                          "stimuli",  "parameters", "prior"};
 /// As [[friction]] has it.
-constexpr double kMostMu = 10.0;
+constexpr double kMaxMu = 10.0;
 
 bool of_the_rule(std::string_view key) {
     const Keys keys = procedure_keys("procedure");
@@ -213,11 +213,11 @@ private:
     void frictions() {
         const double lowest = felt_value(spec_, spec_.lowest);
         const double highest = felt_value(spec_, spec_.highest);
-        if (!(lowest > 0.0 && highest <= kMostMu)) {
+        if (!(lowest > 0.0 && highest <= kMaxMu)) {
             add(lowest > 0.0 ? this->highest() : this->lowest(),
                 fmt::format("the rule may choose mu_s from {} to {}: keep it above 0 and at most "
                             "{}, by the stimuli, or lowest and highest",
-                            lowest, highest, kMostMu));
+                            lowest, highest, kMaxMu));
         }
         for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
             const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
@@ -231,14 +231,14 @@ private:
     }
 
     void compliances() {
-        constexpr double kMost = 1e3 * engine::kMostCompliance;
+        constexpr double kMax = 1e3 * engine::kMaxCompliance;
         const double lowest = felt_value(spec_, spec_.lowest);
         const double highest = felt_value(spec_, spec_.highest);
-        if (!(lowest >= 0.0 && highest <= kMost)) {
+        if (!(lowest >= 0.0 && highest <= kMax)) {
             add(lowest >= 0.0 ? this->highest() : this->lowest(),
                 fmt::format("the rule may choose a compliance from {:.6g} to {:.6g} mm/N: keep it "
                             "within 0 and {}, by the stimuli, or lowest and highest",
-                            lowest, highest, kMost));
+                            lowest, highest, kMax));
         }
         const ObjectSpec* base = named(protocol_.objects, spec_.object);
         if (base != nullptr && !base->segments.empty()) {

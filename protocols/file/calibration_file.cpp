@@ -184,7 +184,7 @@ Calibration load_calibration(const std::string& name_or_file) {
 RigFile load_rig(const std::string& name_or_file) {
     std::error_code ignored;
     if (std::filesystem::exists(name_or_file, ignored)) {
-        const std::string text = read_text(name_or_file, kMostDocument);
+        const std::string text = read_text(name_or_file, kMaxDocument);
         RigFile rig;
         auto found = parse_rig(text, name_or_file, rig.record);
         if (found.size() != 1) {

@@ -116,7 +116,7 @@ DeformationCase parse_deformation(std::string_view text, std::string_view file_n
 }
 
 DeformationCase load_deformation(const std::filesystem::path& file) {
-    return parse_deformation(read_text(file, kMostDocument), file.string());
+    return parse_deformation(read_text(file, kMaxDocument), file.string());
 }
 
 std::vector<TableText> deformation_reference() {

@@ -95,7 +95,7 @@ private:
         if (c == '\n' && open_.empty()) {
             begin_key();
         } else if (in_key_ && c == '.') {
-            return ++parts_ > kMostLevels;
+            return ++parts_ > kMaxLevels;
         } else if (in_key_ && c == '=') {
             in_key_ = false;
         } else if (!in_key_ && (c == '[' || c == '{')) {
@@ -103,7 +103,7 @@ private:
             if (c == '{') {
                 begin_key();
             }
-            return open_.size() > kMostLevels;
+            return open_.size() > kMaxLevels;
         } else if ((c == ']' || c == '}') && !open_.empty()) {
             open_.pop_back();
             in_key_ = false;
@@ -165,13 +165,13 @@ std::string_view kind_of(const Value& value) {
 }
 
 std::string shown(std::string_view text) {
-    constexpr std::size_t kMost = 60;  // bytes; what follows says no more to the reader
+    constexpr std::size_t kMax = 60;  // bytes; what follows says no more to the reader
     std::string out = "\"";
-    for (const char c : text.substr(0, kMost)) {
+    for (const char c : text.substr(0, kMax)) {
         const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
         out += plain ? std::string(1, c) : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
     }
-    if (text.size() > kMost) {
+    if (text.size() > kMax) {
         while (!out.empty() && (static_cast<unsigned char>(out.back()) & 0xC0U) == 0x80U) {
             out.pop_back();  // no half of a character
         }
@@ -203,15 +203,15 @@ std::string shown(const Value& value) {
 }
 
 Table parse_document(std::string_view text, std::string_view file_name) {
-    if (text.size() > kMostDocument) {
+    if (text.size() > kMaxDocument) {
         throw ProtocolError(fmt::format("{}:1:1: the text has {} bytes: give at most {}", file_name,
-                                        text.size(), kMostDocument));
+                                        text.size(), kMaxDocument));
     }
     if (const auto deep = DepthScan(text).too_deep()) {
         throw ProtocolError(fmt::format(
             "{}:{}:{}: more than {} levels in one another: no key of a file lies so deep, take the "
             "dots or brackets away",
-            file_name, deep->line, deep->column, kMostLevels));
+            file_name, deep->line, deep->column, kMaxLevels));
     }
     try {
         return table_of(toml::parse(text, std::string_view{}));
@@ -224,9 +224,9 @@ Table parse_document(std::string_view text, std::string_view file_name) {
     }
 }
 
-std::string read_text(const std::filesystem::path& file, std::size_t most) {
+std::string read_text(const std::filesystem::path& file, std::size_t max) {
     std::string text;
-    TextPieces pieces(file, most);
+    TextPieces pieces(file, max);
     while (pieces.next(text)) {
     }
     return text;

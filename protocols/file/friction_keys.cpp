@@ -46,11 +46,11 @@ constexpr Key kFriction[]{
      .meaning = "alpha of Dahl's law"},
     {.name = "stick_share", .slot = own<&LawSpec::stick_share>, .need = by_law_optional, .range = {0, 0.99}, .late = true,
      .meaning = "share of the friction below which nothing slips"},
-    {.name = "bristles", .slot = own<&LawSpec::bristles>, .need = by_law_optional, .range = {1, engine::kMostBristles}, .late = true,
+    {.name = "bristles", .slot = own<&LawSpec::bristles>, .need = by_law_optional, .range = {1, engine::kMaxBristles}, .late = true,
      .meaning = "number of bonds"},
     {.name = "snag_spacing_mm", .slot = own<&LawSpec::snag_spacing>, .need = by_law_optional, .range = {0, 1000, true}, .per_si = 1000, .late = true,
      .meaning = "one snag, at a random place, in each such length of the outline"},
-    {.name = "law_seed", .slot = own<&LawSpec::seed>, .need = by_law_optional, .range = {0, kMostSeed}, .late = true,
+    {.name = "law_seed", .slot = own<&LawSpec::seed>, .need = by_law_optional, .range = {0, kMaxSeed}, .late = true,
      .meaning = "of bristles and snags: what is random about them is the same in every trial"},
 };
 // clang-format on

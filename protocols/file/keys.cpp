@@ -4,16 +4,16 @@ namespace palpate::protocols {
 namespace {
 
 /// N/ms: at 10 kHz this lets the largest force come in one tick; a higher limit would limit nothing.
-constexpr double kMostSlew = 500;
+constexpr double kMaxSlew = 500;
 /// m/s: a hand throws a ball like this. Faster, and the next reading counts as a jump anyway.
-constexpr double kMostSpeed = 10;
+constexpr double kMaxSpeed = 10;
 /// J: 1 kg fallen from 1 m, no longer something to call passive.
-constexpr double kMostEnergy = 10;
+constexpr double kMaxEnergy = 10;
 /// Ticks that are looked back on: more of them cannot be late.
 constexpr double kLateWindow = 100;
 
 /// Of what is varied, as the rule counts.
-constexpr double kMostStimulus = 1e10;
+constexpr double kMaxStimulus = 1e10;
 
 using enum Need;
 
@@ -23,7 +23,7 @@ constexpr Key kStudy[]{
      .meaning = "names the study in the database"},
     {.name = "title", .slot = at<&Protocol::title>, .need = required, .form = Form::free,
      .meaning = "shown to the participant"},
-    {.name = "seed", .slot = at<&Protocol::seed>, .need = required, .range = {0, kMostSeed},
+    {.name = "seed", .slot = at<&Protocol::seed>, .need = required, .range = {0, kMaxSeed},
      .meaning = "the one seed: every order and every simulated number follows from it"},
     {.name = "participants", .slot = at<&Protocol::participants>, .range = {1, 10000},
      .meaning = "planned number of participants"},
@@ -94,15 +94,15 @@ constexpr Key kObject[]{
 };
 
 constexpr Key kSafety[]{
-    {.name = "slew_limit_n_per_ms", .slot = at<&SafetySpec::slew_limit>, .range = {0, kMostSlew, true}, .per_si = 0.001,
+    {.name = "slew_limit_n_per_ms", .slot = at<&SafetySpec::slew_limit>, .range = {0, kMaxSlew, true}, .per_si = 0.001,
      .meaning = "how fast the force may change"},
-    {.name = "speed_limit_m_per_s", .slot = at<&SafetySpec::speed_limit>, .range = {0, kMostSpeed, true},
+    {.name = "speed_limit_m_per_s", .slot = at<&SafetySpec::speed_limit>, .range = {0, kMaxSpeed, true},
      .meaning = "a faster handle switches the force off"},
     {.name = "late_in_a_row", .slot = at<&SafetySpec::late_run>, .range = {0, kLateWindow},
      .meaning = "late ticks in a row that switch the force off; 0: none do"},
     {.name = "late_of_100", .slot = at<&SafetySpec::late_share>, .range = {0, kLateWindow},
      .meaning = "late ticks among the last 100 that switch it off; 0: none do"},
-    {.name = "energy_limit_j", .slot = at<&SafetySpec::energy_limit>, .range = {0, kMostEnergy, true},
+    {.name = "energy_limit_j", .slot = at<&SafetySpec::energy_limit>, .range = {0, kMaxEnergy, true},
      .meaning = "energy that the object may give beyond what it took"},
     {.name = "dead_man", .slot = at<&SafetySpec::dead_man>,
      .meaning = "force only while the participant holds Space; Enter then ends the exploration"},
@@ -117,7 +117,7 @@ constexpr Key kInvalid[]{
      .meaning = "a trial with less contact does not count; 0: all do"},
     {.name = "path_min_mm", .slot = at<&InvalidSpec::path_min>, .range = {0, 100000}, .per_si = 1000,
      .meaning = "a trial with a shorter way of the handle does not count; 0: all do"},
-    {.name = "requeue_most", .slot = at<&InvalidSpec::requeue_most>, .range = {0, 100},
+    {.name = "max_requeues", .slot = at<&InvalidSpec::max_requeues>, .range = {0, 100},
      .meaning = "times that a trial which does not count or faulted is run again; 0: never"},
 };
 
@@ -206,7 +206,7 @@ constexpr Key kAdaptive[]{
      .meaning = "name of the object that is felt; as it stands it is the standard"},
     {.name = "practice_trials", .slot = at<&AdaptiveSpec::practice_trials>, .range = {0, 100}, .late = true,
      .meaning = "before the others, in turn of all runs"},
-    {.name = "practice_stimulus", .slot = at<&AdaptiveSpec::practice_stimulus>, .range = {-kMostStimulus, kMostStimulus}, .late = true,
+    {.name = "practice_stimulus", .slot = at<&AdaptiveSpec::practice_stimulus>, .range = {-kMaxStimulus, kMaxStimulus}, .late = true,
      .meaning = "of the comparison in all practice trials"},
     {.name = "practice_balanced", .slot = at<&AdaptiveSpec::practice_balanced>, .late = true,
      .meaning = "true: of every run's practice one half has the comparison in each interval; false: drawn"},

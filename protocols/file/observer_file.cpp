@@ -104,7 +104,7 @@ ObserverModel load_observer(const std::filesystem::path& file) {
     if (std::error_code unknown; file == "typical" && !std::filesystem::exists(file, unknown)) {
         return typical_observer();
     }
-    return parse_observer(read_text(file, kMostDocument), file.string());
+    return parse_observer(read_text(file, kMaxDocument), file.string());
 }
 
 std::string observer_text(const ObserverModel& model) {

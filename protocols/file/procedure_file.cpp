@@ -369,7 +369,7 @@ std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problem
 }
 
 ProcedureFile load_procedure(const std::filesystem::path& file) {
-    return parse_procedure(read_text(file, kMostDocument), file.string());
+    return parse_procedure(read_text(file, kMaxDocument), file.string());
 }
 
 }  // namespace palpate::protocols

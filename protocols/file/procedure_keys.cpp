@@ -39,7 +39,7 @@ constexpr Key kProcedure[]{
 };
 
 constexpr Key kStream[]{
-    {.name = "seed", .slot = at<&StreamTable::seed>, .range = {0, kMostSeed},
+    {.name = "seed", .slot = at<&StreamTable::seed>, .range = {0, kMaxSeed},
      .meaning = "of the random orders"},
     {.name = "origin", .slot = at<&StreamTable::origin>, .form = Form::any,
      .meaning = "32 hexadecimal digits: the random numbers of a run that is replayed, instead of seed"},

@@ -261,7 +261,7 @@ Protocol stored_protocol(std::string_view text) {
 }
 
 Protocol load_protocol(const std::filesystem::path& file) {
-    return parse_protocol(read_text(file, kMostDocument), file.string());
+    return parse_protocol(read_text(file, kMaxDocument), file.string());
 }
 
 }  // namespace palpate::protocols

@@ -30,13 +30,13 @@ void Problems::throw_if_any(std::string_view file_name) const {
     if (none()) {
         return;
     }
-    constexpr std::size_t kMost = 100;  // who sees so many mends one and looks again
+    constexpr std::size_t kMax = 100;  // who sees so many mends one and looks again
     std::string text;
     std::size_t shown = 0;
     for (const auto& [at, what] : found_) {
-        if (++shown > kMost) {
+        if (++shown > kMax) {
             text += fmt::format("\n{}:{}:{}: {} more are not told", file_name, at.line, at.column,
-                                found_.size() - kMost);
+                                found_.size() - kMax);
             break;
         }
         text += fmt::format("{}{}:{}:{}: {}", text.empty() ? "" : "\n", file_name, at.line,

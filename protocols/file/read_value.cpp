@@ -9,7 +9,7 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr double kMostValues = 100'000.0;  ///< of an axis
+constexpr double kMaxValues = 100'000.0;  ///< of an axis
 
 bool on_one_line(char c) {
     return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
@@ -31,9 +31,9 @@ bool is_free_text(std::string_view text) {
 
 /// Lines end with \n alone; each is free text, or empty to leave room.
 bool is_instruction(std::string_view text) {
-    return text.size() <= kMostInstruction &&
+    return text.size() <= kMaxInstruction &&
            std::count(text.begin(), text.end(), '\n') <
-               static_cast<std::ptrdiff_t>(kMostInstructionLines) &&
+               static_cast<std::ptrdiff_t>(kMaxInstructionLines) &&
            std::any_of(text.begin(), text.end(), [](char c) { return c != ' ' && c != '\n'; }) &&
            std::all_of(text.begin(), text.end(),
                        [](char c) { return c == '\n' || on_one_line(c); });
@@ -67,7 +67,7 @@ constexpr Key kSpreadByStep[]{
 constexpr Key kSpreadByCount[]{
     kSpreadByStep[0],
     kSpreadByStep[1],
-    {.name = "count", .slot = at<&Spread::count>, .need = Need::required, .range = {1.0, kMostValues}, .meaning = "of values"},
+    {.name = "count", .slot = at<&Spread::count>, .need = Need::required, .range = {1.0, kMaxValues}, .meaning = "of values"},
 };
 // clang-format on
 
@@ -136,7 +136,7 @@ public:
             say(fmt::format(
                 "{} is {}, {} bytes: give 1 to {} bytes of text in at most {} lines, "
                 "without tabs",
-                key_.name, shown(*text), text->size(), kMostInstruction, kMostInstructionLines));
+                key_.name, shown(*text), text->size(), kMaxInstruction, kMaxInstructionLines));
         } else {
             *out = *text;
         }
@@ -334,11 +334,11 @@ std::vector<double> Cell::spread(const Table& table) const {
     }
     const double steps =
         by_step ? std::round((all.to - all.from) / all.step) : static_cast<double>(all.count) - 1.0;
-    if (!(all.to >= all.from) || !(steps < kMostValues) || (steps == 0.0) != (all.to == all.from)) {
+    if (!(all.to >= all.from) || !(steps < kMaxValues) || (steps == 0.0) != (all.to == all.from)) {
         say(
             fmt::format("{} goes from {} to {} in {} steps: give from < to and a step or count "
                         "that fits, at most {} values",
-                        key_.name, all.from, all.to, steps, kMostValues));
+                        key_.name, all.from, all.to, steps, kMaxValues));
         return {};
     }
     if (by_step && std::fabs((all.to - all.from) / all.step - steps) > 1e-6) {

@@ -88,7 +88,7 @@ constexpr Key kRenderer[]{
      .meaning = "how hard the object is"},
     {.name = "damping_n_s_per_m", .slot = at<&SceneRenderer::damping>, .range = kFromZero,
      .meaning = "damper of the contact beside its spring"},
-    {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMostCompliance},
+    {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMaxCompliance},
      .meaning = "of two curves that yield, the first two of a closed outline of three: how far their vertex gives way to a force that rests on it; 0: rigid"},
     {.name = "tracker", .slot = tracker,
      .meaning = "how the closest point is found; all but the first are the thesis' trackers"},
@@ -134,11 +134,11 @@ constexpr Key kSceneFriction[]{
      .meaning = "of dahl: alpha"},
     {.name = "stick_share", .slot = of_law<&LawSpec::stick_share>, .range = {0, 0.99},
      .meaning = "of hayward_armstrong: share of the friction below which nothing slips"},
-    {.name = "bristles", .slot = of_law<&LawSpec::bristles>, .range = {1, engine::kMostBristles},
+    {.name = "bristles", .slot = of_law<&LawSpec::bristles>, .range = {1, engine::kMaxBristles},
      .meaning = "of bristle: number of bonds"},
     {.name = "snag_spacing_m", .slot = of_law<&LawSpec::snag_spacing>, .range = kPositive,
      .meaning = "of snags: one, at a random place, in each such length of the outline"},
-    {.name = "law_seed", .slot = of_law<&LawSpec::seed>, .range = {0, kMostSeed},
+    {.name = "law_seed", .slot = of_law<&LawSpec::seed>, .range = {0, kMaxSeed},
      .meaning = "of bristle and snags"},
 };
 constexpr Key kMuD[]{
@@ -363,7 +363,7 @@ std::vector<TableText> scene_reference() {
 }
 
 SceneFile load_scene(const std::filesystem::path& file) {
-    return parse_scene(read_text(file, kMostDocument), file.string());
+    return parse_scene(read_text(file, kMaxDocument), file.string());
 }
 
 engine::Outline outline_of(const SceneFile& scene) {

@@ -53,7 +53,7 @@ enum class Need : std::uint8_t {
 enum class Form : std::uint8_t {
     name,         ///< [a-z0-9_]+, at most 64; of numbers: a list
     free,         ///< one line, at most 200 bytes
-    lines,        ///< lines of a screen, at most kMostInstruction bytes and kMostInstructionLines
+    lines,        ///< lines of a screen, at most kMaxInstruction bytes and kMaxInstructionLines
     any,          ///< its reader restricts it
     one_or_more,  ///< a number or a list
     axis,         ///< a number, a list, { from, to, count } or { from, to, step }
@@ -61,10 +61,10 @@ enum class Form : std::uint8_t {
 };
 
 /// Longest instruction, bytes: it still fits onto a screen of 800 x 600 pixels in a legible size.
-inline constexpr std::size_t kMostInstruction = 600;
-inline constexpr std::size_t kMostInstructionLines = 8;
+inline constexpr std::size_t kMaxInstruction = 600;
+inline constexpr std::size_t kMaxInstructionLines = 8;
 /// Of a seed: TOML integers have 63 bits and a sign.
-inline constexpr double kMostSeed = 9223372036854775807.0;
+inline constexpr double kMaxSeed = 9223372036854775807.0;
 
 /// Points of two or of three coordinates.
 struct PointList {

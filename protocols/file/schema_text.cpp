@@ -114,8 +114,8 @@ struct RangeText {
             case Form::name:
                 return "letters a-z, digits and _";
             case Form::lines:
-                return fmt::format("up to {} bytes, {} lines", kMostInstruction,
-                                   kMostInstructionLines);
+                return fmt::format("up to {} bytes, {} lines", kMaxInstruction,
+                                   kMaxInstructionLines);
             default:
                 return "text";
         }
@@ -254,7 +254,7 @@ std::string toml_lines(Keys keys, const void* record) {
 }
 
 std::string range_of(const Range& range) {
-    if (range.max == kMostSeed) {
+    if (range.max == kMaxSeed) {
         return "0 to 9223372036854775807";
     }
     const bool low = std::isfinite(range.min);

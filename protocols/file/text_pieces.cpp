@@ -36,8 +36,8 @@ ProtocolError unreadable(const std::string& file, const std::string& why) {
 
 }  // namespace
 
-TextPieces::TextPieces(const std::filesystem::path& file, std::size_t most)
-    : file_(file.string()), most_(most) {
+TextPieces::TextPieces(const std::filesystem::path& file, std::size_t max)
+    : file_(file.string()), max_(max) {
     std::error_code error;
     if (std::filesystem::is_directory(file, error)) {
         throw unreadable(file_, "it is a folder");
@@ -62,8 +62,8 @@ bool TextPieces::next(std::string& text) {
         }
     }
     read_ += text.size() - before;
-    if (read_ > most_) {
-        throw unreadable(file_, fmt::format("it is longer than {} bytes", most_));
+    if (read_ > max_) {
+        throw unreadable(file_, fmt::format("it is longer than {} bytes", max_));
     }
     return text.size() > before;
 }

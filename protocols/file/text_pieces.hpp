@@ -12,7 +12,7 @@ namespace palpate::protocols {
 class TextPieces {
 public:
     /// @throws as read_text(), as next() does
-    explicit TextPieces(const std::filesystem::path& file, std::size_t most = kMostText);
+    explicit TextPieces(const std::filesystem::path& file, std::size_t max = kMaxText);
     TextPieces(const TextPieces&) = delete;
     TextPieces& operator=(const TextPieces&) = delete;
     ~TextPieces();
@@ -22,7 +22,7 @@ public:
 
 private:
     std::string file_;
-    std::size_t most_;
+    std::size_t max_;
     std::size_t read_ = 0;  ///< bytes
     int fd_ = -1;
 };

@@ -106,8 +106,8 @@ double JudgedPeople::share(const Person& person, const Conditions& conditions) c
 /// @param share  without friction
 double JudgedPeople::share_under_effect(double share, double normal) const {
     if (effect_->in_shares) {
-        const double most = std::min(share, 1.0 - share);
-        return share + std::clamp(effect_->sd * share * (1.0 - share) * normal, -most, most);
+        const double max = std::min(share, 1.0 - share);
+        return share + std::clamp(effect_->sd * share * (1.0 - share) * normal, -max, max);
     }
     const double factor = std::exp(effect_->mean + effect_->sd * normal);
     return share * factor / (1.0 - share + share * factor);

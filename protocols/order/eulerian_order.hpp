@@ -22,9 +22,9 @@ namespace palpate::protocols {
 /// (b) by shuffles; r uniformly, as each begins equally many. Whole numbers only.
 ///
 /// @param k  number of symbols; 0 gives no sequence
-/// @throws std::invalid_argument above kMostSymbols
+/// @throws std::invalid_argument above kMaxSymbols
 [[nodiscard]] std::vector<std::size_t> eulerian_order(std::size_t k, Pcg32& random);
 
-inline constexpr std::size_t kMostSymbols = 1000;  ///< a million trials
+inline constexpr std::size_t kMaxSymbols = 1000;  ///< a million trials
 
 }  // namespace palpate::protocols

@@ -81,7 +81,7 @@ std::size_t rarity_of(std::span<const std::size_t> counts, std::size_t limit) {
         return 0;
     }
     const std::size_t trials = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
-    if (trials <= kMostCounted) {
+    if (trials <= kMaxCounted) {
         return bits_of(multinomial({counts.begin(), counts.end()})) -
                bits_of(count_orders(counts, limit));
     }

@@ -33,10 +33,10 @@ namespace palpate::protocols {
 [[nodiscard]] Natural count_orders(std::span<const std::size_t> counts, std::size_t limit);
 
 /// Beyond, count_orders() takes more than a moment.
-inline constexpr std::size_t kMostCounted = 240;
+inline constexpr std::size_t kMaxCounted = 240;
 
 /// How many bits an acceptance has before its first 1, about: one shuffle in 2^rarity keeps the limit.
-/// By count_orders(); beyond kMostCounted trials by the expected number of runs that are too long.
+/// By count_orders(); beyond kMaxCounted trials by the expected number of runs that are too long.
 [[nodiscard]] std::size_t rarity_of(std::span<const std::size_t> counts, std::size_t limit);
 
 }  // namespace palpate::protocols

@@ -41,13 +41,13 @@ OrderCounter::OrderCounter(std::span<const Condition> trials, const RunLimits& l
 
 std::optional<OrderCounter> OrderCounter::build(std::span<const Condition> trials,
                                                 const RunLimits& limits,
-                                                std::size_t most_states) {
+                                                std::size_t max_states) {
     if (trials.size() > std::numeric_limits<std::uint16_t>::max()) {
         return std::nullopt;
     }
     OrderCounter counter(trials, limits);
     Place at = counter.start_;
-    const Natural* total = counter.count(at, most_states);
+    const Natural* total = counter.count(at, max_states);
     if (total == nullptr) {
         return std::nullopt;
     }
@@ -131,7 +131,7 @@ void OrderCounter::undo(Place& at, const Place& from) const noexcept {
     at.friction_run = from.friction_run;
 }
 
-const Natural* OrderCounter::count(Place& at, std::size_t most_states) {
+const Natural* OrderCounter::count(Place& at, std::size_t max_states) {
     Key key = key_of(at);
     if (const auto known = ways_.find(key); known != ways_.end()) {
         return &known->second;
@@ -143,7 +143,7 @@ const Natural* OrderCounter::count(Place& at, std::size_t most_states) {
             if (!step(at, object, friction)) {
                 continue;
             }
-            const Natural* after = count(at, most_states);
+            const Natural* after = count(at, max_states);
             undo(at, from);
             if (after == nullptr) {
                 return nullptr;
@@ -151,7 +151,7 @@ const Natural* OrderCounter::count(Place& at, std::size_t most_states) {
             sum += *after;
         }
     }
-    if (ways_.size() >= most_states) {
+    if (ways_.size() >= max_states) {
         return nullptr;
     }
     return &ways_.emplace(std::move(key), std::move(sum)).first->second;

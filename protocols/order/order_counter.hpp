@@ -36,7 +36,7 @@ public:
     /// @returns nothing if there are more states than that
     [[nodiscard]] static std::optional<OrderCounter> build(std::span<const Condition> trials,
                                                            const RunLimits& limits,
-                                                           std::size_t most_states);
+                                                           std::size_t max_states);
 
     /// The exact number of admissible orders. Like trials count as alike.
     [[nodiscard]] const Natural& total() const noexcept { return total_; }
@@ -63,7 +63,7 @@ private:
     void undo(Place& at, const Place& from) const noexcept;
     [[nodiscard]] static Place runs_of(const Place& at);
     /// Fills the table from `at` on. Nothing: too many states.
-    const Natural* count(Place& at, std::size_t most_states);
+    const Natural* count(Place& at, std::size_t max_states);
 
     std::size_t objects_ = 0, frictions_ = 0;
     std::vector<std::size_t> object_names_, friction_names_;  ///< row -> Condition::object

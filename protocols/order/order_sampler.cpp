@@ -43,7 +43,7 @@ std::shared_ptr<const OrderCounter> counter_or_none(std::optional<OrderCounter> 
 }
 
 /// No fewer than the states of a counter of both factors.
-double most_places(std::span<const Condition> trials, const RunLimits& limits) {
+double max_places(std::span<const Condition> trials, const RunLimits& limits) {
     std::map<Condition, std::size_t> cells;
     for (const Condition& condition : trials) {
         ++cells[condition];
@@ -53,13 +53,13 @@ double most_places(std::span<const Condition> trials, const RunLimits& limits) {
         double& row = rows.try_emplace(condition.object, 1.0).first->second;
         row *= static_cast<double>(count) + 1.0;
     }
-    double most = 0.0;
+    double max = 0.0;
     for (const auto& [object, row] : rows) {
-        most = std::max(most, row);
+        max = std::max(max, row);
     }
     double heaps = 1.0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        heaps *= (most + static_cast<double>(i)) / (static_cast<double>(i) + 1.0);
+        heaps *= (max + static_cast<double>(i)) / (static_cast<double>(i) + 1.0);
     }
     const auto frictions = static_cast<double>(counts_of(trials, &Condition::friction).size());
     return heaps * static_cast<double>(rows.size()) * frictions *
@@ -68,7 +68,7 @@ double most_places(std::span<const Condition> trials, const RunLimits& limits) {
 
 /// Whether counting a factor is hopeless, before a second is lost on it. With runs of 2 an order gets to
 /// a good part of all remainders (limit 1 is another matter); an eighth of them is too many already.
-bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, std::size_t most) {
+bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, std::size_t max) {
     if (counts.empty()) {
         return false;
     }
@@ -77,7 +77,7 @@ bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, 
     for (std::size_t i = 1; i <= counts.size(); ++i) {
         heaps *= (least + static_cast<double>(i)) / static_cast<double>(i);
     }
-    return limit >= 2 && heaps > 8.0 * static_cast<double>(most);
+    return limit >= 2 && heaps > 8.0 * static_cast<double>(max);
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ std::vector<OrderWay> OrderSampler::by_rarity() const {
         const OrderWay counted = object > 0 ? object_counted : friction_counted;
         return object + friction <= kOften ? std::vector{shuffles} : std::vector{counted, shuffles};
     }
-    if (most_places(trials_, limits_) <= static_cast<double>(most_states(trials_.size()))) {
+    if (max_places(trials_, limits_) <= static_cast<double>(max_states(trials_.size()))) {
         return {together};
     }
     // What is left to chance: the limit of the factor that is dealt, or the table.
@@ -120,23 +120,23 @@ std::vector<OrderWay> OrderSampler::by_rarity() const {
     return ways;
 }
 
-std::size_t OrderSampler::most_states(std::size_t trials) noexcept {
-    constexpr std::size_t kMost = 400'000;
+std::size_t OrderSampler::max_states(std::size_t trials) noexcept {
+    constexpr std::size_t kMax = 400'000;
     constexpr std::size_t kBytes = 64'000'000;
-    return std::min(kMost, kBytes / (100 + trials / 2));
+    return std::min(kMax, kBytes / (100 + trials / 2));
 }
 
 const OrderCounter* OrderSampler::counter_of(Level factor) {
     Lazy& lazy = factor == &Condition::object ? object_ : friction_;
-    const std::size_t most = most_states(trials_.size());
+    const std::size_t max = max_states(trials_.size());
     if (!std::exchange(lazy.tried, true) &&
-        !too_many_states(counts_of(trials_, factor), limit_of(limits_, factor), most)) {
+        !too_many_states(counts_of(trials_, factor), limit_of(limits_, factor), max)) {
         std::vector<Condition> alone;
         for (const Condition& condition : trials_) {
             alone.push_back({.object = condition.*factor});
         }
-        lazy.counter = counter_or_none(
-            OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, most));
+        lazy.counter =
+            counter_or_none(OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, max));
     }
     return lazy.counter.get();
 }
@@ -144,7 +144,7 @@ const OrderCounter* OrderSampler::counter_of(Level factor) {
 const OrderCounter* OrderSampler::counter_of_both() {
     if (!std::exchange(both_.tried, true)) {
         both_.counter =
-            counter_or_none(OrderCounter::build(trials_, limits_, most_states(trials_.size())));
+            counter_or_none(OrderCounter::build(trials_, limits_, max_states(trials_.size())));
         if (both_.counter && both_.counter->total().is_zero()) {
             throw OrderError(fmt::format(
                 "no order keeps the run limits (object {}, friction {}) at once, though "

@@ -57,7 +57,7 @@ public:
     /// Trials dealt, over all proposals of a way, before the next way is tried: about a second.
     static constexpr std::uint64_t kDeals = 10'000'000;
     /// A counter of more states is not made. A state of a long session is larger: fewer then.
-    [[nodiscard]] static std::size_t most_states(std::size_t trials) noexcept;
+    [[nodiscard]] static std::size_t max_states(std::size_t trials) noexcept;
 
     /// The way that draw() begins with.
     [[nodiscard]] OrderWay first_way();

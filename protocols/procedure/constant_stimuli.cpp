@@ -23,10 +23,10 @@ ConstantStimuli::ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random)
                         "and 2",
                         spec.values.size(), spec.repetitions, spec.outcomes));
     }
-    if (spec.repetitions > kMostConstantTrials / spec.values.size()) {
+    if (spec.repetitions > kMaxConstantTrials / spec.values.size()) {
         throw std::invalid_argument(fmt::format(
             "repetitions is {}, of {} stimuli, which is more than {} trials: give fewer",
-            spec.repetitions, spec.values.size(), kMostConstantTrials));
+            spec.repetitions, spec.values.size(), kMaxConstantTrials));
     }
     for (std::size_t i = 0; i < spec.repetitions; ++i) {
         order_.insert(order_.end(), spec.values.begin(), spec.values.end());

@@ -25,7 +25,7 @@ struct ConstantStimuliSpec {
 class ConstantStimuli {
 public:
     /// @throws std::invalid_argument for an empty list, values that are not finite, no repetition, fewer
-    ///         than two outcomes, or more than kMostConstantTrials
+    ///         than two outcomes, or more than kMaxConstantTrials
     ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random);
 
     /// The next value; after the end the last one.
@@ -49,6 +49,6 @@ private:
     std::size_t trials_ = 0;
 };
 
-inline constexpr std::size_t kMostConstantTrials = 100'000;
+inline constexpr std::size_t kMaxConstantTrials = 100'000;
 
 }  // namespace palpate::protocols

@@ -118,9 +118,9 @@ std::vector<double> expected_marginal_entropies(const LikelihoodTable& table,
 
 std::size_t first_of_least(std::span<const double> entropies) noexcept {
     const double least = *std::min_element(entropies.begin(), entropies.end());
-    const double most = least + kTie * std::max(1.0, std::fabs(least));
+    const double max = least + kTie * std::max(1.0, std::fabs(least));
     const auto first = std::find_if(entropies.begin(), entropies.end(),
-                                    [most](double entropy) { return entropy <= most; });
+                                    [max](double entropy) { return entropy <= max; });
     return static_cast<std::size_t>(first - entropies.begin());
 }
 

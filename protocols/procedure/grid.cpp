@@ -41,10 +41,10 @@ Grid::Grid(std::vector<Axis> axes) : axes_(std::move(axes)), strides_(axes_.size
                 fmt::format("two axes are called {}: give each its own name", axes_[k].name));
         }
         strides_[k] = size_;
-        if (axes_[k].values.size() > kMostCells / size_) {
+        if (axes_[k].values.size() > kMaxCells / size_) {
             throw std::invalid_argument(
                 fmt::format("the grid has more than {} cells: give fewer values, above all to {}",
-                            kMostCells, axes_[k].name));
+                            kMaxCells, axes_[k].name));
         }
         size_ *= axes_[k].values.size();
     }

@@ -20,7 +20,7 @@ class Grid {
 public:
     Grid() = default;
     /// @throws std::invalid_argument without axes, for a name that comes twice, for values that do not
-    ///         increase, or for more than kMostCells cells
+    ///         increase, or for more than kMaxCells cells
     explicit Grid(std::vector<Axis> axes);
 
     [[nodiscard]] std::size_t dimensions() const noexcept { return axes_.size(); }
@@ -46,7 +46,7 @@ private:
 };
 
 /// More cells than a participant could wait for.
-inline constexpr std::size_t kMostCells = 10'000'000;
+inline constexpr std::size_t kMaxCells = 10'000'000;
 
 /// "from" to "to" in `count` equal steps, the ends exact. @pre count >= 1
 [[nodiscard]] std::vector<double> evenly(double from, double to, std::size_t count);

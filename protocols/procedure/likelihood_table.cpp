@@ -31,15 +31,15 @@ LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid p
     : stimuli_(std::move(stimuli)), parameters_(std::move(parameters)), outcomes_(model.outcomes) {
     check_names("stimuli", stimuli_, model.stimulus);
     check_names("parameters", parameters_, model.parameters);
-    const std::size_t most = kMostBytes / sizeof(double) / (outcomes_ + 1);
-    if (stimuli_.size() > most / parameters_.size()) {
+    const std::size_t max = kMaxBytes / sizeof(double) / (outcomes_ + 1);
+    if (stimuli_.size() > max / parameters_.size()) {
         throw std::invalid_argument(fmt::format(
             "{} stimuli, {} parameter cells and {} outcomes need {:.0f} MB of tables, more than {} "
             "MB: give fewer values to the longest axis",
             stimuli_.size(), parameters_.size(), outcomes_,
             1e-6 * static_cast<double>(sizeof(double) * (outcomes_ + 1)) *
                 static_cast<double>(stimuli_.size()) * static_cast<double>(parameters_.size()),
-            kMostBytes / 1'000'000));
+            kMaxBytes / 1'000'000));
     }
     values_.resize(stimuli_.size() * parameters_.size() * (outcomes_ + 1));
     fill(model);

@@ -16,7 +16,7 @@ namespace palpate::protocols {
 class LikelihoodTable {
 public:
     /// @throws std::invalid_argument if the grids do not have the model's dimensions by name and order,
-    ///         if the model gives no chances that add up to 1, or if the table needs more than kMostBytes
+    ///         if the model gives no chances that add up to 1, or if the table needs more than kMaxBytes
     LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid parameters);
 
     [[nodiscard]] const Grid& stimuli() const noexcept { return stimuli_; }
@@ -46,6 +46,6 @@ private:
 };
 
 /// Half a gigabyte: choosing reads all of it, in some 50 ms, which a participant does not notice.
-inline constexpr std::size_t kMostBytes = std::size_t{512} << 20U;
+inline constexpr std::size_t kMaxBytes = std::size_t{512} << 20U;
 
 }  // namespace palpate::protocols

@@ -108,9 +108,9 @@ std::vector<double> Posterior::mean(const Grid& grid) const {
 }
 
 std::vector<double> Posterior::mode(const Grid& grid) const {
-    const double most = *std::max_element(weights_.begin(), weights_.end());
+    const double max = *std::max_element(weights_.begin(), weights_.end());
     const auto first = std::find_if(weights_.begin(), weights_.end(),
-                                    [most](double w) { return w >= most * (1.0 - kSame); });
+                                    [max](double w) { return w >= max * (1.0 - kSame); });
     return grid.point(static_cast<std::size_t>(first - weights_.begin()));
 }
 

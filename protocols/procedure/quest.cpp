@@ -15,7 +15,7 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr double kMostQuestCells = 200'000;
+constexpr double kMaxQuestCells = 200'000;
 
 void need(bool good, std::string_view name, double value, std::string_view wanted) {
     if (!good) {
@@ -34,7 +34,7 @@ void check(const QuestSpec& s) {
     need(s.gamma >= 0.0 && s.gamma < 1.0, "gamma", s.gamma, "a share from 0 to below 1");
     need(positive(s.grain), "grain", s.grain, "a number above 0");
     need(positive(s.range) && s.range >= s.grain, "range", s.range, "a number of a grain or more");
-    need(s.range / s.grain <= kMostQuestCells, "range", s.range,
+    need(s.range / s.grain <= kMaxQuestCells, "range", s.range,
          "at most 200000 grains, or a larger grain");
     need(s.lowest < s.highest, "lowest", s.lowest, "a number below highest");
     need(s.trials > 0, "trials", 0.0, "at least 1");

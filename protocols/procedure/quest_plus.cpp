@@ -14,7 +14,7 @@ QuestPlus::QuestPlus(const QuestPlusSpec& spec)
     : table_(std::make_shared<const LikelihoodTable>(spec.model, spec.stimuli, spec.parameters)),
       shape_(spec.model.shape),
       posterior_(spec.parameters, spec.prior),
-      most_trials_(spec.trials),
+      max_trials_(spec.trials),
       entropy_bits_(spec.entropy_bits) {
     if (!spec.nuisance.empty()) {
         groups_ = std::make_shared<const CellGroups>(groups_of(spec.parameters, spec.nuisance));
@@ -44,7 +44,7 @@ void QuestPlus::update(std::span<const double> shown, std::size_t outcome) {
 }
 
 bool QuestPlus::finished() const noexcept {
-    return trials_ >= most_trials_ || (entropy_bits_ > 0.0 && entropy() < entropy_bits_);
+    return trials_ >= max_trials_ || (entropy_bits_ > 0.0 && entropy() < entropy_bits_);
 }
 
 std::vector<std::string> QuestPlus::stimulus_names() const {

@@ -75,7 +75,7 @@ private:
     std::shared_ptr<const CellGroups> groups_;  ///< none: all parameters count
     std::optional<OutcomeModel::Shape> shape_;
     Posterior posterior_;
-    std::size_t most_trials_;
+    std::size_t max_trials_;
     double entropy_bits_;
     std::size_t trials_ = 0;
 };

@@ -9,10 +9,10 @@ namespace palpate::protocols {
 namespace {
 
 RuleFacts facts(const ConstantStimuliSpec& spec) {
-    const auto [least, most] = std::minmax_element(spec.values.begin(), spec.values.end());
+    const auto [least, max] = std::minmax_element(spec.values.begin(), spec.values.end());
     return {.trials = spec.values.size() * spec.repetitions,
             .lowest = *least,
-            .highest = *most,
+            .highest = *max,
             .outcomes = spec.outcomes,
             .lowest_key = "constant.stimuli",
             .highest_key = "constant.stimuli"};

@@ -106,7 +106,7 @@ struct InvalidSpec {
     double stale_share = 1.0;   ///< of its readings may be no new ones, 0..1; 1: any
     double contact_min = 1.0;   ///< s of contact, 0: none needed
     double path_min = 0.160;    ///< m of path of HIP, 0: none needed
-    std::size_t requeue_most =
+    std::size_t max_requeues =
         10;  ///< times that a position is run again, also after faults; 0: never
 
     friend bool operator==(const InvalidSpec&, const InvalidSpec&) = default;

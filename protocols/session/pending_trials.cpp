@@ -57,7 +57,7 @@ void PendingTrials::set_back(std::size_t position) {
     key.block = position;
     key.purpose = purpose::requeue;
     Again& again = again_.try_emplace(position, Again{.random = stream(key)}).first->second;
-    if (again.times++ == rule_.most) {
+    if (again.times++ == rule_.max) {
         return;
     }
     const auto part = part_[position];  // parts follow each other in the plan, and so they do here

@@ -12,8 +12,8 @@ namespace palpate::protocols {
 
 /// How positions are run again.
 struct RequeueRule {
-    StreamKey key{};        ///< of the session; purpose and block are the rule's own
-    std::size_t most = 10;  ///< times a position, InvalidSpec::requeue_most
+    StreamKey key{};       ///< of the session; purpose and block are the rule's own
+    std::size_t max = 10;  ///< times a position, InvalidSpec::max_requeues
 };
 
 /// Where a trial stands, as people are told: practice is counted by itself, main and catch trials together.
@@ -33,7 +33,7 @@ struct TrialNumber {
 /// to a random later place of its part of the session: practice, or its block of main and catch trials.
 /// At least one other trial comes before it, each place is equally likely, and the place follows from the
 /// key, the position and how often it was set back: nobody can guess it, every resumption finds it. Once
-/// a position has been set back `most` times it is done too, without an answer that counts. What was
+/// a position has been set back `max` times it is done too, without an answer that counts. What was
 /// aborted or cut off stays where it is: whoever comes back meets it first.
 ///
 /// A position set back may break the run limits of the plan (the same object three times in a row), and
@@ -73,7 +73,7 @@ public:
     /// The same is left, and the same will come of what happens to it.
     friend bool operator==(const PendingTrials& a, const PendingTrials& b) {
         return a.order_ == b.order_ && a.part_ == b.part_ && a.again_ == b.again_ &&
-               a.rule_.most == b.rule_.most;
+               a.rule_.max == b.rule_.max;
     }
 
 private:

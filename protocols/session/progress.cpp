@@ -8,7 +8,7 @@ namespace palpate::protocols {
 SessionProgress::SessionProgress(const Protocol& protocol,
                                  const Plan& plan,
                                  const StreamKey& session)
-    : begun_(plan, {.key = session, .most = protocol.invalid.requeue_most}),
+    : begun_(plan, {.key = session, .max = protocol.invalid.max_requeues}),
       pending_(begun_),
       runs_(protocol, session) {}
 

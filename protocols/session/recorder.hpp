@@ -75,7 +75,7 @@ struct Response {
     double reaction_s = 0.0;              ///< question shown -> the press that gave this answer
     double uncertainty_s = 0.0;
     InputKind input = InputKind::simulated;
-    std::optional<int> confidence{};  ///< 1 .. kMostConfidence
+    std::optional<int> confidence{};  ///< 1 .. kMaxConfidence
     double confidence_reaction_s = 0.0;
     std::size_t early_presses = 0;  ///< as Choice::early_presses
     std::optional<Confirmation> confirmation{};

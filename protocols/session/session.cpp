@@ -42,9 +42,9 @@ public:
         if (ports_.observer.welcome(view) == Signal::abort) {
             return stopped();
         }
-        for (bool fresh = true; heed_mark(), !pending().empty();) {
+        for (bool fresh = true; check_mark(), !pending().empty();) {
             const TrialView next = view_of_next();
-            if (heed_stop() == Signal::abort || heed_pause(next) == Signal::abort ||
+            if (check_stop() == Signal::abort || check_pause(next) == Signal::abort ||
                 ((!fresh || !trusted()) && between(next) == Signal::abort)) {
                 return stopped();
             }
@@ -130,7 +130,7 @@ private:
     }
 
     /// A mark concerns the last attempt of this run.
-    void heed_mark() {
+    void check_mark() {
         if (ports_.desk == nullptr || !ports_.desk->take_mark()) {
             return;
         }
@@ -151,7 +151,7 @@ private:
 
     /// A stop while nothing is felt, and what stands against every trial, hold the session until the experimenter
     /// goes on.
-    Signal heed_stop() {
+    Signal check_stop() {
         if (ports_.desk == nullptr || !ports_.desk->wants_stop()) {
             return Signal::go_on;
         }
@@ -164,7 +164,7 @@ private:
                                                                      : Signal::abort;
     }
 
-    Signal heed_pause(const TrialView& next) {
+    Signal check_pause(const TrialView& next) {
         if (ports_.desk == nullptr || !ports_.desk->take_pause()) {
             return Signal::go_on;
         }
@@ -194,11 +194,11 @@ private:
         HandleCheck check(ports_.apparatus, trust_);
         const Signal signal =
             ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next);
-        return signal == Signal::go_on ? heed_handle(check) : signal;
+        return signal == Signal::go_on ? check_handle(check) : signal;
     }
 
     /// What was proved in a break. Where something was not right the session goes on once it is.
-    Signal heed_handle(HandleCheck& check) {
+    Signal check_handle(HandleCheck& check) {
         check.finish();
         while (!check.over()) {
             if (ports_.observer.gap(kTroubleSlice) == Signal::abort || ports_.interrupted()) {
@@ -243,7 +243,7 @@ private:
     }
 
     SessionEnd stopped() {
-        heed_mark();
+        check_mark();
         note_stop(ports_);
         note_timing();
         note_before_next(EventKind::abort);

@@ -97,12 +97,12 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
             break;
         }
     }
-    std::optional<RuleAnswer> told;
+    std::optional<RuleAnswer> given;
     if (is_answered(result.outcome)) {
         result.outcome = timed_out ? Outcome::timed_out : Outcome::complete;
-        told = answer(planned, felt, view, result);
+        given = answer(planned, felt, view, result);
     }
-    end(id, planned, told, result);
+    end(id, planned, given, result);
     return result;
 }
 

@@ -23,7 +23,7 @@ bool among(std::span<const Trip> causes, std::string_view word) noexcept {
                        [word](Trip cause) { return to_string(cause) == word; });
 }
 
-RigTrust at_most(RigTrust trust, Trust state) noexcept {
+RigTrust lowered_to(RigTrust trust, Trust state) noexcept {
     return {.state = std::min(trust.state, state), .trials = trust.trials};
 }
 
@@ -31,12 +31,12 @@ RigTrust after_fault(RigTrust trust, std::string_view cause) noexcept {
     if (among(kElsewhere, cause)) {
         return trust;
     }
-    return at_most(trust, among(kAway, cause) ? Trust::unknown : Trust::answers);
+    return lowered_to(trust, among(kAway, cause) ? Trust::unknown : Trust::answers);
 }
 
 RigTrust after_proof(RigTrust trust, const Event& event) noexcept {
     if (event.value == kRefused) {
-        return at_most(trust, Trust::answers);
+        return lowered_to(trust, Trust::answers);
     }
     if (event.key == kStartPose) {
         return {.state = Trust::at_home};
@@ -60,7 +60,7 @@ ProofStep stepped(const engine::ShortForm& form, std::string_view key, std::stri
 
 RigTrust apply(RigTrust trust, const Attempt& /*attempt*/) noexcept {
     ++trust.trials;
-    return trust.trials < kMaxTrialsOfAProof ? trust : at_most(trust, Trust::answers);
+    return trust.trials < kMaxTrialsOfAProof ? trust : lowered_to(trust, Trust::answers);
 }
 
 RigTrust apply(RigTrust trust, const Event& event) noexcept {
@@ -69,7 +69,7 @@ RigTrust apply(RigTrust trust, const Event& event) noexcept {
             return after_fault(trust, event.value);
         case EventKind::rest:
         case EventKind::pause:
-            return at_most(trust, Trust::answers);
+            return lowered_to(trust, Trust::answers);
         case EventKind::reconnect:
             return {.state = std::max(trust.state, Trust::answers), .trials = trust.trials};
         case EventKind::provenance:

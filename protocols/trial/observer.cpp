@@ -11,7 +11,7 @@ Signal Observer::pause(const TrialView& /*next*/) {
 }
 
 std::optional<Signal> Observer::trouble(const TroubleView& view) {
-    if (view.tries >= kMostTries || view.in_a_row >= kMostFaults) {
+    if (view.tries >= kMaxTries || view.in_a_row >= kMaxFaults) {
         return Signal::give_up;
     }
     return view.solved ? std::optional(Signal::go_on) : std::nullopt;

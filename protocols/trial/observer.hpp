@@ -56,8 +56,8 @@ struct TroubleView {
 };
 
 /// When nobody is there to mend anything: failed tries, and faults in a row, after which to give up.
-inline constexpr std::size_t kMostTries = 10;
-inline constexpr std::size_t kMostFaults = 3;
+inline constexpr std::size_t kMaxTries = 10;
+inline constexpr std::size_t kMaxFaults = 3;
 
 enum class Signal : std::uint8_t {
     go_on,
@@ -107,8 +107,8 @@ struct Question {
             .timeout_s = 0.0};
 }
 
-/// How sure one is of an answer: 1 (a guess) .. kMostConfidence.
-inline constexpr int kMostConfidence = 4;
+/// How sure one is of an answer: 1 (a guess) .. kMaxConfidence.
+inline constexpr int kMaxConfidence = 4;
 
 /// How an answer came about that could be changed until it was confirmed. Times since the question was shown.
 struct Confirmation {
@@ -127,7 +127,7 @@ struct Choice {
     double reaction_s = 0.0;     ///< question shown -> the press that gave this answer
     double uncertainty_s = 0.0;  ///< how late that press may have been seen
     InputKind input = InputKind::simulated;
-    std::optional<int> confidence{};     ///< 1 .. kMostConfidence, if the question asks for it
+    std::optional<int> confidence{};     ///< 1 .. kMaxConfidence, if the question asks for it
     double confidence_reaction_s = 0.0;  ///< scale shown -> confidence; 0 if not asked for
     std::size_t early_presses = 0;  ///< too early to be an answer, at the question or the scale
     std::optional<Confirmation> confirmation{};  ///< if the question asks for it
@@ -171,8 +171,8 @@ public:
     [[nodiscard]] virtual Signal pause(const TrialView& next);
     /// After a fault, again and again, with the device asked in between; must return within a few ms.
     /// go_on (taken only when solved), abort, give_up, or nothing: still waiting.
-    /// The default has nobody to wait for: it goes on at once when solved, and gives up after kMostTries
-    /// or kMostFaults.
+    /// The default has nobody to wait for: it goes on at once when solved, and gives up after kMaxTries
+    /// or kMaxFaults.
     [[nodiscard]] virtual std::optional<Signal> trouble(const TroubleView& view);
     /// The plan is finished.
     virtual void finish(const SessionView& session) = 0;

@@ -51,15 +51,15 @@ public:
 private:
     /// The paper's recursion with the map that goes with it, so that |z| = z_max in steady sliding.
     double recalled(double x) {
-        constexpr double kMost = 0.5 * kLoad / kStiffness;
-        const double stick = 0.7 * kMost;
+        constexpr double kMax = 0.5 * kLoad / kStiffness;
+        const double stick = 0.7 * kMax;
         const double to8 = std::pow(stick, 8.0);
-        const double most = kMost / (1.0 + std::pow(0.7, 8.0));
+        const double max = kMax / (1.0 + std::pow(0.7, 8.0));
         const double z = x - anchor_;
-        const double alpha = std::pow(z, 8.0) / (most * (to8 + std::pow(z, 8.0)));
+        const double alpha = std::pow(z, 8.0) / (max * (to8 + std::pow(z, 8.0)));
         anchor_ = started_ ? anchor_ + std::fabs(x - x_) * alpha * z : x;
-        if (std::fabs(x - anchor_) > kMost) {
-            anchor_ = x - std::copysign(kMost, x - anchor_);
+        if (std::fabs(x - anchor_) > kMax) {
+            anchor_ = x - std::copysign(kMax, x - anchor_);
         }
         started_ = true;
         x_ = x;

@@ -37,7 +37,7 @@ std::string short_text(double value) {
     return text.data();
 }
 
-double number(Words& words, const std::string& name, double otherwise, double least, double most) {
+double number(Words& words, const std::string& name, double otherwise, double least, double max) {
     const std::string text = words.value(name, short_text(otherwise));
     std::size_t end = 0;
     double value = 0.0;
@@ -46,9 +46,9 @@ double number(Words& words, const std::string& name, double otherwise, double le
     } catch (const std::exception&) {
         end = 0;
     }
-    if (end == 0 || end != text.size() || !(value >= least && value <= most)) {
+    if (end == 0 || end != text.size() || !(value >= least && value <= max)) {
         throw WrongWord(name + " " + text + " is not a number from " + short_text(least) + " to " +
-                        short_text(most));
+                        short_text(max));
     }
     return value;
 }

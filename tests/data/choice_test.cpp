@@ -220,9 +220,9 @@ TEST_CASE("similarities and biases of five items come back from the shares they 
 TEST_CASE("of two items and two answers sigma's interval is that of R's profiled glm", "[choice]") {
     const auto fit =
         data::fit_thurstone({{{31, 9}, {13, 27}}}, {.items = {-2.0, 3.0}, .lapse = 0.0});
-    const data::Interval& told = fit.parts[0].sigma_interval.value();
-    CHECK_THAT(told.low, WithinRel(1.0 / 0.361878185, 1e-5));
-    CHECK_THAT(told.high, WithinRel(1.0 / 0.125357668, 1e-5));
+    const data::Interval& interval = fit.parts[0].sigma_interval.value();
+    CHECK_THAT(interval.low, WithinRel(1.0 / 0.361878185, 1e-5));
+    CHECK_THAT(interval.high, WithinRel(1.0 / 0.125357668, 1e-5));
 }
 
 TEST_CASE(

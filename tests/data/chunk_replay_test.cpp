@@ -70,12 +70,12 @@ bool same_contact(const TickRecord& a, const TickRecord& b) {
            (a.flags & engine::kSceneFlags) == (b.flags & engine::kSceneFlags);
 }
 
-/// The same ticks again in chunks of other sizes, 1 to `most` ticks each.
+/// The same ticks again in chunks of other sizes, 1 to `max` ticks each.
 struct Cut {
-    Cut(std::span<const TickRecord> ticks, int most, tests::Random& random) {
+    Cut(std::span<const TickRecord> ticks, int max, tests::Random& random) {
         for (std::size_t first = 0; first < ticks.size();) {
             const std::size_t count =
-                std::min(ticks.size() - first, 1 + static_cast<std::size_t>(random.below(most)));
+                std::min(ticks.size() - first, 1 + static_cast<std::size_t>(random.below(max)));
             const auto part = std::span(ticks).subspan(first, count);
             const std::uint8_t parts = data::part_command;  // after a safety chain
             bytes.push_back(data::encode_chunk(part, part.front().tick, 1'000'000, parts));

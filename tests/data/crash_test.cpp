@@ -40,10 +40,10 @@ struct Acknowledged {
     std::size_t trials = 0;
 };
 
-/// Lets a child record and kills it after `most` acknowledgements and a moment.
+/// Lets a child record and kills it after `max` acknowledgements and a moment.
 Acknowledged record_and_kill(const std::string& file,
                              const data::SessionSpec& spec,
-                             int most,
+                             int max,
                              unsigned pause_us) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
@@ -61,7 +61,7 @@ Acknowledged record_and_kill(const std::string& file,
         seen.chunks += word == 'c' ? 1 : 0;
         seen.trials += word == 't' ? 1 : 0;
     };
-    for (int i = 0; i < most && read(ends[0], &word, 1) == 1; ++i) {
+    for (int i = 0; i < max && read(ends[0], &word, 1) == 1; ++i) {
         take();
     }
     usleep(pause_us);

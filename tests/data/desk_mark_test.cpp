@@ -85,7 +85,7 @@ std::string attempts(std::uint64_t seed, int stop_every) {
     const tests::TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     const data::SessionSpec spec = tests::session_spec(tests::short_protocol());
-    tests::World world{.seed = seed, .fault_share = 0.1, .most_faults = 1};
+    tests::World world{.seed = seed, .fault_share = 0.1, .max_faults = 1};
     Placed apparatus(world);
     int pauses = 0;
     for (int run = 0; run < 200; ++run) {

@@ -26,14 +26,14 @@ std::vector<Level> counted(double first, std::int64_t n, const std::vector<std::
 /// What a curve may say that the fit does not, on a grid that knows nothing of it: no point is higher than the fit, and
 /// all that the answers do not refute lies within the intervals.
 void hold_against_grid(const CurveModel& model, const CurveFit& fit) {
-    constexpr std::array kTold{Quantity::threshold, Quantity::slope, Quantity::jnd,
-                               Quantity::weber};
-    std::array<std::optional<Interval>, kTold.size()> told{};
-    for (std::size_t q = 0; q < kTold.size(); ++q) {
-        told.at(q) = profile_interval(model, fit, kTold.at(q));
+    constexpr std::array kQuantities{Quantity::threshold, Quantity::slope, Quantity::jnd,
+                                     Quantity::weber};
+    std::array<std::optional<Interval>, kQuantities.size()> intervals{};
+    for (std::size_t q = 0; q < kQuantities.size(); ++q) {
+        intervals.at(q) = profile_interval(model, fit, kQuantities.at(q));
     }
     const double range = model.last() - model.first();
-    std::array<Interval, kTold.size()> seen{};
+    std::array<Interval, kQuantities.size()> seen{};
     seen.fill({INFINITY, -INFINITY});
     double highest = -INFINITY;
     for (int row = 0; row <= 90; ++row) {
@@ -47,8 +47,8 @@ void hold_against_grid(const CurveModel& model, const CurveFit& fit) {
             if (2.0 * (fit.value - value) > kChiSquare95 - 1e-5) {
                 continue;
             }
-            for (std::size_t q = 0; q < kTold.size(); ++q) {
-                const double here = quantity_of(model.spec(), at, kTold.at(q));
+            for (std::size_t q = 0; q < kQuantities.size(); ++q) {
+                const double here = quantity_of(model.spec(), at, kQuantities.at(q));
                 if (!std::isnan(here)) {
                     seen.at(q).low = std::min(seen.at(q).low, here);
                     seen.at(q).high = std::max(seen.at(q).high, here);
@@ -57,11 +57,11 @@ void hold_against_grid(const CurveModel& model, const CurveFit& fit) {
         }
     }
     CHECK(highest < fit.value + 1e-7);
-    for (std::size_t q = 0; q < kTold.size(); ++q) {
+    for (std::size_t q = 0; q < kQuantities.size(); ++q) {
         CAPTURE(q, seen.at(q).low, seen.at(q).high);
-        if (told.at(q)) {
-            CHECK(told.at(q)->low <= seen.at(q).low + 1e-6 * std::fabs(seen.at(q).low));
-            CHECK(told.at(q)->high >= seen.at(q).high - 1e-6 * std::fabs(seen.at(q).high));
+        if (intervals.at(q)) {
+            CHECK(intervals.at(q)->low <= seen.at(q).low + 1e-6 * std::fabs(seen.at(q).low));
+            CHECK(intervals.at(q)->high >= seen.at(q).high - 1e-6 * std::fabs(seen.at(q).high));
         }
     }
 }
@@ -134,9 +134,9 @@ TEST_CASE(
     const CurveSpec spec{.family = family, .lapse = 0.02};
     const CurveModel model(counted(first, 40, {2, 8, 20, 33, 38}), spec);
     const CurveFit fit = fit_curve(model);
-    const Interval told = profile_interval(model, fit, Quantity::weber).value();
+    const Interval intervals = profile_interval(model, fit, Quantity::weber).value();
     const double jnd = 0.5 * (core_quantile(family, 0.75) - core_quantile(family, 0.25));
-    for (const double weber : {told.low, told.high}) {
+    for (const double weber : {intervals.low, intervals.high}) {
         double highest = -INFINITY;
         for (int i = 0; i <= 20000; ++i) {
             const double location = first - 0.9 + i * 4.0 / 20000.0;
@@ -145,8 +145,8 @@ TEST_CASE(
         }
         CHECK(2.0 * (fit.value - highest) == Approx(kChiSquare95).margin(1e-3));
     }
-    CHECK(told.low < quantity_of(spec, fit.at, Quantity::weber));
-    CHECK(told.high > quantity_of(spec, fit.at, Quantity::weber));
+    CHECK(intervals.low < quantity_of(spec, fit.at, Quantity::weber));
+    CHECK(intervals.high > quantity_of(spec, fit.at, Quantity::weber));
 }
 
 TEST_CASE("a difference has no bootstrap interval where one of its curves has none", "[fit]") {

@@ -315,7 +315,7 @@ TEST_CASE(
     const double half = core_inverse(one.f.family, 0.5, one.f.threshold, one.f.slope);
     const CurvePoint true_point{on_axis(one.f.family, half), std::log(one.f.slope),
                                 drawn_from.guess, drawn_from.lapse};
-    constexpr std::array kTold{Quantity::threshold, Quantity::jnd, Quantity::slope};
+    constexpr std::array kQuantities{Quantity::threshold, Quantity::jnd, Quantity::slope};
     Random random(20261123);
     struct Tally {
         int profile = 0;
@@ -324,7 +324,7 @@ TEST_CASE(
         double off = 0.0;
         double square = 0.0;
     };
-    std::array<Tally, kTold.size()> tallies{};
+    std::array<Tally, kQuantities.size()> tallies{};
     int unlikely = 0;
     for (int study = 0; study < studies; ++study) {
         const CurveModel model(answers(random, one.f, one.x, 40), spec);
@@ -332,8 +332,8 @@ TEST_CASE(
         const Bootstrap drawn_fits =
             bootstrap(model, fit, samples, 1, static_cast<std::uint64_t>(study));
         unlikely += drawn_fits.deviance_p <= 0.05 ? 1 : 0;
-        for (std::size_t q = 0; q < kTold.size(); ++q) {
-            const Quantity quantity = kTold.at(q);
+        for (std::size_t q = 0; q < kQuantities.size(); ++q) {
+            const Quantity quantity = kQuantities.at(q);
             const double real = quantity_of(spec, true_point, quantity);
             const auto holds = [real](const std::optional<Interval>& interval) {
                 return interval && interval->low <= real && real <= interval->high ? 1 : 0;
@@ -342,9 +342,9 @@ TEST_CASE(
             tally.profile += holds(profile_interval(model, fit, quantity));
             tally.bootstrap += holds(bootstrap_interval(
                 of_all(spec, drawn_fits, quantity), quantity_of(spec, drawn_fits.from, quantity)));
-            if (const auto told = corrected(spec, fit, drawn_fits, quantity)) {
+            if (const auto shown = corrected(spec, fit, drawn_fits, quantity)) {
                 const bool factor = quantity != Quantity::threshold;
-                const double off = factor ? std::log(*told / real) : *told - real;
+                const double off = factor ? std::log(*shown / real) : *shown - real;
                 ++tally.corrected;
                 tally.off += off;
                 tally.square += off * off;
@@ -352,7 +352,7 @@ TEST_CASE(
         }
     }
     const double share = asked != nullptr ? 0.02 : 3.5 * std::sqrt(0.95 * 0.05 / studies);
-    for (std::size_t q = 0; q < kTold.size(); ++q) {
+    for (std::size_t q = 0; q < kQuantities.size(); ++q) {
         const Tally& tally = tallies.at(q);
         const double spread = std::sqrt(tally.square / tally.corrected);
         const double off = tally.off / tally.corrected / spread;
@@ -366,7 +366,7 @@ TEST_CASE(
         for (const int held : {tally.profile, tally.bootstrap}) {
             CHECK(std::fabs(static_cast<double>(held) / studies - 0.95) <= share + 0.5 / studies);
         }
-        if (kTold.at(q) != Quantity::jnd) {  // it follows from the others
+        if (kQuantities.at(q) != Quantity::jnd) {  // it follows from the others
             CHECK(std::fabs(off) < 0.1 + (asked != nullptr ? 0.0 : 3.5 / std::sqrt(studies)));
         }
     }

@@ -73,7 +73,7 @@ TEST_CASE("with answers that do not count, a session resumed anywhere runs as th
     const TemporaryFolder folder;
     auto protocol = tests::small_protocol(2);
     protocol.design.blocks = 2;
-    protocol.invalid.requeue_most = seed % 3;
+    protocol.invalid.max_requeues = seed % 3;
     const auto spec = tests::session_spec(protocol);
     Database unbroken(folder.file("unbroken.sqlite"), Access::write);
     run_on(unbroken, spec, 1000, seed);
@@ -89,7 +89,7 @@ TEST_CASE("with answers that do not count, a session resumed anywhere runs as th
         lines(broken, fmt::format("SELECT plan_position FROM trial JOIN response USING (trial_id) "
                                   "GROUP BY plan_position HAVING sum(invalid_reason IS NULL) <> 1 "
                                   "AND (sum(invalid_reason IS NULL) > 1 OR count(*) <> {})",
-                                  protocol.invalid.requeue_most + 1))
+                                  protocol.invalid.max_requeues + 1))
             .empty());
     CHECK(lines(broken, "SELECT DISTINCT block FROM plan ORDER BY 1") == "0 \n1 \n");
 }

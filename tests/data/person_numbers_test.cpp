@@ -49,11 +49,11 @@ TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials 
     constexpr int kGuessers = 200;
     for (int i = 0; i < kGuessers; ++i) {
         const Answered one = answered(random, 50, 0.0);
-        const Transmitted told = transmitted(one.shapes, one.responses, 99, 1, 1);
-        plug_in += told.bits.plug_in / kGuessers;
-        null_mean += told.null_mean.value() / kGuessers;
-        corrected += told.bits.miller_madow / kGuessers;
-        found += told.null_p <= 0.05 ? 1 : 0;
+        const Transmitted sent = transmitted(one.shapes, one.responses, 99, 1, 1);
+        plug_in += sent.bits.plug_in / kGuessers;
+        null_mean += sent.null_mean.value() / kGuessers;
+        corrected += sent.bits.miller_madow / kGuessers;
+        found += sent.null_p <= 0.05 ? 1 : 0;
     }
     CHECK(std::fabs(plug_in - 0.28) < 0.02);
     CHECK(std::fabs(null_mean - plug_in) < 0.02);
@@ -79,10 +79,10 @@ TEST_CASE("the permutation null is the mean over all ways to deal the answers",
     const double mixed = 2.0 * (bits(2, 3.0 * 4 / 6, 6) + bits(1, 3.0 * 2 / 6, 6));
     const double split =
         bits(3, 3.0 * 4 / 6, 6) + bits(1, 3.0 * 4 / 6, 6) + bits(2, 3.0 * 2 / 6, 6);
-    const Transmitted told = transmitted(shapes, responses, 40000, 5, 2);
-    CHECK(told.bits.plug_in == Approx(split).epsilon(1e-12));
-    CHECK(told.null_mean.value() == Approx((9.0 * mixed + 6.0 * split) / 15.0).epsilon(0.02));
-    CHECK(told.null_p.value() == Approx(0.4).margin(0.01));
+    const Transmitted sent = transmitted(shapes, responses, 40000, 5, 2);
+    CHECK(sent.bits.plug_in == Approx(split).epsilon(1e-12));
+    CHECK(sent.null_mean.value() == Approx((9.0 * mixed + 6.0 * split) / 15.0).epsilon(0.02));
+    CHECK(sent.null_p.value() == Approx(0.4).margin(0.01));
 }
 
 // PALPATE_BITS_PEOPLE=4000 draws so many people; what then comes is in docs/data.md.
@@ -96,10 +96,10 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
     double bias = 0.0;
     for (int i = 0; i < people; ++i) {
         const Answered one = answered(random, trials, right);
-        const Transmitted told = transmitted(one.shapes, one.responses, 0, 1, 1);
+        const Transmitted sent = transmitted(one.shapes, one.responses, 0, 1, 1);
         held +=
-            told.interval->low <= bits_of(right) && bits_of(right) <= told.interval->high ? 1 : 0;
-        bias += (told.bits.miller_madow - bits_of(right)) / people;
+            sent.interval->low <= bits_of(right) && bits_of(right) <= sent.interval->high ? 1 : 0;
+        bias += (sent.bits.miller_madow - bits_of(right)) / people;
     }
     CAPTURE(right, trials, held, bias);
     if (asked != nullptr) {

@@ -69,7 +69,7 @@ Oracle recomputed(const data::SessionSpec& spec,
                   std::span<const data::StoredAttempt> attempts,
                   std::span<const data::StoredEvent> events) {
     Oracle all{.pending = PendingTrials(spec.plan, {.key = session_stream(spec),
-                                                    .most = spec.protocol.invalid.requeue_most}),
+                                                    .max = spec.protocol.invalid.max_requeues}),
                .runs = AdaptiveRuns(spec.protocol, session_stream(spec)),
                .counting = {}};
     std::set<TrialId> marked;
@@ -201,7 +201,7 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
         Database database(folder.file("a.sqlite"), Access::write);
         database.execute("PRAGMA synchronous = OFF");
         const data::SessionSpec spec = tests::session_spec(protocol_of(design));
-        tests::World world{.seed = seed, .fault_share = 0.15, .most_faults = 2};
+        tests::World world{.seed = seed, .fault_share = 0.15, .max_faults = 2};
         tests::Random random(seed * 31 + 7);
         std::vector<Instant> moments;
         for (int sitting = 0; sitting < 12; ++sitting) {

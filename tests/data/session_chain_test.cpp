@@ -94,7 +94,7 @@ constexpr const char* kAttempts =
 std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
     std::string text = "0 faulted " + cause + " \n";
     PendingTrials pending(spec.plan, RequeueRule{.key = session_stream(spec),
-                                                 .most = spec.protocol.invalid.requeue_most});
+                                                 .max = spec.protocol.invalid.max_requeues});
     for (pending.note(0, Outcome::faulted); !pending.empty();) {
         text += std::to_string(pending.next()) + " complete - \n";
         pending.note(pending.next(), Outcome::complete);

@@ -114,8 +114,8 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
         bench.counter = counters(how, start, bench.counter_top, somewhere(random));
         const Reading reading = device->read();
         REQUIRE(reading.ok());
-        const double most = random.coin() ? 3.0 : 60.0;
-        const Vec2 force{random.in(-most, most), random.in(-most, most)};
+        const double max = random.coin() ? 3.0 : 60.0;
+        const Vec2 force{random.in(-max, max), random.in(-max, max)};
         const Applied applied = device->write(force);
 
         const auto fix = *pantograph.locate(pantograph.angles(reading.counts));

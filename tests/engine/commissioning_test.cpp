@@ -37,7 +37,7 @@ Commissioned commissioned(const PlantModel& plant,
                           const Connection& encoders,
                           const Connection& motors,
                           double* strongest = nullptr,
-                          double* most_asked = nullptr) {
+                          double* max_asked = nullptr) {
     MiswiredMachine device(plant, encoders, motors);
     const Calibration machine{.pantograph = plant.machine};
     static std::map<std::string, std::vector<Vec3>> known;  // they are looked for among thousands
@@ -50,8 +50,8 @@ Commissioned commissioned(const PlantModel& plant,
     if (strongest != nullptr) {
         *strongest = device.strongest();
     }
-    if (most_asked != nullptr) {
-        *most_asked = device.most_asked();
+    if (max_asked != nullptr) {
+        *max_asked = device.max_asked();
     }
     return done;
 }
@@ -287,7 +287,7 @@ TEST_CASE("a device that was opened anew at a mark, and took it for home, is sai
 
 TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioning]") {
     const PlantModel plant = plant_of("gen3");
-    CHECK(told_apart(plant.machine, commissioning_places(plant.machine, kHome)) > 2.0 * kPlaced);
+    CHECK(separation(plant.machine, commissioning_places(plant.machine, kHome)) > 2.0 * kPlaced);
     MiswiredMachine device(plant, {}, {});
     CHECK_THROWS_WITH(commission(device, {.pantograph = plant.machine},
                                  {Vec3(kHome, 0.0), {0.0, 0.050, 0.0}, {0.0, 0.040, 0.0}},

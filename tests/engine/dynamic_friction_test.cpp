@@ -38,12 +38,12 @@ TEST_CASE("Dahl's law is its differential equation, solved finely, for every exp
     tests::check_law(
         c,
         [&](const Rub& rub) {
-            const double most = c.friction.mu_d * rub.load;
-            f = std::min(most, std::max(-most, f));
+            const double max = c.friction.mu_d * rub.load;
+            f = std::min(max, std::max(-max, f));
             const double way = tests::sgn(rub.travel);
             f = finely(f, rub.travel, 400, [&](double now) {
                 return way * c.stiffness *
-                       std::pow(std::max(1.0 - way * now / most, 0.0), c.spec.exponent);
+                       std::pow(std::max(1.0 - way * now / max, 0.0), c.spec.exponent);
             });
             return f;
         },
@@ -78,8 +78,8 @@ TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[fr
             const double level = rub.load * (c.friction.mu_d +
                                              (c.friction.mu_s - c.friction.mu_d) *
                                                  std::exp(-std::pow(v / c.spec.stribeck_speed, 2)));
-            const double most = c.friction.mu_s * rub.load / c.stiffness;
-            z = std::min(most, std::max(-most, z));
+            const double max = c.friction.mu_s * rub.load / c.stiffness;
+            z = std::min(max, std::max(-max, z));
             const double before = z;
             const double way = tests::sgn(v);
             const int steps =
@@ -127,12 +127,12 @@ TEST_CASE("Hayward and Armstrong's law is its differential equation, solved fine
     tests::check_law(
         c,
         [&](const Rub& rub) {
-            const double most = c.friction.mu_d * rub.load / c.stiffness;
-            const double stick = c.spec.stick_share * most;
-            z = std::min(most, std::max(-most, z));
+            const double max = c.friction.mu_d * rub.load / c.stiffness;
+            const double stick = c.spec.stick_share * max;
+            z = std::min(max, std::max(-max, z));
             const double way = tests::sgn(rub.travel);
             z = finely(z, rub.travel, 3000, [&](double now) {
-                const double slip = std::max(std::fabs(now) - stick, 0.0) / (most - stick);
+                const double slip = std::max(std::fabs(now) - stick, 0.0) / (max - stick);
                 return way - tests::sgn(now) * slip;
             });
             return c.stiffness * z;

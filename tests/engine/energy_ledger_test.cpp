@@ -74,22 +74,21 @@ TEST_CASE("what a soft object gives back trips no energy observer, which knows w
     ContactState state;
     EnergyObserver knows;
     EnergyObserver ignores;
-    double most = 0.0;
-    double most_unknown = 0.0;
+    double max = 0.0;
+    double max_unknown = 0.0;
     for (const Reading& reading : readings) {
         const Contact c = scene.tick(state, reading.hip);
         const Vec2 stretch = c.mode == Mode::free ? Vec2{} : c.go - reading.hip;
         const Vec2 spring = scene.spring(state, c, reading.hip);
-        most = std::max(most, observe_energy(knows, limits, Vec3(reading.hip, 0.0),
-                                             Vec3(spring, 0.0), 1.0, 1e-3));
-        most_unknown = std::max(
-            most_unknown,
-            observe_energy(ignores, limits, Vec3(reading.hip, 0.0), Vec3(stretch, 0.0), 1.0, 1e-3));
+        max = std::max(max, observe_energy(knows, limits, Vec3(reading.hip, 0.0), Vec3(spring, 0.0),
+                                           1.0, 1e-3));
+        max_unknown = std::max(max_unknown, observe_energy(ignores, limits, Vec3(reading.hip, 0.0),
+                                                           Vec3(stretch, 0.0), 1.0, 1e-3));
         note_command(knows, Vec3(c.force, 0.0));
         note_command(ignores, Vec3(c.force, 0.0));
     }
-    CHECK(most < 1e-4);
-    CHECK(most_unknown > 5e-3);
+    CHECK(max < 1e-4);
+    CHECK(max_unknown > 5e-3);
 
     ReplayDevice device;
     device.begin(readings);

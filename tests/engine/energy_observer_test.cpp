@@ -30,14 +30,14 @@ public:
     void add(const Vec2& force, const Vec2& step, double damping, double period) {
         sum_ += glm::dot(force, step) - damping * glm::dot(step, step) / period;
         least_ = std::min(least_, sum_);
-        most_ = std::max(most_, sum_ - least_);
+        max_ = std::max(max_, sum_ - least_);
     }
-    [[nodiscard]] double most() const { return most_; }
+    [[nodiscard]] double max() const { return max_; }
 
 private:
     double sum_ = 0.0;
     double least_ = 0.0;
-    double most_ = 0.0;
+    double max_ = 0.0;
 };
 
 struct Honest {
@@ -145,12 +145,12 @@ TEST_CASE("a force that follows the motion trips before it gave the limit and a 
         force = linear ? push * step / limits.period : length > 0.0 ? push * step / length : Vec2{};
         const Command c = make_safe(state, limits, {.force = force, .hip = hip});
         last = hip;
-        if (!(given.most() <= kLimit + worst_tick)) {
-            FAIL("gave " << given.most() << " J");
+        if (!(given.max() <= kLimit + worst_tick)) {
+            FAIL("gave " << given.max() << " J");
         }
         if (c.trip != Trip::none) {
             CHECK((c.trip == Trip::energy));
-            CHECK(given.most() > 0.99 * kLimit);  // and not before
+            CHECK(given.max() > 0.99 * kLimit);  // and not before
             return;
         }
     }
@@ -226,12 +226,12 @@ TEST_CASE("a spring of the wrong sign is caught", "[safety]") {
 
 TEST_CASE("the cut spring stores what its force does on the way", "[safety][law]") {
     const double stiffness = GENERATE(100.0, 1000.0, 4000.0);
-    const double most = GENERATE(1.0, 10.0);
+    const double max = GENERATE(1.0, 10.0);
     double sum = 0.0;
     const double dx = 1e-6;
     for (double x = 0.0; x < 0.02; x += dx) {  // midpoint rule, exact but for the cell of the cut
-        CHECK(std::fabs(stored_energy(x, stiffness, most) - sum) <= 1e-9);
-        sum += dx * std::min(most, stiffness * (x + 0.5 * dx));
+        CHECK(std::fabs(stored_energy(x, stiffness, max) - sum) <= 1e-9);
+        sum += dx * std::min(max, stiffness * (x + 0.5 * dx));
     }
 }
 

@@ -70,7 +70,7 @@ TEST_CASE("each reading is as old as it says, however the board's answers come",
     bench.open();
     const double promised = bench.device->traits().delay_ticks;
     std::vector<Vec2> led;
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t k = 0; k < 400; ++k) {
         if (k % 50 == 49) {
             bench.board.set_faults({.delay = random.in(0.0, 6e-3)});
@@ -79,7 +79,7 @@ TEST_CASE("each reading is as old as it says, however the board's answers come",
         bench.plant.lead(led.back());
         const Reading reading = bench.tick({0.2, 0.0});
         REQUIRE(reading.ok());
-        most = std::fmax(most, reading.behind);
+        max = std::fmax(max, reading.behind);
         if (k > 10) {  // one that is quicker than promised is newer
             const auto oldest = static_cast<std::size_t>(promised + reading.behind);
             double missed = 1.0;
@@ -89,7 +89,7 @@ TEST_CASE("each reading is as old as it says, however the board's answers come",
             CHECK(missed < 3e-4);
         }
     }
-    CHECK(most >= 3.0);
+    CHECK(max >= 3.0);
 }
 
 TEST_CASE("answers that became later in service are refused until they are quick again",

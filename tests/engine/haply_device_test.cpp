@@ -69,12 +69,12 @@ TEST_CASE("the motors get the torques of the force, each at its own pivot", "[ha
         REQUIRE(fix);
         // J^T F, both scaled alike into 0.123 N m, cut to 12 bits.
         Vec2 wanted = fix->jacobian.transposed(force);
-        const double most = std::max(std::fabs(wanted.x), std::fabs(wanted.y)) / kHaplyTorque;
-        wanted /= std::max(most, 1.0);
+        const double max = std::max(std::fabs(wanted.x), std::fabs(wanted.y)) / kHaplyTorque;
+        wanted /= std::max(max, 1.0);
         const double step = kHaplyTorque / 4095.0;
         CHECK(std::fabs(bench.board.torque().x - wanted.x) <= 1.001 * step);
         CHECK(std::fabs(bench.board.torque().y - wanted.y) <= 1.001 * step);
-        CHECK(applied.saturated == (most > 1.0));
+        CHECK(applied.saturated == (max > 1.0));
         CHECK(std::fabs(applied.codes[0] * step - wanted.x) <= 0.51 * step);
         CHECK(std::fabs(applied.load.y - std::fabs(wanted.y) / (0.5 * kHaplyTorque)) < 1e-12);
     }

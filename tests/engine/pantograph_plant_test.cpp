@@ -223,15 +223,15 @@ TEST_CASE("dry friction opposes every turning joint fully, and a resting one by 
         const double b = random.decade(-5.0, -2.0);
         const double c = random.in(-0.999, 0.999) * std::sqrt(a * b);
         const Vec2 right = random.point(-1e-4, 1e-4);
-        const Vec2 most{random.coin() ? random.in(0.0, 1e-4) : 0.0, random.in(0.0, 1e-4)};
-        const Vec2 rates = after_dry_friction({a, c}, {c, b}, right, most, random.point(-1.0, 1.0));
+        const Vec2 max{random.coin() ? random.in(0.0, 1e-4) : 0.0, random.in(0.0, 1e-4)};
+        const Vec2 rates = after_dry_friction({a, c}, {c, b}, right, max, random.point(-1.0, 1.0));
         const Vec2 friction = Vec2{a * rates.x + c * rates.y, c * rates.x + b * rates.y} - right;
         for (int i = 0; i < 2; ++i) {
-            CAPTURE(seed, i, rates[i], friction[i], most[i]);
+            CAPTURE(seed, i, rates[i], friction[i], max[i]);
             const double rounding = 1e-12 * (std::fabs(right.x) + std::fabs(right.y) + 1e-4);
-            REQUIRE(std::fabs(friction[i]) <= most[i] + rounding);
+            REQUIRE(std::fabs(friction[i]) <= max[i] + rounding);
             if (rates[i] != 0.0) {
-                REQUIRE(std::fabs(friction[i] + std::copysign(most[i], rates[i])) <= rounding);
+                REQUIRE(std::fabs(friction[i] + std::copysign(max[i], rates[i])) <= rounding);
             }
         }
     }

@@ -200,11 +200,11 @@ TEST_CASE("many readings at once give each the bits that it has alone", "[device
         spec.axes[0].counts_per_turn = seed % 10 == 0 ? 3.0 : spec.axes[0].counts_per_turn;
         spec.linkage.mode.handle_left = random.coin();
         const Pantograph machine(spec);
-        const double most = seed % 3 == 0 ? 0x1p31 - 1.0 : spec.axes[1].counts_per_turn;
+        const double max = seed % 3 == 0 ? 0x1p31 - 1.0 : spec.axes[1].counts_per_turn;
         std::vector<Pantograph::Counts> counts(static_cast<std::size_t>(random.below(700)));
-        std::generate(counts.begin(), counts.end(), [&random, most] {
-            const auto one = static_cast<std::int32_t>(random.in(-most, most));
-            return Pantograph::Counts{one, static_cast<std::int32_t>(random.in(-most, most))};
+        std::generate(counts.begin(), counts.end(), [&random, max] {
+            const auto one = static_cast<std::int32_t>(random.in(-max, max));
+            return Pantograph::Counts{one, static_cast<std::int32_t>(random.in(-max, max))};
         });
         std::vector<Vec2> hips(counts.size());
         ManyHips(spec).of(counts, hips);

@@ -49,8 +49,8 @@ TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and 
                              1e-3 * applied.code_3};
         bool cut = false;
         for (int axis = 0; axis < 3; ++axis) {
-            const double most = std::copysign(std::fmin(std::fabs(force[axis]), 12.0), force[axis]);
-            CHECK(std::fabs(given[axis] - most) < 0.51e-3);
+            const double max = std::copysign(std::fmin(std::fabs(force[axis]), 12.0), force[axis]);
+            CHECK(std::fabs(given[axis] - max) < 0.51e-3);
             cut = cut || std::fabs(force[axis]) > 12.0;
         }
         CHECK(applied.saturated == cut);

@@ -71,7 +71,7 @@ SceneSpec soft_spec(Random& random) {
                                                  .mu_d = mu_d,
                                                  .tau_slip = random.coin() ? 0.0 : 0.02,
                                                  .tau_heal = 0.1},
-            .compliance = random.decade(-6.0, std::log10(kMostCompliance))};
+            .compliance = random.decade(-6.0, std::log10(kMaxCompliance))};
 }
 
 struct Episodes {
@@ -188,7 +188,7 @@ TEST_CASE("while the hand rests, spring and curves together only lose energy, al
         Random random(seed);
         SceneSpec spec = soft_spec(random);
         spec.stiffness = random.decade(2.5, 4.3);
-        spec.compliance = random.decade(-4.0, std::log10(kMostCompliance));
+        spec.compliance = random.decade(-4.0, std::log10(kMaxCompliance));
         const auto outline = arcs(random.in(-10.0, 20.0));
         const Scene scene(outline, spec);
         const Frame at = frame_at(outline->spans()[0], random.in(0.2, 0.95));
@@ -299,12 +299,12 @@ TEST_CASE("ticks of a soft object allocate nothing, and what follows is in the s
 TEST_CASE("whatever hand comes, a soft object stays within its depth and its numbers finite",
           "[soft][law]") {
     Random random(3);
-    const Scene scene(arcs(5.0), {.stiffness = 20'000.0, .compliance = kMostCompliance});
+    const Scene scene(arcs(5.0), {.stiffness = 20'000.0, .compliance = kMaxCompliance});
     const double deepest = scene.soft()->deepest();
     CHECK(deepest == Approx(0.25 * std::hypot(0.04, 0.04)));
     ContactState state;
     Vec2 hip{0.0, 0.05};
-    double most = 0.0;
+    double max = 0.0;
     for (int i = 0; i < 20'000; ++i) {
         hip.y -= i < 10'000 ? 1e-5 : 0.0;
         if (i >= 10'000) {
@@ -315,11 +315,11 @@ TEST_CASE("whatever hand comes, a soft object stays within its depth and its num
         const Contact c = scene.tick(state, hip);
         REQUIRE((c.refused || std::isfinite(c.force.x + c.force.y)));
         for (const Vec2& q : state.soft.q) {
-            most = std::max(most, glm::length(q));
+            max = std::max(max, glm::length(q));
         }
     }
-    CHECK(most <= deepest);
-    CHECK(most > 0.99 * deepest);  // it was there
+    CHECK(max <= deepest);
+    CHECK(max > 0.99 * deepest);  // it was there
 }
 
 TEST_CASE("every trial begins with the soft object at rest", "[soft]") {

@@ -72,9 +72,9 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
     int jammed = 0;
     int sliding = 0;
     double worst_mu = 0.0;
-    double most = 0.0;
+    double max = 0.0;
     stroke_on(scene, {.speed = speed}, 4.0, [&](double since, const Contact& c) {
-        most = std::max(most, glm::length(c.force));
+        max = std::max(max, glm::length(c.force));
         if (since <= turn_round) {
             return;  // the stick after a reversal, and mu on its way from mu_s to mu_d
         }
@@ -86,7 +86,7 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
     CHECK(sliding > 500);
     CHECK(jammed == 0);
     CHECK(worst_mu < 0.5 * 0.001);  // 0.1 %
-    CHECK(most < 2.0 * std::hypot(1.0, 0.7) * 1.05);
+    CHECK(max < 2.0 * std::hypot(1.0, 0.7) * 1.05);
 }
 
 TEST_CASE("a flat frictionless wall has no ripple", "[rendering][law]") {
@@ -192,17 +192,17 @@ TEST_CASE("the same path feels the same at 1, 4 and 10 kHz, over a vertex too", 
         for (std::size_t k = 0; k < 3; ++k) {
             const int rate = std::array{1, 4, 10}.at(k);
             const std::vector<Vec2> got = forces_on(ride, rate);
-            double most = 0.0;
+            double max = 0.0;
             double sum = 0.0;
             for (std::size_t i = 0; i < best.size(); ++i) {
                 const Vec2 off = got[i] - best[i];
-                most = std::max(most, glm::length(off));
+                max = std::max(max, glm::length(off));
                 sum += glm::dot(off, off);
             }
             const double rms = std::sqrt(sum / static_cast<double>(best.size()));
-            table << "  " << rate << " kHz " << most << " / " << rms;
+            table << "  " << rate << " kHz " << max << " / " << rms;
             CAPTURE(ride.name, rate);
-            CHECK(most <= ride.bounds.at(k)[0]);
+            CHECK(max <= ride.bounds.at(k)[0]);
             CHECK(rms <= ride.bounds.at(k)[1]);
         }
     }

@@ -14,7 +14,7 @@ using namespace palpate::engine;
 namespace {
 
 /// A hand that goes where it is told; what it is pressed by is kept.
-class ToldHand : public Device {
+class ScriptedHand : public Device {
 public:
     std::vector<Vec3> way;
     std::vector<Vec3> pressed;
@@ -67,8 +67,8 @@ std::vector<Vec3> strokes(unsigned seed) {
     return way;
 }
 
-SafetyLimits limits_of(double most, double slew) {
-    return {.max_force = most, .ramp_step = 1.0, .slew = slew, .speed = 1.0, .jump = 0.01};
+SafetyLimits limits_of(double max, double slew) {
+    return {.max_force = max, .ramp_step = 1.0, .slew = slew, .speed = 1.0, .jump = 0.01};
 }
 
 }  // namespace
@@ -81,12 +81,12 @@ TEST_CASE(
     CAPTURE(seed);
     const Friction friction = seed % 2 == 0 ? Friction{} : Friction{0.6, 0.4, 0.02, 0.1};
     const SurfaceScene scene = wall(1000.0, friction);
-    const double most = seed % 3 == 0 ? 2.0 : 10.0;
+    const double max = seed % 3 == 0 ? 2.0 : 10.0;
     const double slew =  // the strokes change a force by 0.2 N a tick
         seed % 5 == 0 ? 0.05 : std::numeric_limits<double>::infinity();
-    ToldHand hand;
+    ScriptedHand hand;
     hand.way = strokes(seed);
-    TickLoop loop(hand, limits_of(most, slew));
+    TickLoop loop(hand, limits_of(max, slew));
     loop.begin(scene);
     std::vector<TickRecord> ticks;
     for (std::size_t k = 0; k < hand.way.size(); ++k) {
@@ -107,12 +107,12 @@ TEST_CASE(
         REQUIRE((friction.none() ? glm::length(tick.force) < 1e-9 : true));
         const Vec3 command(tick.command, tick.command_z);
         REQUIRE(command == hand.pressed[k]);
-        REQUIRE(glm::length(command) <= most * (1.0 + 1e-12));
+        REQUIRE(glm::length(command) <= max * (1.0 + 1e-12));
         REQUIRE(glm::length(command - last) <= slew * (1.0 + 1e-9));
         const Vec3 force = force_in_space(tick);
         const double strength = glm::length(force);
         REQUIRE((slew < 1.0 ||
-                 glm::length(command - force * (strength > most ? most / strength : 1.0)) < 1e-12));
+                 glm::length(command - force * (strength > max ? max / strength : 1.0)) < 1e-12));
         last = command;
         hardest = std::fmax(hardest, tick.force_z);
     }
@@ -136,7 +136,7 @@ TEST_CASE("up counts as much as to the side: what is too fast, jumps or is no nu
           "[servo][surface][safety]") {
     const SurfaceScene scene = wall(1000.0, {});
     const auto trip_of = [&](double from, double to, std::size_t ticks) {
-        ToldHand hand;
+        ScriptedHand hand;
         for (std::size_t k = 0; k < 200; ++k) {
             const double share =
                 static_cast<double>(std::min(k, ticks)) / static_cast<double>(ticks);

@@ -64,15 +64,15 @@ TEST_CASE(
         const SurfaceTracker tracker(four, spec);
         SurfaceTrackerState state = tracker.start(path[0]);
         SurfaceTrack track;
-        double most = 0.0;
+        double max = 0.0;
         for (std::size_t k = 0; k < path.size(); ++k) {
             const TrackedSpot spot = tracker.step(state, path[k], kTrackTick);
             const SurfaceClosest exact = feet.track(track, path[k]);
             REQUIRE(spot.distance >= exact.distance - 1e-15);
-            most = k < 100 ? 0.0 : std::max(most, spot.distance - exact.distance);
+            max = k < 100 ? 0.0 : std::max(max, spot.distance - exact.distance);
         }
         CHECK(state.switches > 0);
-        return most;
+        return max;
     };
     const double kappa = feedback_gain(*four, 1.0, kTrackTick);
     const double slow = worst({.kind = TrackerKind::feedback, .gain = 0.1 * kappa});

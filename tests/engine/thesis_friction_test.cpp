@@ -95,15 +95,15 @@ TEST_CASE("Algorithm 1 sticks to mu_s and then slips", "[thesis]") {
     CHECK(hand.last().mode == Mode::stuck);
     CHECK(hand.last().fn == Approx(4.0));
     CHECK(hand.last().ft == Approx(0.0).margin(1e-12));
-    double most = 0.0;
+    double max = 0.0;
     while (hand.last().mode == Mode::stuck && hand.x() < 0.01) {
         hand.drag(0.04, kTick);
-        most = std::max(most, -hand.last().ft);
+        max = std::max(max, -hand.last().ft);
     }
-    CHECK(most == Approx(kMuS * 4.0).margin(0.041));  // within a tick of drag
+    CHECK(max == Approx(kMuS * 4.0).margin(0.041));  // within a tick of drag
     CHECK(hand.last().mode == Mode::transition);
     // Item 5: the tick of break-away does not assign F_f, so that the last one is felt again.
-    CHECK(-hand.last().ft == most);
+    CHECK(-hand.last().ft == max);
 }
 
 TEST_CASE("a step press while slipping leaves friction at 1.6 times the load for good",

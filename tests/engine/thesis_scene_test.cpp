@@ -70,11 +70,11 @@ TEST_CASE("a lagging tracker is felt as drag without friction", "[thesis]") {
     const ThesisScene scene =
         scene_of(ThesisLaw::frictionless, {.gain = feedback_gain(two_cubics()[0], 0.04, kTick)});
     ThesisState state;
-    double most = 0.0;
+    double max = 0.0;
     for (const Vec2& hip : hand(1)) {
-        most = std::max(most, std::fabs(scene.tick(state, hip).ft));
+        max = std::max(max, std::fabs(scene.tick(state, hip).ft));
     }
-    CHECK(most > 0.5);  // N, at 1000 N/m: the point lags by more than half a millimetre
+    CHECK(max > 0.5);  // N, at 1000 N/m: the point lags by more than half a millimetre
 }
 
 TEST_CASE("no contact, no force: and a stuck GO rests but for its seating", "[thesis][law]") {

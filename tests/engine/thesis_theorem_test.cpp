@@ -29,12 +29,12 @@ TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous
         const CurveTracker tracker(edge,
                                    {.gain = lambda / (kLength * kLength), .sub_steps = sub_steps});
         TrackerState state = tracker.start_at(0.5);
-        double most = 0.0;
+        double max = 0.0;
         for (int k = 0; k < 200; ++k) {
             const double x = 0.05 + 0.045 * std::sin(kSpeed / 0.045 * k * kStep);
-            most = std::max(most, std::fabs(tracker.step(state, {x, 0.005}, kStep).psi));
+            max = std::max(max, std::fabs(tracker.step(state, {x, 0.005}, kStep).psi));
         }
-        return most;
+        return max;
     };
     CHECK(worst(100) < kEpsilon);
     CHECK(worst(26) < kEpsilon);  // factor 1.9

@@ -69,14 +69,14 @@ TEST_CASE("slew spreads the corner: smaller steps of force than without", "[vert
         const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.slew = slew});
         ContactState state;
         Vec2 last{};
-        double most = 0.0;
+        double max = 0.0;
         for (int k = 0; k <= 4000; ++k) {
             const double x = -0.02 + k * 1e-5;
             const Contact c = scene.tick(state, {x, -0.003 - std::max(0.0, 0.4 * x)});
-            most = k > 1 ? std::max(most, glm::length(c.force - last)) : 0.0;
+            max = k > 1 ? std::max(max, glm::length(c.force - last)) : 0.0;
             last = c.force;
         }
-        return most;
+        return max;
     };
     // Without: the closest-point normal flips by atan(0.4) at once, a jump near 2 K d sin(turn / 2).
     CHECK(largest_step({}) > 0.9);

@@ -19,8 +19,8 @@ namespace {
 /// Lateness as machines have it: mostly tens of microseconds, now and then many periods.
 std::int64_t some_lateness(std::mt19937& random, std::int64_t period) {
     const auto kind = random() % 100;
-    const std::int64_t most = kind < 80 ? 50'000 : kind < 95 ? 2 * period : 50 * period;
-    return static_cast<std::int64_t>(random()) % most;
+    const std::int64_t max = kind < 80 ? 50'000 : kind < 95 ? 2 * period : 50 * period;
+    return static_cast<std::int64_t>(random()) % max;
 }
 
 }  // namespace
@@ -64,11 +64,11 @@ TEST_CASE("the watch before a deadline never passes its bound, whatever the late
     const auto seed = GENERATE(range(0U, 100U));
     CAPTURE(seed);
     std::mt19937 random(seed);
-    const std::int64_t most = seed == 0 ? 0 : static_cast<std::int64_t>(random() % 500'000);
-    AdaptiveSpin spin(most);
+    const std::int64_t max = seed == 0 ? 0 : static_cast<std::int64_t>(random() % 500'000);
+    AdaptiveSpin spin(max);
     for (int i = 0; i < 5000; ++i) {
         REQUIRE(spin.ahead_ns() >= 0);
-        REQUIRE(spin.ahead_ns() <= most);
+        REQUIRE(spin.ahead_ns() <= max);
         const std::int64_t extreme = std::int64_t{1} << (random() % 62U);
         spin.woke(random() % 20 == 0 ? extreme : some_lateness(random, 1'000'000));
     }
@@ -174,13 +174,13 @@ TEST_CASE("the latest value is never torn and never goes back, with two readers 
     };
     LatestValue<Value> latest;
     CHECK_FALSE(latest.read().has_value());
-    constexpr int kChanges = 5'000;            // enough of them seen by each reader
-    constexpr std::int64_t kMost = 1'000'000;  // where one processor runs all three
+    constexpr int kChanges = 5'000;           // enough of them seen by each reader
+    constexpr std::int64_t kMax = 1'000'000;  // where one processor runs all three
     std::atomic<bool> wrong{false};
     std::atomic<int> watching{2};
     const auto watch = [&] {
         std::int64_t seen = 0;
-        for (int changes = 0; changes < kChanges && seen < kMost;) {
+        for (int changes = 0; changes < kChanges && seen < kMax;) {
             const auto value = latest.read();
             if (!value) {
                 continue;
@@ -199,7 +199,7 @@ TEST_CASE("the latest value is never torn and never goes back, with two readers 
     };
     std::thread one(watch);
     std::thread two(watch);
-    for (std::int64_t i = 1; i <= kMost && watching.load() > 0; ++i) {
+    for (std::int64_t i = 1; i <= kMax && watching.load() > 0; ++i) {
         Value value{.number = i, .last = static_cast<std::int32_t>(i)};
         value.echoes.fill(i);
         latest.publish(value);

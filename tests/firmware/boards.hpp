@@ -120,10 +120,10 @@ struct Talk {
                 .axes = machine.axes()});
         arm();
     }
-    /// ms until the enable line is low, at a step of 50 us; at most `most`.
-    double until_off(double most) {
+    /// ms until the enable line is low, at a step of 50 us; at most `max`.
+    double until_off(double max) {
         const double begin = board.time();
-        while (board.enabled() && board.time() - begin < 1e-3 * most) {
+        while (board.enabled() && board.time() - begin < 1e-3 * max) {
             board.poll();
             hear();
         }

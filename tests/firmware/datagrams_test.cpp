@@ -186,10 +186,10 @@ TEST_CASE(
                               .doubled = wired.random.in(0.0, 0.5),
                               .late = wired.random.in(0.0, 0.9),
                               .latest = wired.random.in(0.0, 0.05)};
-        int told = 0;  // ticks since the driver gave up
+        int faulty = 0;  // ticks since the driver gave up
         for (int i = 0; i < 150; ++i) {
             const Reading reading = wired.tick(kPress);
-            told += reading.fault == DeviceFault::none ? 0 : 1;
+            faulty += reading.fault == DeviceFault::none ? 0 : 1;
             if (reading.ok() && reading.fresh) {
                 ++fresh;
                 // It is of the tick before, within a count or two.
@@ -197,11 +197,11 @@ TEST_CASE(
                 CHECK(behind < 2.0 * Wired::kStep + 150e-6);
                 CHECK(behind > -150e-6);
             }
-            if (told > 72) {  // its last torque came 50 ms late at most, and was obeyed for 20
+            if (faulty > 72) {  // its last torque came 50 ms late at most, and was obeyed for 20
                 CHECK(wired.board.torque() == Vec2{});
             }
         }
-        faults += told > 0 ? 1 : 0;
+        faults += faulty > 0 ? 1 : 0;
 
         // The cable is pulled: the board's own watchdog.
         wired.net->weather = {.lost = 1.0};

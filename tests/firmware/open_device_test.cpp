@@ -28,9 +28,9 @@ struct Desk {
     /// @param machine  the truth   @param told  what the calibration says of it
     explicit Desk(const Calibration& machine = open_machine(),
                   const std::optional<Calibration>& says = std::nullopt)
-        : told(says.value_or(machine)), truth(machine) {}
+        : claimed(says.value_or(machine)), truth(machine) {}
 
-    Calibration told;
+    Calibration claimed;
     Calibration truth;
     GuidedHand plant{truth};
     typename On::Board board = On::make(plant, truth);
@@ -39,8 +39,9 @@ struct Desk {
     std::unique_ptr<BoardDevice> device;
 
     void open(const BoardTiming& timing = {.still = 0.05}) {
-        device = std::make_unique<BoardDevice>(told, std::make_unique<BoardLink>(cable), open_line,
-                                               std::make_unique<ScriptedGuard>(guard), timing);
+        device =
+            std::make_unique<BoardDevice>(claimed, std::make_unique<BoardLink>(cable), open_line,
+                                          std::make_unique<ScriptedGuard>(guard), timing);
     }
     Reading tick(const Vec2& force) {
         const Reading reading = device->read();
@@ -110,25 +111,25 @@ TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the re
                    "[open][law]",
                    DESKS) {
     const Calibration truth = open_machine();
-    const auto refused = [&](const Calibration& told, const std::string& why) {
-        Desk<TestType> desk(truth, told);
+    const auto refused = [&](const Calibration& claimed, const std::string& why) {
+        Desk<TestType> desk(truth, claimed);
         CHECK_THROWS_WITH(desk.open(), ContainsSubstring(why));
         CHECK_FALSE(desk.board.enabled());
     };
-    Calibration told = truth;
-    told.pantograph.axes[1].counts_per_turn = 4881.0;
-    refused(told,
+    Calibration claimed = truth;
+    claimed.pantograph.axes[1].counts_per_turn = 4881.0;
+    refused(claimed,
             "was flashed for 4880 and 4880 counts a turn, and the calibration says 4880 and "
             "4881: correct");
-    told = truth;
-    told.pantograph.axes[0].torque_limit = 0.124;
-    refused(told, "less than the calibration's torque_limit_mn_m");
-    told = truth;
-    told.board->id = 7;
-    refused(told, "has the id 0, and the calibration is of the board 7");
-    told = truth;
-    told.board.reset();
-    refused(told, "does not say how an open board is wired: add [board]");
+    claimed = truth;
+    claimed.pantograph.axes[0].torque_limit = 0.124;
+    refused(claimed, "less than the calibration's torque_limit_mn_m");
+    claimed = truth;
+    claimed.board->id = 7;
+    refused(claimed, "has the id 0, and the calibration is of the board 7");
+    claimed = truth;
+    claimed.board.reset();
+    refused(claimed, "does not say how an open board is wired: add [board]");
     {
         Desk<TestType> desk;
         desk.board.press_stop(true);

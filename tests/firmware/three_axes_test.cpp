@@ -184,12 +184,13 @@ TEMPLATE_TEST_CASE(
 }
 
 TEST_CASE("a board of another number of axes is refused with the remedy", "[open][gantry]") {
-    const auto refusal = [](const Calibration& truth, BoardPlant& plant, const Calibration& told) {
+    const auto refusal = [](const Calibration& truth, BoardPlant& plant,
+                            const Calibration& claimed) {
         OpenBoard board(plant, truth, *truth.board);
         BoardCable cable(board);
         ScriptedGuard::Script guard;
         try {
-            BoardDevice(told, std::make_unique<BoardLink>(cable), open_line,
+            BoardDevice(claimed, std::make_unique<BoardLink>(cable), open_line,
                         std::make_unique<ScriptedGuard>(guard), BoardTiming{});
         } catch (const std::runtime_error& error) {
             return std::string(error.what());

@@ -62,13 +62,13 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
     PressedDesk desk(PressingHand::Does::presses);
     // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same trial.
     const auto gaps = [&] {
-        const tests::Finished told = tests::palpate_command(
+        const tests::Finished finished = tests::palpate_command(
             {"sql", desk.file, "--csv", "-c",
              "SELECT count(*) FROM sample AS gap WHERE gap.flags & 136 = 128 AND "
              "gap.rendered_normal_n > 0.1 AND gap.commanded_x_n = 0 AND gap.commanded_y_n = 0 AND "
              "EXISTS (SELECT 1 FROM sample AS then_ WHERE then_.trial_id = gap.trial_id AND "
              "then_.tick > gap.tick + 100 AND then_.commanded_y_n <> 0)"});
-        return told.code == 0 && told.out.find("\n0") == std::string::npos;
+        return finished.code == 0 && finished.out.find("\n0") == std::string::npos;
     };
     bool seen = false;
     for (int attempt = 0; attempt < 12 && !seen;

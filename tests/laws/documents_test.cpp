@@ -194,10 +194,10 @@ TEST_CASE("README fits into 150 lines, and says near its top that nothing was tr
           "[documents]") {
     const auto lines = lines_of(kRoot / "README.md");
     CHECK(lines.size() <= 150);
-    const auto told = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
+    const auto line_of_it = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
         return line.find("Nothing was tried on hardware") != std::string::npos;
     });
-    CHECK(told - lines.begin() < 20);
+    CHECK(line_of_it - lines.begin() < 20);
 }
 
 TEST_CASE("every command that a document shows exists, with every option", "[documents][law]") {

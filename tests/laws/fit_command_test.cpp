@@ -157,14 +157,15 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
                                                ": 7 levels, 280 answers; deviance "));
         for (const char* quantity :
              {"threshold", "stimulus_at", "jnd", "weber_fraction", "slope"}) {
-            const Json& told = curve[quantity];
-            for (const Json& one : {told["estimate"], told["profile_95"][0], told["profile_95"][1],
-                                    told["bootstrap_95"][0], told["bootstrap_95"][1]}) {
+            const Json& estimate = curve[quantity];
+            for (const Json& one :
+                 {estimate["estimate"], estimate["profile_95"][0], estimate["profile_95"][1],
+                  estimate["bootstrap_95"][0], estimate["bootstrap_95"][1]}) {
                 CAPTURE(quantity);
                 CHECK_THAT(text.out, ContainsSubstring(fmt::format("{:.4g}", one.get<double>())));
             }
-            CHECK(told["profile_95"][0] < told["estimate"]);
-            CHECK(told["estimate"] < told["profile_95"][1]);
+            CHECK(estimate["profile_95"][0] < estimate["estimate"]);
+            CHECK(estimate["estimate"] < estimate["profile_95"][1]);
         }
         CHECK(curve["weber_fraction"]["estimate"].get<double>() ==
               Approx(curve["jnd"]["estimate"].get<double>() /

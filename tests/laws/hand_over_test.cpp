@@ -192,17 +192,17 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
             fields.push_back(field);
         }
         std::istringstream mine(ours[i + 1]);
-        std::vector<std::string> told;
+        std::vector<std::string> printed;
         for (std::string field; std::getline(mine, field, ',');) {
-            told.push_back(field);
+            printed.push_back(field);
         }
-        REQUIRE(told.size() == 7);
+        REQUIRE(printed.size() == 7);
         for (const std::size_t same : {0U, 2U, 3U, 5U, 6U}) {
-            CHECK(told[same] == fields[same]);
+            CHECK(printed[same] == fields[same]);
         }
-        CHECK(std::stod(told[4]) == std::stod(fields[4]));
-        counts[fmt::format("{},{},{},{}", told[0], told[1], told[2], told[3])] +=
-            fmt::format("{},{},{}\n", told[4], told[5], told[6]);
+        CHECK(std::stod(printed[4]) == std::stod(fields[4]));
+        counts[fmt::format("{},{},{},{}", printed[0], printed[1], printed[2], printed[3])] +=
+            fmt::format("{},{},{}\n", printed[4], printed[5], printed[6]);
     }
     CHECK(files.size() == counts.size() + 1);
     for (const auto& [whose, text] : counts) {

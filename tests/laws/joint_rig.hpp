@@ -332,8 +332,8 @@ private:
 
     void judge(JointTally& tally) {
         const Vec2 torque = board_->torque();
-        const double most = machine_.pantograph.axes[0].torque_limit * (1.0 + 1e-3);
-        tally.over_limit += std::fabs(torque.x) <= most && std::fabs(torque.y) <= most ? 0 : 1;
+        const double max = machine_.pantograph.axes[0].torque_limit * (1.0 + 1e-3);
+        tally.over_limit += std::fabs(torque.x) <= max && std::fabs(torque.y) <= max ? 0 : 1;
         const bool due = now() > std::max(std::min(deadline_, host_deadline_), excused_);
         // Half a packet makes a Haply board give any torque until the next one, also after a trip.
         astray_ += due && torque != Vec2{} ? 1 : 0;

@@ -222,12 +222,12 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
         places.insert(column(line, at));
     }
     std::multiset<std::string> seen;
-    std::istringstream told(rows(file,
-                                 "SELECT trials_since_break FROM analysis_trial JOIN "
-                                 "participant USING (participant_code) WHERE consent IS NOT "
-                                 "0 AND exclusion IS NOT 'withdrawn'"));
-    std::getline(told, line);
-    while (std::getline(told, line)) {
+    std::istringstream listed(rows(file,
+                                   "SELECT trials_since_break FROM analysis_trial JOIN "
+                                   "participant USING (participant_code) WHERE consent IS NOT "
+                                   "0 AND exclusion IS NOT 'withdrawn'"));
+    std::getline(listed, line);
+    while (std::getline(listed, line)) {
         seen.insert(line);
     }
     CHECK(places == seen);

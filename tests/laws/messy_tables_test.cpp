@@ -200,13 +200,14 @@ TEST_CASE("people whose JND has no end are counted and named, and the median kee
             CHECK(curve["jnd"]["profile_open"].is_null());
         }
     }
-    const std::string told = run({"fit", folder.file("d.csv"), "--bootstrap", "60"}).out;
-    CHECK_THAT(told, ContainsSubstring("1 person left out: D (unbounded: no level on the rise)") ||
-                         ContainsSubstring("1 person left out: D (unbounded: no level lies"));
-    CHECK_THAT(told, ContainsSubstring("F (one condition alone)") &&
-                         ContainsSubstring("what is unbounded by rank") &&
-                         ContainsSubstring("on - off, within person") &&
-                         !ContainsSubstring("1 people"));
+    const std::string printed = run({"fit", folder.file("d.csv"), "--bootstrap", "60"}).out;
+    CHECK_THAT(printed,
+               ContainsSubstring("1 person left out: D (unbounded: no level on the rise)") ||
+                   ContainsSubstring("1 person left out: D (unbounded: no level lies"));
+    CHECK_THAT(printed, ContainsSubstring("F (one condition alone)") &&
+                            ContainsSubstring("what is unbounded by rank") &&
+                            ContainsSubstring("on - off, within person") &&
+                            !ContainsSubstring("1 people"));
     const Json turned =
         json_of({"fit", folder.file("d.csv"), "--bootstrap", "0", "--baseline", "on"});
     CHECK(turned["people"].back()["what"] == "JND, off - on");
@@ -261,9 +262,9 @@ TEST_CASE(
         // A person's own d' keeps the correction of its own answers.
         const Json& cells = part["people"]["P0"]["friction"];
         CHECK(cells["off"]["d_prime"].get<double>() > cells["on"]["d_prime"].get<double>());
-        const std::string told = run(all).out;
-        CHECK_THAT(told, ContainsSubstring("Of 8 people the frictions have different numbers") &&
-                             !ContainsSubstring("-0.00"));
+        const std::string printed = run(all).out;
+        CHECK_THAT(printed, ContainsSubstring("Of 8 people the frictions have different numbers") &&
+                                !ContainsSubstring("-0.00"));
     }
 }
 

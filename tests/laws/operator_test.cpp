@@ -234,7 +234,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     const std::string file = folder.file("d.sqlite");
     std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
-    text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nrequeue_most = 1");
+    text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
     std::ofstream(folder.file("p.toml")) << text;
     const Finished end = palpate_command(
         {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});

@@ -75,11 +75,11 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
         "four_trials@" + ask(file,
                              "SELECT substr(protocol_sha256, 1, 8) FROM study "
                              "ORDER BY study_id DESC");
-    const auto names_both = [&](const std::string& told) {
-        CAPTURE(told);
-        CHECK(told.find(one) != std::string::npos);
-        CHECK(told.find(other) != std::string::npos);
-        CHECK(told.find("2 people (simulated)") != std::string::npos);
+    const auto names_both = [&](const std::string& printed) {
+        CAPTURE(printed);
+        CHECK(printed.find(one) != std::string::npos);
+        CHECK(printed.find(other) != std::string::npos);
+        CHECK(printed.find("2 people (simulated)") != std::string::npos);
     };
     const std::string summary = palpate_command({"summary", file}).out;
     names_both(summary);

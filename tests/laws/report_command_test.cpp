@@ -136,7 +136,7 @@ void check_kind(const std::string& page, const std::string& kind, const std::str
                                                               "' AND phase = 'main'"));
     };
     const auto sources = sources_of(page);
-    const auto told = [&](const std::string& name, const std::string& what) {
+    const auto cells = [&](const std::string& name, const std::string& what) {
         const std::string& sql = sources.at(kind + "-" + name + ".csv").sql;
         const Finished done =
             palpate_command({"sql", file, "--csv", "-c", "SELECT " + what + " FROM (" + sql + ")"});
@@ -144,21 +144,21 @@ void check_kind(const std::string& page, const std::string& kind, const std::str
     };
     CAPTURE(kind);
     const std::string trials = rows("analysis_trial");
-    CHECK(told("flow", "sum(attempts)") == trials);
-    CHECK(told("confusion", "sum(n_exclusions_not_applied)") == trials);
+    CHECK(cells("flow", "sum(attempts)") == trials);
+    CHECK(cells("confusion", "sum(n_exclusions_not_applied)") == trials);
     const std::string felt = rows("(SELECT * FROM exploration WHERE counts)");
-    CHECK(told("hand", "sum(intervals)") == felt);
+    CHECK(cells("hand", "sum(intervals)") == felt);
     const int audited =
-        std::stoi(told("audit-figure", "sum(intervals)"));  // less who is left out by a rule
+        std::stoi(cells("audit-figure", "sum(intervals)"));  // less who is left out by a rule
     CHECK((audited > 0 && audited <= std::stoi(felt)));
-    CHECK(told("trials", "count(*)") == felt);
+    CHECK(cells("trials", "count(*)") == felt);
 }
 
 void check_numbers(const std::string& page, const std::string& file) {
-    const Finished told =
+    const Finished cells =
         palpate_command({"stats", file, "--kind", "simulated", "--simulations", "199", "--json"});
-    REQUIRE(told.code == 0);
-    const Json all = Json::parse(told.out);
+    REQUIRE(cells.code == 0);
+    const Json all = Json::parse(cells.out);
     const std::string results = results_of(page);
     REQUIRE_FALSE(all["not_applied"].is_null());
     std::size_t compared = 0;
@@ -302,11 +302,11 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
         CHECK(page.find(code) == std::string::npos);
     }
     check_sources(page, file);
-    const Finished told =
+    const Finished cells =
         palpate_command({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
-    REQUIRE(told.code == 0);
+    REQUIRE(cells.code == 0);
     const std::string results = results_of(page);
-    const Json fits = Json::parse(told.out);
+    const Json fits = Json::parse(cells.out);
     for (const Json& curve : fits["curves"]) {
         for (const char* quantity : {"threshold", "slope"}) {
             const Json& estimate = curve[quantity]["estimate"];

@@ -78,13 +78,13 @@ TEST_CASE(
          "SELECT sum(answer_code) FROM analysis_trial WHERE counts AND planned_object = 'convex' "
          "AND phase = 'main'"});
     const int hits = std::stoi(counts.out.substr(counts.out.find('\n') + 1));
-    int told = 0;
+    int counted = 0;
     for (const auto& [who, person] : numbers["applied"]["people"].items()) {
         for (const auto& [friction, cell] : person["friction"].items()) {
-            told += cell["k"].get<int>();
+            counted += cell["k"].get<int>();
         }
     }
-    CHECK(told >= hits);  // right are hits and correct rejections
+    CHECK(counted >= hits);  // right are hits and correct rejections
 
     // A file's name may be a code: it is on no page, and in no header, unless codes are asked for.
     CHECK(html.find("KLARA77") == std::string::npos);
@@ -206,11 +206,11 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
                             &p) == 4);
         const std::size_t begin = summary.rfind("mean level of " + object);
         const std::size_t line = summary.find("on - off", begin);
-        const std::string told = summary.substr(line, summary.find('\n', line) - line);
-        CAPTURE(told);
-        CHECK_THAT(told, ContainsSubstring(fmt::format("{:.3f}", mean)) &&
-                             ContainsSubstring(fmt::format("{:.3f}", low)) &&
-                             ContainsSubstring(fmt::format("{:.3f}", high)) &&
-                             ContainsSubstring(fmt::format("sign-flip p = {:.3g} (", p)));
+        const std::string counted = summary.substr(line, summary.find('\n', line) - line);
+        CAPTURE(counted);
+        CHECK_THAT(counted, ContainsSubstring(fmt::format("{:.3f}", mean)) &&
+                                ContainsSubstring(fmt::format("{:.3f}", low)) &&
+                                ContainsSubstring(fmt::format("{:.3f}", high)) &&
+                                ContainsSubstring(fmt::format("sign-flip p = {:.3g} (", p)));
     }
 }

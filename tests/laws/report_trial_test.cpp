@@ -211,13 +211,13 @@ void check_measures(const std::string& page, const std::string& file, int trial,
         CAPTURE(words);
         const std::size_t at = table.find(row);
         REQUIRE(at != std::string::npos);
-        std::string told = table.substr(at + row.size(), 12);
-        told.resize(told.find('<'));
+        std::string cell = table.substr(at + row.size(), 12);
+        cell.resize(cell.find('<'));
         if (view[1][c].empty()) {  // as stick events without friction
             continue;
         }
-        const bool minus = told.starts_with("\u2212");
-        const double value = (minus ? -1.0 : 1.0) * std::stod(minus ? told.substr(3) : told);
+        const bool minus = cell.starts_with("\u2212");
+        const double value = (minus ? -1.0 : 1.0) * std::stod(minus ? cell.substr(3) : cell);
         const double exact = factor * number(view[1][c]);
         CHECK(std::fabs(value - exact) <= std::max(0.000501, 0.006 * std::fabs(exact)));
         ++looked;
@@ -381,20 +381,20 @@ TEST_CASE("a browser draws every tick of a page of a trial, without an error or 
     CHECK_THAT(page, ContainsSubstring("class=\"drawn\""));
     // The script's own sum of what it drew, in steps of what it was given.
     const std::size_t at = page.find("<output");
-    const std::string told = page.substr(at, page.find("</output>", at) - at);
+    const std::string cell = page.substr(at, page.find("</output>", at) - at);
     const auto rows =
         ask(file,
             "SELECT count(*), max(time_s), 1000 * min(hip_x_m), 1000 * max(hip_x_m), "
             "min(rendered_normal_n), max(rendered_normal_n), min(rendered_tangential_n), "
             "max(rendered_tangential_n) FROM sample WHERE trial_id = 2");
-    CHECK_THAT(told, ContainsSubstring(fmt::format(
+    CHECK_THAT(cell, ContainsSubstring(fmt::format(
                          "0.000 s to {:.3f} s, {} ticks: ", number(rows[1][1]), rows[1][0])));
     std::size_t c = 2;
     for (const std::string words : {"to the right ", "normal ", "friction "}) {
-        const std::size_t low = told.find(words) + words.size();
-        const std::size_t high = told.find(" to ", low) + 4;
-        CAPTURE(words, told);
-        CHECK(std::fabs(number(told.substr(low)) - number(rows[1][c++])) < 0.00101);
-        CHECK(std::fabs(number(told.substr(high)) - number(rows[1][c++])) < 0.00101);
+        const std::size_t low = cell.find(words) + words.size();
+        const std::size_t high = cell.find(" to ", low) + 4;
+        CAPTURE(words, cell);
+        CHECK(std::fabs(number(cell.substr(low)) - number(rows[1][c++])) < 0.00101);
+        CHECK(std::fabs(number(cell.substr(high)) - number(rows[1][c++])) < 0.00101);
     }
 }

@@ -91,16 +91,17 @@ TEST_CASE("digits tell an estimate from its interval, and single answers have no
         const std::string text =
             palpate_command({"fit", folder.file(name), "--bootstrap", "0"}).out;
         std::istringstream line(text.substr(text.find("\n  threshold ") + 13));
-        std::array<double, 4> told{};
+        std::array<double, 4> printed{};
         std::string to;
-        line >> told[0] >> told[1] >> told[2] >> to >> told[3];
-        return told;
+        line >> printed[0] >> printed[1] >> printed[2] >> to >> printed[3];
+        return printed;
     };
-    const auto told_near = threshold("near.csv");
-    const auto told_far = threshold("far.csv");
+    const auto printed_near = threshold("near.csv");
+    const auto printed_far = threshold("far.csv");
     for (const std::size_t i : {0U, 2U, 3U}) {
-        CAPTURE(told_near, told_far);
-        CHECK(told_far.at(i) - 10000.0 == Approx(told_near.at(i)).margin(0.051 * told_near[1]));
+        CAPTURE(printed_near, printed_far);
+        CHECK(printed_far.at(i) - 10000.0 ==
+              Approx(printed_near.at(i)).margin(0.051 * printed_near[1]));
     }
     const Json curve = fitted({folder.file("single.csv")})["curves"][0];
     CHECK(curve["deviance_p"].is_null());

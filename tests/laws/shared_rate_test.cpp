@@ -177,12 +177,12 @@ TEST_CASE(
     }
     const TemporaryFolder folder;
     write(folder.file("d.csv"), table(all));
-    const Json told = fitted({folder.file("d.csv"), "--lapse", "shared", "--bootstrap", "0"});
+    const Json of_all = fitted({folder.file("d.csv"), "--lapse", "shared", "--bootstrap", "0"});
     int held = 0;
     double sum = 0.0;
     double squares = 0.0;
     for (int person = 0; person < kMany; ++person) {
-        const Json& rate = told["curves"][2 * static_cast<std::size_t>(person)]["lapse"];
+        const Json& rate = of_all["curves"][2 * static_cast<std::size_t>(person)]["lapse"];
         const double estimate = rate["estimate"];
         held += rate["profile_95"][0].get<double>() <= kLapse &&
                         kLapse <= rate["profile_95"][1].get<double>()
@@ -208,7 +208,7 @@ TEST_CASE(
             return ends[1].get<double>() - ends[0].get<double>();
         };
         of_own += width(own);
-        of_shared += width(told);
+        of_shared += width(of_all);
     }
     CHECK(of_shared < 0.85 * of_own);
 }

@@ -302,9 +302,9 @@ TEST_CASE("what simulate names as next looks at the answers of any protocol", "[
         std::istringstream line(made.out.substr(at + mark.size()));
         const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
         CHECK(words.front() == command);
-        const auto told = palpate_command(words);
-        CAPTURE(told.out, told.error);
-        CHECK(told.code == 0);
-        CHECK_THAT(told.out, ContainsSubstring("simulated"));
+        const auto finished = palpate_command(words);
+        CAPTURE(finished.out, finished.error);
+        CHECK(finished.code == 0);
+        CHECK_THAT(finished.out, ContainsSubstring("simulated"));
     }
 }

@@ -102,15 +102,15 @@ std::map<std::string, int> compare(const std::string& printed, const Json& ours)
         const std::string place = line.substr(0, tab);
         CAPTURE(line);
         REQUIRE(ours.contains(Json::json_pointer(place)));
-        const Json& told = ours.at(Json::json_pointer(place));
-        REQUIRE(told.is_number());
+        const Json& number = ours.at(Json::json_pointer(place));
+        REQUIRE(number.is_number());
         const bool mixed = place.find("/mixed_model/") != std::string::npos;
         const bool spread = place.find("_se") != std::string::npos ||
                             place.find("/sd_") != std::string::npos ||
                             place.find("/correlation") != std::string::npos;
         const double wanted = std::stod(line.substr(tab + 1));
         const double share = !mixed ? 2e-8 : spread ? 2e-3 : 2e-4;
-        CHECK(told.get<double>() == Approx(wanted).epsilon(share).margin(mixed ? 2e-5 : 1e-9));
+        CHECK(number.get<double>() == Approx(wanted).epsilon(share).margin(mixed ? 2e-5 : 1e-9));
         ++kinds[place.substr(place.find_last_of('/') + 1)];
         ++kinds[mixed ? (place.find("laplace") == std::string::npos ? "of the grid" : "of lme4")
                       : "of base R"];

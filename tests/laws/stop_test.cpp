@@ -88,11 +88,11 @@ TEST_CASE(
     stopped.ends("terminal", "stopped", [&] { terminal.type("\n"); });
     stopped.goes_on();
     stopped.ends("palpate stop", "stopped", [&] {
-        const tests::Finished told = tests::palpate_command({"stop", desk.file});
-        CAPTURE(told.out, told.error);
-        CHECK(told.code == 0);
-        CHECK_THAT(told.out, ContainsSubstring("No force any more in 1 session") &&
-                                 ContainsSubstring("participant P1"));
+        const tests::Finished finished = tests::palpate_command({"stop", desk.file});
+        CAPTURE(finished.out, finished.error);
+        CHECK(finished.code == 0);
+        CHECK_THAT(finished.out, ContainsSubstring("No force any more in 1 session") &&
+                                     ContainsSubstring("participant P1"));
     });
     stopped.goes_on();
     stopped.ends("stop button", "stopped", [&] { button.send(1); });

@@ -93,18 +93,18 @@ TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plat
     constexpr std::size_t kCp = 5;  // and go, fn, ft, force: to column 15
     bool on_second = false;
     double worst = 0.0;
-    double most = 0.0;
+    double max = 0.0;
     for (std::size_t i = 0; i < whole.size(); ++i) {
         on_second = on_second || two[i][kSegment] == 1.0;
         CHECK(cut[i][kSegment] == 0.0);
-        most = std::max(most, whole[i][11]);
+        max = std::max(max, whole[i][11]);
         for (std::size_t k = kCp; k < 16; ++k) {
             worst = std::max(
                 {worst, std::fabs(whole[i][k] - two[i][k]), std::fabs(whole[i][k] - cut[i][k])});
         }
     }
     CHECK(on_second);
-    CHECK(most > 1.0);
+    CHECK(max > 1.0);
     CHECK(worst < 1e-10);
 }
 

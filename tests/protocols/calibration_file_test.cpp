@@ -210,13 +210,13 @@ TEST_CASE("what is wrong with a calibration is said at its place, with the remed
                ContainsSubstring("give each its own"));
     CHECK_THAT(calibration_refusal(changed("\"anticlockwise\"", "\"clokwise\"")),
                ContainsSubstring("did you mean clockwise?"));
-    for (const auto& [key, sound, most] :
+    for (const auto& [key, sound, max] :
          {std::tuple{"torque_limit_mn_m", "123", "2000"}, {"torque_forever_mn_m", "60", "2000"}}) {
         const std::string name(key);
         const std::string said =
             calibration_refusal(changed(name + " = " + sound, name + " = 1000000"));
         CHECK_THAT(said, ContainsSubstring(": " + name + " is 1000000: give ") &&
-                             ContainsSubstring(most) && Catch::Matchers::StartsWith("c.toml:"));
+                             ContainsSubstring(max) && Catch::Matchers::StartsWith("c.toml:"));
     }
     CHECK_THAT(
         calibration_refusal(changed("torque_forever_mn_m = 60", "torque_forever_mn_m = 160")),

@@ -44,8 +44,8 @@ TEST_CASE("rows are balanced after every participant, whatever is drawn", "[coun
         before.push_back(names(protocol, plan.picture_order));
         const RowHistory now = picture_history(protocol, before, before.back());
         REQUIRE(now.own);
-        const auto [least, most] = std::minmax_element(now.uses.begin(), now.uses.end());
-        CHECK(*most - *least <= 1);
+        const auto [least, max] = std::minmax_element(now.uses.begin(), now.uses.end());
+        CHECK(*max - *least <= 1);
     }
 }
 

@@ -131,5 +131,5 @@ TEST_CASE("a walk that backs out of dead ends fails the same test", "[eulerian]"
 TEST_CASE("a sequence of no symbols is empty, and of too many refused", "[eulerian]") {
     Pcg32 random(1, 1);
     CHECK(eulerian_order(0, random).empty());
-    CHECK_THROWS_AS(eulerian_order(kMostSymbols + 1, random), std::invalid_argument);
+    CHECK_THROWS_AS(eulerian_order(kMaxSymbols + 1, random), std::invalid_argument);
 }

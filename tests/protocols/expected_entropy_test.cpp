@@ -54,9 +54,9 @@ std::vector<double> by_definition(const OutcomeModel& model,
 /// A problem of a random kind and size.
 QuestPlusSpec some_problem(Random& random) {
     QuestPlusSpec spec;
-    const auto axis = [&](const std::string& name, double from, double to, int most) {
+    const auto axis = [&](const std::string& name, double from, double to, int max) {
         return palpate::protocols::Axis{
-            name, evenly(from, to, static_cast<std::size_t>(1 + random.below(most)))};
+            name, evenly(from, to, static_cast<std::size_t>(1 + random.below(max)))};
     };
     const auto form = static_cast<LapseForm>(random.below(3));
     const auto family = static_cast<Family>(1 + random.below(5));

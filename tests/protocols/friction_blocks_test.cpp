@@ -172,8 +172,8 @@ TEST_CASE("catch trials are felt with the friction of their block, spread evenly
         }
         CHECK(all == catches);
         for (const auto& [friction, counts] : of_friction) {
-            const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
-            CHECK(*most - *least <= 1);
+            const auto [least, max] = std::minmax_element(counts.begin(), counts.end());
+            CHECK(*max - *least <= 1);
         }
     }
 }
@@ -244,8 +244,8 @@ TEST_CASE("after every participant no order of frictions is used more than once 
         before.push_back(names(protocol, first_round(protocol, plan)));
         const RowHistory now = friction_history(protocol, before, before.back());
         REQUIRE(now.uses.size() == friction_rows(protocol).size());
-        const auto [least, most] = std::minmax_element(now.uses.begin(), now.uses.end());
-        CHECK(*most - *least <= 1);
+        const auto [least, max] = std::minmax_element(now.uses.begin(), now.uses.end());
+        CHECK(*max - *least <= 1);
         // Whoever comes again goes on as before, whatever others did since.
         CHECK(first_round(protocol, blocked_plan_of(protocol, 7 * seed + i, now)) ==
               first_round(protocol, plan));

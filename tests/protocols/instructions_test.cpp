@@ -71,7 +71,7 @@ TEST_CASE("masking noise is read with its level", "[protocol]") {
 }
 
 TEST_CASE("what cannot be shown or played is refused with its place", "[protocol]") {
-    const std::string longest(kMostInstruction, 'x');
+    const std::string longest(kMaxInstruction, 'x');
     CHECK(instruction_refusal("[instructions.en]\nwelcome = \"" + longest + "\"\n") == "accepted");
     CHECK(instruction_refusal("[instructions.en]\nwelcome = \"" + longest + "x\"\n")
               .find("2:11: welcome is ") == 0);

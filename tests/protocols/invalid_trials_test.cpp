@@ -27,9 +27,9 @@ Plan first_plan_of(const Protocol& protocol) {
     return make_plan(protocol, protocol_hash(protocol), {"P01", 1}, protocol.seed);
 }
 
-RequeueRule rule_of(std::uint64_t seed, std::size_t most) {
+RequeueRule rule_of(std::uint64_t seed, std::size_t max) {
     return {.key = {.protocol_hash = "h", .participant = "P01", .purpose = {}, .seed = seed},
-            .most = most};
+            .max = max};
 }
 
 struct Attempt {
@@ -80,8 +80,8 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
     const Plan plan = first_plan_of(blocked());
-    const std::size_t most = seed % 4;
-    const auto all = run_all(plan, rule_of(seed, most), seed, 0.1 * static_cast<double>(seed % 11));
+    const std::size_t max = seed % 4;
+    const auto all = run_all(plan, rule_of(seed, max), seed, 0.1 * static_cast<double>(seed % 11));
     std::vector<std::size_t> good(plan.trials.size());
     std::vector<std::size_t> bad(plan.trials.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -97,12 +97,12 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
                 std::all_of(plan.trials.begin(), plan.trials.end(), [&](const PlannedTrial& other) {
                     return other.position == at ||
                            part_of(plan, other.position) != part_of(plan, at) ||
-                           good[other.position] == 1 || bad[other.position] == most + 1;
+                           good[other.position] == 1 || bad[other.position] == max + 1;
                 }));
         }
     }
     for (std::size_t at = 0; at < plan.trials.size(); ++at) {
-        CHECK((good[at] == 1 ? bad[at] <= most : bad[at] == most + 1));
+        CHECK((good[at] == 1 ? bad[at] <= max : bad[at] == max + 1));
     }
 }
 

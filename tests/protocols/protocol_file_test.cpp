@@ -55,7 +55,7 @@ std::string random_file(Random& random) {
                           : "";
     text += random.coin() ? "[invalid]\nlate_share = " + n(0, 1) + "\ncontact_min_s = " + n(0, 99) +
                                 "\npath_min_mm = " + n(0, 999) +
-                                "\nrequeue_most = " + std::to_string(random.below(101)) + "\n"
+                                "\nmax_requeues = " + std::to_string(random.below(101)) + "\n"
                           : "";
     text +=
         "[design]\nrepetitions = 2\nmax_run_object = 0\nmax_run_friction = 0\ncatch_trials = 0\n";
@@ -196,7 +196,7 @@ TEST_CASE("a study without younger keys keeps the hash that it had before they w
     rule(&InvalidSpec::late_share, 0.01);
     rule(&InvalidSpec::contact_min, 0.0);
     rule(&InvalidSpec::path_min, 0.2);
-    rule(&InvalidSpec::requeue_most, std::size_t{3});
+    rule(&InvalidSpec::max_requeues, std::size_t{3});
     CHECK(hashes.size() == 17);
     study.invalid = {};
     study.consent_required = true;
@@ -261,7 +261,7 @@ TEST_CASE("the reference for people names every key of the canonical text", "[pr
     study.language = Language::tr;
     study.handedness = Handedness::any;
     study.safety.dead_man = true;  // or the tables would be left out
-    study.invalid.requeue_most = 0;
+    study.invalid.max_requeues = 0;
     study.consent_required = true;
     std::istringstream lines(to_toml(study));
     for (std::string line; std::getline(lines, line);) {

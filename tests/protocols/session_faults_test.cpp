@@ -207,7 +207,7 @@ TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks,
           "[session][fault]") {
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);
-    World world{.fault_share = 1.0, .most_faults = 1, .away = 2};
+    World world{.fault_share = 1.0, .max_faults = 1, .away = 2};
     Patient observer;
     Ledger ledger;
     CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
@@ -240,7 +240,7 @@ TEST_CASE("the device is asked at once, then at every tenth question, until it i
           "[session][fault]") {
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);
-    World world{.fault_share = 1.0, .most_faults = 1, .away = 3};
+    World world{.fault_share = 1.0, .max_faults = 1, .away = 3};
     Patient observer;
     Ledger ledger;
     int pauses = 0;
@@ -267,7 +267,7 @@ TEST_CASE("with nobody there a session gives up after ten tries, or three faults
         }
     };
     {
-        World world{.fault_share = 1.0, .most_faults = 1, .away = 1000};
+        World world{.fault_share = 1.0, .max_faults = 1, .away = 1000};
         Headless observer;
         Ledger ledger;
         const SessionEnd end = run(protocol, plan, world, observer, ledger);
@@ -278,7 +278,7 @@ TEST_CASE("with nobody there a session gives up after ten tries, or three faults
         CHECK(ledger.attempts.size() == 1);
     }
     {
-        World world{.fault_share = 1.0, .most_faults = 99};
+        World world{.fault_share = 1.0, .max_faults = 99};
         Headless observer;
         Ledger ledger;
         CHECK(run(protocol, plan, world, observer, ledger).why == Why::faulted);

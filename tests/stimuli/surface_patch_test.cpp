@@ -18,8 +18,7 @@ struct Drawn {
 
     explicit Drawn(unsigned seed) : random(seed) {
         std::uniform_real_distribution<double> size{0.02, 0.12};
-        std::uniform_real_distribution<double> sine{-stimuli::kMostHalfSine,
-                                                    stimuli::kMostHalfSine};
+        std::uniform_real_distribution<double> sine{-stimuli::kMaxHalfSine, stimuli::kMaxHalfSine};
         patch.size = size(random);
         patch.curvature_x = seed % 7 == 0 ? 0.0 : 2.0 * sine(random) / patch.size;
         patch.curvature_y = seed % 5 == 0 ? 0.0

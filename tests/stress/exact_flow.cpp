@@ -14,7 +14,7 @@ using tests::LongJet;
 using tests::operator*;
 using tests::operator+;
 
-constexpr int kMostSteps = 4000;
+constexpr int kMaxSteps = 4000;
 constexpr long double kStepError = 1e-11L;  ///< of |r|
 constexpr long double kOn = 1e-14L;         ///< so close to an edge is on it, of its range
 
@@ -184,7 +184,7 @@ FlowEnd ExactFlow::end(const SurfacePlace& from, const engine::Vec3& h, long dou
     };
     long double s = 0.05L * p.reach;
     int crossings = 0;
-    for (int n = 0; n < kMostSteps; ++n) {
+    for (int n = 0; n < kMaxSteps; ++n) {
         if (!p.regular) {
             return ends(FlowEnd::Kind::lost);
         }

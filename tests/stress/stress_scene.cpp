@@ -91,8 +91,8 @@ Chain two_arcs(Random& random) {
     const Vec2 tip{random.in(-0.4, 0.4),
                    random.coin() ? random.in(0.3, 1.0) : random.in(-0.3, 0.3)};
     const auto arc = [&](const Vec2& from, const Vec2& to) {
-        const double most = 2.0 * engine::kMaxArcSine / glm::length(to - from);
-        const double curvature = random.in(-0.95, 0.95) * most;
+        const double max = 2.0 * engine::kMaxArcSine / glm::length(to - from);
+        const double curvature = random.in(-0.95, 0.95) * max;
         const auto span = engine::make_arc(from, to, curvature);
         std::vector<Vec2> points;
         std::vector<double> weights;

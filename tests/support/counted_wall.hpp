@@ -60,8 +60,8 @@ inline CountedRest let_go(const CountedWall& c, double seconds) {
 }
 
 /// The least dry friction with which it comes to rest wherever in a count that is, N, bisected
-/// below `most`; NaN if that is not enough.
-inline double least_friction(CountedWall c, double most, int halvings) {
+/// below `max`; NaN if that is not enough.
+inline double least_friction(CountedWall c, double max, int halvings) {
     c.beside = 0.03;  // little, so that seconds are enough
     const double step = 2.0 * let_go(c, 0.01).reading_error;
     const auto rests = [&c, step](double friction) {
@@ -74,11 +74,11 @@ inline double least_friction(CountedWall c, double most, int halvings) {
         }
         return true;
     };
-    if (!rests(most)) {
+    if (!rests(max)) {
         return std::nan("");
     }
     double low = 0.0;
-    double high = most;
+    double high = max;
     for (int i = 0; i < halvings; ++i) {
         const double middle = 0.5 * (low + high);
         (rests(middle) ? high : low) = middle;

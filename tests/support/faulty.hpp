@@ -22,7 +22,7 @@ struct Killed {};
 struct World {
     std::uint64_t seed = 0;
     double fault_share = 0.0;
-    std::size_t most_faults = 3;                  ///< of one position
+    std::size_t max_faults = 3;                   ///< of one position
     std::map<std::size_t, std::size_t> faults{};  ///< had so far, by position
     std::size_t away = 0;                         ///< reconnects that fail after each fault
     std::size_t asked = 0;                        ///< reconnects in all
@@ -30,7 +30,7 @@ struct World {
     [[nodiscard]] bool faults_now(std::size_t position) {
         const std::size_t before = faults[position];
         Random random(seed * 1000003 + position * 101 + before);
-        return before < most_faults && random.in(0.0, 1.0) < fault_share;
+        return before < max_faults && random.in(0.0, 1.0) < fault_share;
     }
 };
 

@@ -97,7 +97,7 @@ public:
             offer(search, s, piece.lo + piece.width, piece.g[degree_]);
             open(search, piece);
         }
-        for (int cuts = 0; cuts < kMostCuts && !done(search); ++cuts) {
+        for (int cuts = 0; cuts < kMaxCuts && !done(search); ++cuts) {
             const Piece whole = search.open.top();
             search.open.pop();
             cut(search, whole);
@@ -116,7 +116,7 @@ private:
     using Homogeneous = std::array<long double, 3>;  ///< w x, w y, w
     using Polygon = std::array<Homogeneous, 10>;
 
-    static constexpr int kMostCuts = 200000;
+    static constexpr int kMaxCuts = 200000;
     static constexpr long double kGap = 1e-17L;
     static constexpr long double kNarrow = 0x1p-100L;
 

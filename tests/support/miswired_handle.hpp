@@ -28,9 +28,9 @@ public:
     void slip(std::size_t joint, double angle) noexcept { slipped_[joint] += angle; }
     [[nodiscard]] engine::JointAngles true_angles() const noexcept { return handle_.angles(); }
 
-    void set_torque(const engine::Vec2& told) noexcept override {
-        asked = std::fmax(asked, glm::length(told));
-        const engine::Vec2 came = motors_.swapped ? engine::Vec2{told.y, told.x} : told;
+    void set_torque(const engine::Vec2& torque) noexcept override {
+        asked = std::fmax(asked, glm::length(torque));
+        const engine::Vec2 came = motors_.swapped ? engine::Vec2{torque.y, torque.x} : torque;
         handle_.set_torque(engine::Vec2{motors_.factor[0], motors_.factor[1]} * came);
     }
     void advance(double seconds) noexcept override { handle_.advance(seconds); }

@@ -39,7 +39,7 @@ public:
     /// The most torque that the motors ever gave, N m.
     [[nodiscard]] double strongest() const { return strongest_; }
     /// The most force that was ever asked for, N.
-    [[nodiscard]] double most_asked() const { return most_asked_; }
+    [[nodiscard]] double max_asked() const { return max_asked_; }
 
     /// From now on a cable pulls the handle back to where it is brought, N/m.
     void tie(double stiffness) { cable_ = stiffness; }
@@ -76,7 +76,7 @@ public:
         return reading;
     }
     engine::Applied write(const engine::Vec2& force) noexcept override {
-        most_asked_ = std::fmax(most_asked_, glm::length(force));
+        max_asked_ = std::fmax(max_asked_, glm::length(force));
         const engine::Vec2 asked = fix_ ? machine_.drive(*fix_, force).torque : engine::Vec2{};
         engine::Vec2 given{};
         for (int i = 0; i < 2; ++i) {
@@ -119,7 +119,7 @@ private:
     engine::Vec2 brought_{};
     double cable_ = 0.0;  ///< N/m
     double strongest_ = 0.0;
-    double most_asked_ = 0.0;
+    double max_asked_ = 0.0;
 };
 
 }  // namespace palpate::tests

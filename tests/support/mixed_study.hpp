@@ -26,7 +26,7 @@ inline std::string mixed_study(const TemporaryFolder& folder) {
                            {"break_every = 0", "break_every = 3"},
                            {"dead_man = false", "speed_limit_m_per_s = 0.172"}}) +
             "\n[response]\nconfidence = true\n[invalid]\ncontact_min_s = 0.1\npath_min_mm = "
-            "160\nrequeue_most = 1\n");
+            "160\nmax_requeues = 1\n");
     run_headless(folder, tests::short_text("friction_threshold",
                                            {quick,
                                             {"explore_prompt_s = 10", "explore_prompt_s = 0.4"},

@@ -128,7 +128,7 @@ TEST_CASE("cards of answers lie inside the window, apart from each other and in 
 TEST_CASE("confidence is asked after the answer, on its own clock, and only where asked for",
           "[screen][answers]") {
     SubjectScreen screen(options());
-    for (int sure = 1; sure <= kMostConfidence; ++sure) {
+    for (int sure = 1; sure <= kMaxConfidence; ++sure) {
         const Insisting subject([] { press(SDLK_2); },
                                 [sure] {
                                     press(SDLK_5);  // no such level

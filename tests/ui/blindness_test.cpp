@@ -205,7 +205,7 @@ TEST_CASE(
     tests::draw_into_memory();
     const Protocol protocol = tests::short_protocol();
     const Plan plan = tests::plan_of(protocol);
-    tests::World world{.fault_share = 1.0, .most_faults = 1, .away = 1};
+    tests::World world{.fault_share = 1.0, .max_faults = 1, .away = 1};
     tests::FaultyApparatus apparatus(world);
     Shaken screen(dead_man);
     Forgetful recorder;

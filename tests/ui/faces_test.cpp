@@ -25,7 +25,7 @@ const std::vector<Vec2> kSizes{{800.0, 600.0},   {1024.0, 768.0},  {1280.0, 720.
 /// As much as a protocol may say, in words and in rows.
 std::string longest(const std::string& words) {
     std::string text;
-    while (text.size() + words.size() <= kMostInstruction) {
+    while (text.size() + words.size() <= kMaxInstruction) {
         text += words;
     }
     return text;
@@ -97,7 +97,7 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
              .labels = {"not rough at all, like glass", "as rough as it can be"}});
     }
     all.push_back(shown(ConfidenceFace{2, true}));
-    all.back().cards = lay_out_scale(kMostConfidence, size);
+    all.back().cards = lay_out_scale(kMaxConfidence, size);
     all.push_back(shown(FeedbackFace{true}));
     all.push_back(shown(FeedbackFace{false}));
     all.push_back(shown(BreakFace{0, 1031, 1114}, &Words::go_on));

@@ -114,7 +114,7 @@ TEST_CASE("there is noise whenever the force is on, and none at questions, gaps 
           "[sound][law]") {
     const Protocol protocol = tests::short_protocol();
     const Plan plan = tests::plan_of(protocol);
-    tests::World world{.fault_share = 0.5, .most_faults = 1};
+    tests::World world{.fault_share = 0.5, .max_faults = 1};
     tests::FaultyApparatus apparatus(world);
     FakePlayer player;
     Listener listener(player);

@@ -32,7 +32,7 @@ using engine::Vec2;
 
 constexpr int kReadings = 500;  ///< half a second at 1 kHz
 constexpr auto kPause = std::chrono::milliseconds(1);
-constexpr int kMostSilent = 100;  ///< readings in a row that say nothing new
+constexpr int kMaxSilent = 100;  ///< readings in a row that say nothing new
 
 std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibration& preset) {
     std::vector<Vec2> marks;
@@ -80,7 +80,7 @@ engine::MarkReading read_mark(engine::Device& device, const Vec2& place) {
     int silent = 0;
     while (counts.readings() < kReadings) {
         silent = add_reading(device, counts) ? 0 : silent + 1;
-        if (silent > kMostSilent) {
+        if (silent > kMaxSilent) {
             throw std::runtime_error(
                 fmt::format("{} says nothing new; nothing was written: check its cable and power",
                             device.name()));

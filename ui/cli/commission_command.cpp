@@ -160,7 +160,7 @@ std::vector<Vec3> places_of(const CommissionOptions& options, const engine::Cali
 
 /// kg
 Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machine) {
-    constexpr double kMostG = 20000.0;
+    constexpr double kMaxG = 20000.0;
     constexpr double kHandleG = 60.0;
     if (!machine.gantry) {
         if (!options.moved_g.empty()) {
@@ -173,7 +173,7 @@ Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machin
     const std::string wanted = fmt::format(
         "give --moved-g, what the motors of the axes x, y and z move, the handle and all that "
         "comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is told by it",
-        kMostG);
+        kMaxG);
     if (options.handle_g > 0.0) {
         throw std::invalid_argument(
             fmt::format("--handle-g {:g} is of a linkage, and {} has three axes: {}",
@@ -181,7 +181,7 @@ Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machin
     }
     const auto grams = three_numbers(options.moved_g);
     const auto weighs = [](double g) {
-        return g >= 1.0 && g <= kMostG;
+        return g >= 1.0 && g <= kMaxG;
     };
     if (!grams || !weighs(grams->x) || !weighs(grams->y) || !weighs(grams->z)) {
         throw std::invalid_argument(

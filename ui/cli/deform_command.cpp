@@ -25,7 +25,7 @@ struct DeformOptions {
 };
 
 /// More steps than this are a mistake.
-constexpr double kMostSteps = 1e8;
+constexpr double kMaxSteps = 1e8;
 
 /// Rising times from 0, s. @throws std::invalid_argument with the value and the remedy
 std::vector<double> times_of(const std::string& text, double step) {
@@ -42,11 +42,11 @@ std::vector<double> times_of(const std::string& text, double step) {
                             "before, as 0.1,0.2",
                             text.substr(from, to - from)));
         }
-        if (time / step > kMostSteps) {
+        if (time / step > kMaxSteps) {
             throw std::invalid_argument(
                 fmt::format("--times has {} s, which are more than {:g} steps of {} s: give less, "
                             "or a larger dt_s",
-                            time, kMostSteps, step));
+                            time, kMaxSteps, step));
         }
         times.push_back(time);
         from = to + 1;

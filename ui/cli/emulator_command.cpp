@@ -141,29 +141,29 @@ private:
 /// What lines of standard input do to a board: its answers take so many s from now on.
 using SetDelay = std::function<void(double)>;
 /// What they do to its handle; false: nothing.
-using HeedHandle = std::function<bool(const std::string&)>;
+using Obey = std::function<bool(const std::string&)>;
 
 /// "gain 2". @return none: it is another line   @throws std::invalid_argument for what is none in this range
 std::optional<double> number_after(const std::string& line,
                                    std::string_view word,
                                    double least,
-                                   double most) {
+                                   double max) {
     if (!line.starts_with(word)) {
         return std::nullopt;
     }
     const char* const end = line.data() + line.size();
     double number = 0.0;
     const auto [stop, error] = std::from_chars(line.data() + word.size(), end, number);
-    if (error != std::errc{} || stop != end || !(number >= least && number <= most)) {
+    if (error != std::errc{} || stop != end || !(number >= least && number <= max)) {
         throw std::invalid_argument(
-            fmt::format("{}: give a number from {:g} to {:g}, as in {}2", line, least, most, word));
+            fmt::format("{}: give a number from {:g} to {:g}, as in {}2", line, least, max, word));
     }
     return number;
 }
 
 /// A board behind its port lives until somebody interrupts it.
 template <class Port>
-void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double delay) {
+void serve(Port& port, const SetDelay& set_delay, const Obey& obey, double delay) {
     catch_signals();
     engine::run_like_a_board();
     fmt::print("{}\n", port.path());
@@ -177,7 +177,7 @@ void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double
                     delay = 1e-3 * *ms;
                     set_delay(delay);
                     say("Answers take {:g} ms\n", *ms);
-                } else if (!heed(line)) {
+                } else if (!obey(line)) {
                     warn("{}: nothing here heeds this; delay 2 makes answers take 2 ms", line);
                 }
             } catch (const std::exception& e) {
@@ -188,7 +188,7 @@ void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double
 }
 
 /// Lines about what befalls a Haply board's wire. @return false: it is another line
-bool heed_wire(engine::HaplyBoard& board, const std::string& line) {
+bool obey_wire(engine::HaplyBoard& board, const std::string& line) {
     if (line == "motors") {
         say("The motors give {:g}, {:g} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y);
     } else if (line == "misread") {
@@ -204,15 +204,15 @@ bool heed_wire(engine::HaplyBoard& board, const std::string& line) {
 }
 
 /// Lines about motors and encoders. @return false: it is another line
-bool heed_cables(engine::OpenBoard& board, const std::string& line, std::size_t axes) {
-    const auto most = static_cast<double>(axes);
+bool obey_cables(engine::OpenBoard& board, const std::string& line, std::size_t axes) {
+    const auto max = static_cast<double>(axes);
     if (line == "motors") {
         say("The motors give {:g}, {:g}{} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y,
             axes > 2 ? fmt::format(", {:g}", 1e3 * board.torque_3()) : std::string());
         return true;
     }
-    const auto out = number_after(line, "unplug ", 1.0, most);
-    const auto in = number_after(line, "plug ", 1.0, most);
+    const auto out = number_after(line, "unplug ", 1.0, max);
+    const auto in = number_after(line, "plug ", 1.0, max);
     if (out || in) {
         const auto axis = static_cast<std::size_t>(out.value_or(in.value_or(1.0)));
         board.unplug_encoder(axis - 1, out.has_value());
@@ -225,7 +225,7 @@ bool heed_cables(engine::OpenBoard& board, const std::string& line, std::size_t 
 void live(const EmulatorOptions& options,
           const engine::Calibration& machine,
           engine::BoardPlant& plant,
-          const HeedHandle& heed) {
+          const Obey& obey) {
     const double delay = 1e-3 * options.delay_ms;
     if (!options.open) {
         engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
@@ -233,22 +233,22 @@ void live(const EmulatorOptions& options,
         engine::PtyBoard terminal(board, options.link);
         return serve(
             terminal, [&](double s) { board.set_faults({.delay = s}); },
-            [&](const std::string& line) { return heed_wire(board, line) || heed(line); }, delay);
+            [&](const std::string& line) { return obey_wire(board, line) || obey(line); }, delay);
     }
     engine::OpenBoard board(plant, machine, *machine.board);
     board.delay_answers(delay);
     const auto set_delay = [&](double s) {
         board.delay_answers(s);
     };
-    const HeedHandle heed_board = [&](const std::string& line) {
-        return heed_cables(board, line, machine.axes()) || heed(line);
+    const Obey obey_board = [&](const std::string& line) {
+        return obey_cables(board, line, machine.axes()) || obey(line);
     };
     if (options.udp) {
         engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
-        return serve(port, set_delay, heed_board, delay);
+        return serve(port, set_delay, obey_board, delay);
     }
     engine::PtyBoard terminal(board, options.link);
-    serve(terminal, set_delay, heed_board, delay);
+    serve(terminal, set_delay, obey_board, delay);
 }
 
 /// "motor 2 -1", "swap 1 2": a motor, and another or a number. @return none: it is another line
@@ -266,7 +266,7 @@ std::optional<std::pair<std::size_t, double>> motor_and(const std::string& line,
 
 /// Lines about motors and hand that every free handle takes. @return false: it is another line
 template <class Handle>
-bool heed_handle(Handle& handle, const std::string& line, double axes) {
+bool obey_handle(Handle& handle, const std::string& line, double axes) {
     if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
         handle.strengthen(*gain);
         say("The motors give {:g} times what they are asked for\n", *gain);
@@ -283,7 +283,7 @@ bool heed_handle(Handle& handle, const std::string& line, double axes) {
 }
 
 /// Lines about a free handle on a linkage. @return false: it is another line
-bool heed_linkage(engine::FreeHandle& handle,
+bool obey_linkage(engine::FreeHandle& handle,
                   const std::string& line,
                   const engine::Exploration& plan) {
     if (line == "explore") {
@@ -292,11 +292,11 @@ bool heed_linkage(engine::FreeHandle& handle,
             engine::FreeHandle::kRest, 1e3 * plan.start.x, 1e3 * plan.start.y);
         return true;
     }
-    return heed_handle(handle, line, 2.0);
+    return obey_handle(handle, line, 2.0);
 }
 
 /// Lines about what is wrong with a free handle on three axes. @return false: it is another line
-bool heed_gantry(engine::GantryHand& hand, const std::string& line) {
+bool obey_gantry(engine::GantryHand& hand, const std::string& line) {
     if (const auto two = motor_and(line, "swap ", 3.0)) {
         hand.swap_motors(two->first,
                          static_cast<std::size_t>(std::clamp(two->second, 1.0, 3.0)) - 1);
@@ -311,7 +311,7 @@ bool heed_gantry(engine::GantryHand& hand, const std::string& line) {
         hand.explore();
         say("A hand explores with the handle, from home\n");
     } else {
-        return heed_handle(hand, line, 3.0);
+        return obey_handle(hand, line, 3.0);
     }
     return true;
 }
@@ -334,7 +334,7 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
         if (!options.free) {
             return false;
         }
-        if (!heed_gantry(hand, line)) {
+        if (!obey_gantry(hand, line)) {
             hand.bring(parse_place_3(line, "brought to"));
             say("The handle is at {} mm\n", line);
         }
@@ -353,7 +353,7 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
     engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(engine::home_of(machine))
                                                         : parse_place(options.at, "--at"));
     live(options, machine, handle, [&](const std::string& line) {
-        if (!heed_linkage(handle, line, plan)) {
+        if (!obey_linkage(handle, line, plan)) {
             handle.bring(parse_place(line, "brought to"));
             say("The handle is at {} mm\n", line);
         }

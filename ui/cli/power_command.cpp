@@ -24,7 +24,7 @@
 namespace palpate::ui {
 namespace {
 
-constexpr std::size_t kMost = 200;  ///< participants that are looked for
+constexpr std::size_t kMax = 200;  ///< participants that are looked for
 
 struct PowerOptions {
     std::string protocol;
@@ -95,10 +95,10 @@ std::vector<std::size_t> numbers_of(const std::string& text) {
         std::size_t number = 0;
         const auto read = std::from_chars(part.data(), part.data() + part.size(), number);
         if (read.ec != std::errc() || read.ptr != part.data() + part.size() || number < 2 ||
-            number > kMost) {
+            number > kMax) {
             throw std::invalid_argument(fmt::format(
                 "--participants {}: give numbers from 2 to {} with commas between, as 8,12,16,24",
-                text, kMost));
+                text, kMax));
         }
         numbers.push_back(number);
     }
@@ -198,7 +198,7 @@ int run(const PowerOptions& options) {
                              .friction = protocol.frictions[pair.with].name,
                              .against = protocol.frictions[pair.without].name,
                              .planned = protocol.participants,
-                             .most = kMost};
+                             .max = kMax};
     const auto named = std::ranges::find(protocols::kPrimaryTests, options.test);
     report.spec.test =
         options.test.empty()
@@ -248,7 +248,7 @@ int run(const PowerOptions& options) {
         if (report.none) {
             break;  // no number of people finds it
         }
-        report.least.push_back(studies.least(power, kMost));
+        report.least.push_back(studies.least(power, kMax));
     }
     if (!options.drawing.empty()) {
         data::write_svg(options.drawing, power_figure(report));

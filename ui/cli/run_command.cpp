@@ -95,7 +95,7 @@ data::RunKind kind_of(const RunOptions& options,
     return kind_by_hand(options, device, protocol);
 }
 
-void heed_device(const RunOptions& options, const RigSpec& spec) {
+void check_device(const RunOptions& options, const RigSpec& spec) {
     const protocols::DeviceClass asked = spec.study.protocol.apparatus.device;
     if (spec.kind == data::RunKind::real && !fits(asked, spec.device.kind)) {
         throw std::invalid_argument(fmt::format(
@@ -106,7 +106,7 @@ void heed_device(const RunOptions& options, const RigSpec& spec) {
 }
 
 /// Of a rig that gives force: what was commissioned, or why nobody may hold it in a real session.
-void heed_record(RigSpec& spec, const std::string& device) {
+void check_record(RigSpec& spec, const std::string& device) {
     if (!held_by_a_person(spec.device.kind) || !gives_force(spec.device.kind)) {
         return;
     }
@@ -128,7 +128,7 @@ void heed_record(RigSpec& spec, const std::string& device) {
 using Person = std::optional<data::Participant>;
 
 /// Of a real session without a noted consent: said, or refused where the protocol demands it.
-void heed_consent(const Person& person, const RunOptions& options, const RigSpec& spec) {
+void check_consent(const Person& person, const RunOptions& options, const RigSpec& spec) {
     if (spec.kind != data::RunKind::real) {
         return;
     }
@@ -146,7 +146,7 @@ void heed_consent(const Person& person, const RunOptions& options, const RigSpec
 
 /// Of a real session with somebody of another handedness than the protocol asks for: refused where the
 /// noted score is on the other side, said where it is weak or unknown.
-void heed_handedness(const Person& person, const RunOptions& options, const RigSpec& spec) {
+void check_handedness(const Person& person, const RunOptions& options, const RigSpec& spec) {
     constexpr std::int64_t kClearly = 40;  // R. C. Oldfield's inventory, as it is commonly cut
     const protocols::Handedness asked = spec.study.protocol.handedness;
     if (spec.kind != data::RunKind::real || asked == protocols::Handedness::any) {
@@ -179,7 +179,7 @@ void heed_handedness(const Person& person, const RunOptions& options, const RigS
 
 /// A number that leaves a gap is a slip, unless the sessions before are in the file of another rig. Looked at
 /// before a file is made.
-void heed_number(const RunOptions& options, const std::string& study) {
+void check_number(const RunOptions& options, const std::string& study) {
     if (options.elsewhere || options.session.value_or(1) == 1) {
         return;
     }
@@ -283,9 +283,9 @@ int run(const RunOptions& options) {
     spec.spin_share = options.spin;
     spec.handle_free = options.handle_free;
     spec.kind = kind_of(options, spec.device, spec.study.protocol);
-    heed_device(options, spec);
-    heed_record(spec, options.device);
-    heed_number(options, spec.study.protocol.id);
+    check_device(options, spec);
+    check_record(spec, options.device);
+    check_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
     }
@@ -298,10 +298,10 @@ int run(const RunOptions& options) {
     std::optional<OpenedApparatus> felt;
     const bool fresh = !std::filesystem::exists(options.database, unknown);
     if (fresh && held_by_a_person(spec.device.kind)) {  // a device that is refused makes no file
-        heed_consent({}, options, spec);
-        heed_handedness({}, options, spec);
+        check_consent({}, options, spec);
+        check_handedness({}, options, spec);
         require_writable(options.database, "");
-        felt = open_and_heed(spec);
+        felt = open_and_check(spec);
     }
     data::Database database(options.database, data::Access::write);
     check_known(database, options.participant, options.another);
@@ -324,8 +324,8 @@ int run(const RunOptions& options) {
     }
     if (!felt) {
         const Person person = data::find_participant(database, options.participant);
-        heed_consent(person, options, spec);
-        heed_handedness(person, options, spec);
+        check_consent(person, options, spec);
+        check_handedness(person, options, spec);
     }
     const RigEnd end = run_rig(database, spec, std::move(felt));
     if (!end.head.empty()) {

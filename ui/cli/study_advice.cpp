@@ -70,8 +70,8 @@ void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string
                             kind != engine::LawKind::viscous && kind != engine::LawKind::stribeck;
         const double stiffness =
             friction.own.stiffness > 0.0 ? friction.own.stiffness : protocol.apparatus.stiffness;
-        const double most = friction.mu_s * protocol.apparatus.force_limit;
-        const double stored = 0.5 * most * most / stiffness;
+        const double max = friction.mu_s * protocol.apparatus.force_limit;
+        const double stored = 0.5 * max * max / stiffness;
         if (spring && stored > protocol.safety.energy_limit) {
             all.push_back(fmt::format(
                 "friction \"{}\": a spring of {:g} N/m along the surface gives back up to {:.2g} "

@@ -70,8 +70,8 @@ std::optional<Cyclictest> parse_cyclictest(std::string_view output) {
         const std::size_t end = output.find('\n');
         const std::string_view line = output.substr(0, end);
         output.remove_prefix(end == std::string_view::npos ? output.size() : end + 1);
-        if (const auto most = labelled(line, "# Max Latencies:")) {
-            result.max_us = static_cast<double>(*most);
+        if (const auto max = labelled(line, "# Max Latencies:")) {
+            result.max_us = static_cast<double>(*max);
         } else if (const auto over = labelled(line, "# Histogram Overflows:")) {
             result.overflows = *over;
         } else if (!line.empty() && line.front() >= '0' && line.front() <= '9') {

@@ -16,12 +16,12 @@ namespace fs = std::filesystem;
 
 /// What is called much like a file that is not there: TOML files beside it, and shipped protocols.
 std::string nearest(const fs::path& absent) {
-    constexpr std::size_t kMost = 1000;  // files of a folder
+    constexpr std::size_t kMax = 1000;  // files of a folder
     std::vector<std::string> names;
     std::error_code unknown;
     const fs::path folder = absent.has_parent_path() ? absent.parent_path() : fs::path(".");
     for (fs::directory_iterator at(folder, unknown), end;
-         !unknown && at != end && names.size() < kMost; at.increment(unknown)) {
+         !unknown && at != end && names.size() < kMax; at.increment(unknown)) {
         if (at->path().extension() == ".toml") {
             names.push_back(at->path().filename().string());
         }

@@ -181,12 +181,12 @@ public:
         : database_(database),
           session_(opened.id),
           after_(opened.last_trial),
-          told_(!spec.go_on.empty()) {}
+          announced_(!spec.go_on.empty()) {}
     SummaryAtEnd(const SummaryAtEnd&) = delete;
     SummaryAtEnd& operator=(const SummaryAtEnd&) = delete;
     ~SummaryAtEnd() {
         try {
-            if (told_) {
+            if (announced_) {
                 say("{}", run_summary(database_, session_, after_, (now_s() - begun_s_) / 60.0));
             }
         } catch (const std::exception&) {  // a file that is gone: why is said by what ended the run
@@ -197,7 +197,7 @@ private:
     data::Database& database_;
     std::int64_t session_;
     std::int64_t after_;
-    bool told_;
+    bool announced_;
     double begun_s_ = now_s();
 };
 
@@ -253,7 +253,7 @@ std::vector<protocols::Event> opening_events(const std::vector<OpeningFact>& fac
 
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
-void heed(const OpenedApparatus& felt) {
+void check_findings(const OpenedApparatus& felt) {
     for (const protocols::Finding& finding : felt.findings) {
         if (finding.verdict == protocols::Verdict::refuse) {
             throw std::invalid_argument(finding.text);
@@ -291,9 +291,9 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
     return all;
 }
 
-OpenedApparatus open_and_heed(const RigSpec& spec) {
+OpenedApparatus open_and_check(const RigSpec& spec) {
     OpenedApparatus felt = open_apparatus(spec);
-    heed(felt);
+    check_findings(felt);
     return felt;
 }
 
@@ -301,7 +301,7 @@ RigEnd run_rig(data::Database& database,
                const RigSpec& spec,
                std::optional<OpenedApparatus> opened_before) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    const OpenedApparatus felt = opened_before ? *std::move(opened_before) : open_and_heed(spec);
+    const OpenedApparatus felt = opened_before ? *std::move(opened_before) : open_and_check(spec);
     const auto& apparatus = felt.port;
     protocols::OperatorDesk desk;
     Observers observers = observers_before_the_plan(spec, *apparatus, desk);

@@ -28,7 +28,7 @@ struct RigEnd {
 
 /// Opens what the session is felt on, and says what should be known of it. Before windows, as open_apparatus().
 /// @throws as that; std::invalid_argument for what nobody should hold
-[[nodiscard]] OpenedApparatus open_and_heed(const RigSpec& spec);
+[[nodiscard]] OpenedApparatus open_and_check(const RigSpec& spec);
 
 /// Plans, opens or resumes the session in `database`, and runs it to its end. Prints a line when it
 /// starts and one for every trial, to standard output.

@@ -99,12 +99,12 @@ public:
           out_(out),
           layout_(data::catalogue_layout()),
           next_(first),
-          most_(kAhead * threads) {}
+          max_(kAhead * threads) {}
 
     /// Before work on the session begins: waits until few others wait for their turn. @return false: it is over
     bool may_begin(std::size_t place) {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return over_ || place < next_ + most_; });
+        changed_.wait(lock, [&] { return over_ || place < next_ + max_; });
         return !over_;
     }
     /// @param session  none: it was interrupted
@@ -153,7 +153,7 @@ private:
     std::condition_variable changed_;
     std::map<std::size_t, std::unique_ptr<data::Database>> done_;
     std::size_t next_;
-    std::size_t most_;
+    std::size_t max_;
     std::exception_ptr error_;
     bool over_ = false;
 };
@@ -280,16 +280,16 @@ std::size_t grown(const SimulationSpec& spec, data::Database& partial) {
 }  // namespace
 
 Shard parse_shard(const std::string& text) {
-    constexpr std::size_t kMost = 100'000;
+    constexpr std::size_t kMax = 100'000;
     Shard shard;
     const char* end = text.data() + text.size();
     const auto number = std::from_chars(text.data(), end, shard.number);
     const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
     const auto of = slash ? std::from_chars(number.ptr + 1, end, shard.of) : number;
     if (!slash || of.ec != std::errc() || of.ptr != end || shard.number >= shard.of ||
-        shard.of > kMost) {
+        shard.of > kMax) {
         throw std::invalid_argument(fmt::format(
-            "--shard {}: give K/N, a number from 0 to N - 1 of at most {}, as 0/8", text, kMost));
+            "--shard {}: give K/N, a number from 0 to N - 1 of at most {}, as 0/8", text, kMax));
     }
     return shard;
 }

@@ -62,12 +62,13 @@ decltype(&XGetInputFocus) input_focus = nullptr;
 bool grabbed = false;  ///< another program holds the keyboard, whoever has the focus
 
 /// SDL tells nothing of grabs (a locked screen, menus, keys of the window manager): no key comes from them either.
-void on_focus(const XFocusChangeEvent& told) {
-    if (told.detail == NotifyInferior || told.detail == NotifyPointer) {
+void on_focus(const XFocusChangeEvent& x_event) {
+    if (x_event.detail == NotifyInferior || x_event.detail == NotifyPointer) {
         return;
     }
-    grabbed = told.type == FocusOut ? told.mode == NotifyGrab : told.mode == NotifyWhileGrabbed;
-    lost_keyboard = lost_keyboard || told.type == FocusOut;
+    grabbed =
+        x_event.type == FocusOut ? x_event.mode == NotifyGrab : x_event.mode == NotifyWhileGrabbed;
+    lost_keyboard = lost_keyboard || x_event.type == FocusOut;
 }
 
 int on_broken_connection(::Display* /*display*/) {
@@ -80,15 +81,15 @@ int on_event(void* /*nothing*/, SDL_Event* event) {
     if (event->type != SDL_SYSWMEVENT) {
         return 1;
     }
-    const XEvent& told = event->syswm.msg->msg.x11.event;
-    if (told.type == DestroyNotify && told.xdestroywindow.window == watched) {
+    const XEvent& x_event = event->syswm.msg->msg.x11.event;
+    if (x_event.type == DestroyNotify && x_event.xdestroywindow.window == watched) {
         lost = true;
     }
-    if ((told.type == FocusIn || told.type == FocusOut) && told.xfocus.window == watched) {
-        on_focus(told.xfocus);
+    if ((x_event.type == FocusIn || x_event.type == FocusOut) && x_event.xfocus.window == watched) {
+        on_focus(x_event.xfocus);
     }
-    if (told.type == PropertyNotify && told.xproperty.window == watched &&
-        told.xproperty.atom == sign) {
+    if (x_event.type == PropertyNotify && x_event.xproperty.window == watched &&
+        x_event.xproperty.atom == sign) {
         owes = false;
     }
     return 0;

@@ -196,7 +196,7 @@ void draw(Window& window, const ChooseFace& face) {
 }
 
 void draw(Window& window, const ConfidenceFace& face) {
-    constexpr auto kLevels = static_cast<std::size_t>(protocols::kMostConfidence);
+    constexpr auto kLevels = static_cast<std::size_t>(protocols::kMaxConfidence);
     const Words& words = window.words();
     band(window, words.how_sure, 0.07, 0.25, 1.9, kText);
     draw_scale(window, kLevels, std::string(words.a_guess), std::string(words.certain),

@@ -6,7 +6,7 @@ namespace palpate::ui {
 
 using protocols::InputKind;
 
-bool Picking::heed(const Input& input, std::span<const Card> cards) {
+bool Picking::handle(const Input& input, std::span<const Card> cards) {
     const std::size_t last = cards.size() - 1;
     switch (input.kind) {
         case Input::Kind::digit:

@@ -19,7 +19,7 @@ public:
     Picking(std::int64_t shown_ns, bool confirm) : shown_ns_(shown_ns), confirm_(confirm) {}
 
     /// @return whether another card is marked now
-    bool heed(const Input& input, std::span<const Card> cards);
+    bool handle(const Input& input, std::span<const Card> cards);
     [[nodiscard]] std::optional<std::size_t> marked() const noexcept { return marked_; }
     /// The answer with its times: reaction_s of the press that gave it, not of the one that confirmed it.
     [[nodiscard]] const std::optional<protocols::Choice>& chosen() const noexcept {

@@ -69,7 +69,7 @@ std::optional<StartMark> SubjectScreen::look_at_start(bool refused) const {
 }
 
 /// @param heeds_desk  returns as well when the experimenter wants something
-Signal SubjectScreen::wait_at_start(ReadyFace face, bool heeds_desk) {
+Signal SubjectScreen::wait_at_start(ReadyFace face, bool checks_desk) {
     face.start = look_at_start(false);
     stage_.show(face);
     guard(monotonic_ns());
@@ -78,7 +78,7 @@ Signal SubjectScreen::wait_at_start(ReadyFace face, bool heeds_desk) {
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
         }
-        if (heeds_desk && options_.desk != nullptr && options_.desk->wants()) {
+        if (checks_desk && options_.desk != nullptr && options_.desk->wants()) {
             return Signal::held_up;
         }
         const bool begins = input.kind == Input::Kind::go ||
@@ -263,7 +263,7 @@ Choice SubjectScreen::pick(const std::function<std::vector<Card>()>& cards,
         if (question.timeout_s > 0.0 && waited > question.timeout_s) {
             return {.signal = Signal::too_late};
         }
-        if (picking.heed(input, cards())) {
+        if (picking.handle(input, cards())) {
             show(picking.marked());
         }
     }
@@ -280,7 +280,7 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
         return lay_out_answers(question, window.size());
     };
     const auto levels = [&] {
-        return lay_out_scale(protocols::kMostConfidence, window.size());
+        return lay_out_scale(protocols::kMaxConfidence, window.size());
     };
     Choice choice = pick(answers, question, [&](auto selected) {
         return stage_.show(ChooseFace{question, selected, false});

@@ -68,7 +68,7 @@ public:
 private:
     [[nodiscard]] protocols::Signal wait_for_go();
     /// The same at the start of an interval.
-    [[nodiscard]] protocols::Signal wait_at_start(ReadyFace face, bool heeds_desk);
+    [[nodiscard]] protocols::Signal wait_at_start(ReadyFace face, bool checks_desk);
     [[nodiscard]] std::optional<StartMark> look_at_start(bool refused) const;
     /// Presses so far were meant for another screen, and those of the guard time are not for this one.
     /// @param shown_ns  when it was

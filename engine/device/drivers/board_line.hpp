@@ -19,7 +19,7 @@ namespace palpate::engine {
 /// What a board measured.
 struct BoardReply {
     /// Of pivot 1 and 2, anticlockwise, or of x, y and z, since its set-up.
-    std::array<std::int32_t, kMostAxes> counts{};
+    std::array<std::int32_t, kMaxAxes> counts{};
     Grip grip = Grip::unknown;
 };
 
@@ -76,7 +76,7 @@ public:
     [[nodiscard]] virtual Answer wake(std::int64_t wait_ns) noexcept = 0;
     /// Sends torques of all motors, N m, anticlockwise or forward. @return false if they were not sent whole,
     /// before a set-up, or if they are not finite
-    [[nodiscard]] virtual bool ask(const std::array<double, kMostAxes>& torque) noexcept = 0;
+    [[nodiscard]] virtual bool ask(const std::array<double, kMaxAxes>& torque) noexcept = 0;
     /// With `depth` questions on their way another one would make answers older.
     [[nodiscard]] virtual bool full(std::size_t depth) const noexcept { return owed_ >= depth; }
     /// Collects all that has come, and waits at most `wait_ns` for more while more than `leave`

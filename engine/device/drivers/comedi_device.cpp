@@ -184,8 +184,8 @@ int ComediDevice::put(std::size_t axis, std::uint32_t code) noexcept {
 
 std::uint32_t ComediDevice::code(std::size_t axis, double volts) const noexcept {
     const DaqCard::Output& output = channels_[axis].output;
-    const double most = channels_[axis].volts;
-    const double cut = std::fmin(std::fmax(volts, -most), most);
+    const double max = channels_[axis].volts;
+    const double cut = std::fmin(std::fmax(volts, -max), max);
     const double share = (cut - output.min) / (output.max - output.min);
     const double nearest = std::floor(share * output.top + 0.5);
     return static_cast<std::uint32_t>(

@@ -68,7 +68,7 @@ void HaplyLine::start_over() noexcept {
     owed_ = 0;
 }
 
-bool HaplyLine::ask(const std::array<double, kMostAxes>& torque) noexcept {
+bool HaplyLine::ask(const std::array<double, kMaxAxes>& torque) noexcept {
     std::array<double, 2> by_port{};
     by_port[wiring_.port[0] - 1U] = torque[0];
     by_port[wiring_.port[1] - 1U] = torque[1];

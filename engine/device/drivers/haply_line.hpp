@@ -26,7 +26,7 @@ public:
     Off part() noexcept override;
     void keep_off() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
-    [[nodiscard]] bool ask(const std::array<double, kMostAxes>& torque) noexcept override;
+    [[nodiscard]] bool ask(const std::array<double, kMaxAxes>& torque) noexcept override;
     [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave) noexcept override;
     [[nodiscard]] Answer probe(std::int64_t wait_ns) noexcept override;
     void start_over() noexcept override;

@@ -80,8 +80,8 @@ void OpenBoard::unplug_encoder(std::size_t axis, bool out) noexcept {
     stuck_[axis] = out ? std::optional(angle_of(axis)) : std::nullopt;
 }
 
-std::array<std::int32_t, kMostAxes> OpenBoard::true_counts() const noexcept {
-    std::array<std::int32_t, kMostAxes> counts{};
+std::array<std::int32_t, kMaxAxes> OpenBoard::true_counts() const noexcept {
+    std::array<std::int32_t, kMaxAxes> counts{};
     for (std::size_t i = 0; i < machine_.axes(); ++i) {
         const std::size_t channel = wired_.channel[i] - 1U;
         const double turns = stuck_[i].value_or(angle_of(i)) / (2.0 * kPi);

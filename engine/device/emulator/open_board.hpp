@@ -57,7 +57,7 @@ public:
 private:
     friend struct Platform;
 
-    [[nodiscard]] std::array<std::int32_t, kMostAxes> true_counts() const noexcept;
+    [[nodiscard]] std::array<std::int32_t, kMaxAxes> true_counts() const noexcept;
     [[nodiscard]] double angle_of(std::size_t axis) const noexcept;
     [[nodiscard]] double torque_of(std::size_t axis) const noexcept;
     void drive() noexcept;
@@ -72,9 +72,9 @@ private:
     bool skipped_ = false;
     bool enabled_ = false;
     double delay_ = 0.0;
-    std::array<std::int16_t, kMostAxes> duty_{};  ///< by channel
-    std::array<std::int32_t, kMostAxes> zero_{};  ///< true counts at the last set-up, by channel
-    std::array<std::optional<double>, kMostAxes> stuck_{};  ///< rad that unplugged encoders say
+    std::array<std::int16_t, kMaxAxes> duty_{};  ///< by channel
+    std::array<std::int32_t, kMaxAxes> zero_{};  ///< true counts at the last set-up, by channel
+    std::array<std::optional<double>, kMaxAxes> stuck_{};  ///< rad that unplugged encoders say
     std::deque<std::uint8_t> in_{};
     struct Due {
         std::int64_t poll = 0;

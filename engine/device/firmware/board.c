@@ -68,11 +68,11 @@ static int32_t get32(const uint8_t *at)
     return (int32_t)(get16(at) | (uint32_t)get16(at + 2) << 16);
 }
 
-/* Numbers that were heard before, or that are further on than `most`, are late or lost. */
-static bool newer(const struct board *board, uint16_t most)
+/* Numbers that were heard before, or that are further on than `max`, are late or lost. */
+static bool newer(const struct board *board, uint16_t max)
 {
     const uint16_t step = (uint16_t)(get16(board->body + 1) - board->last_seq);
-    return step != 0 && step <= most;
+    return step != 0 && step <= max;
 }
 
 static void put8(struct writer *out, uint8_t value)

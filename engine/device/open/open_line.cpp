@@ -251,7 +251,7 @@ OpenLine::Answer OpenLine::wake(std::int64_t wait_ns) noexcept {
     return lost_ ? Answer::lost : answer;
 }
 
-bool OpenLine::ask(const std::array<double, kMostAxes>& torque) noexcept {
+bool OpenLine::ask(const std::array<double, kMaxAxes>& torque) noexcept {
     OpenAxes wanted{};
     for (std::size_t pivot = 0; pivot < axes_; ++pivot) {
         const std::size_t channel = wiring_.channel[pivot] - 1U;
@@ -260,9 +260,9 @@ bool OpenLine::ask(const std::array<double, kMostAxes>& torque) noexcept {
         if (!std::isfinite(micro)) {
             return false;
         }
-        const double most = limit_[channel];
+        const double max = limit_[channel];
         wanted[channel] =
-            static_cast<std::int32_t>(std::floor(std::fmin(std::fmax(micro, -most), most) + 0.5));
+            static_cast<std::int32_t>(std::floor(std::fmin(std::fmax(micro, -max), max) + 0.5));
     }
     if (!set_up_ || !send(open_torque(next_seq(), wanted, axes_))) {
         return false;

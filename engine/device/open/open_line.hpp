@@ -27,7 +27,7 @@ public:
     void keep_off() noexcept override;
     [[nodiscard]] bool forgive() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
-    [[nodiscard]] bool ask(const std::array<double, kMostAxes>& torque) noexcept override;
+    [[nodiscard]] bool ask(const std::array<double, kMaxAxes>& torque) noexcept override;
     /// Never: its answers are told apart, and one that was lost must not end the talk.
     [[nodiscard]] bool full(std::size_t /*depth*/) const noexcept override { return false; }
     [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave) noexcept override;
@@ -81,12 +81,12 @@ private:
     [[nodiscard]] Answer fail(Problem problem, Answer answer) noexcept;
 
     OpenWiring wiring_;
-    std::size_t axes_;                      ///< of the machine
-    bool bare_;                             ///< a body a datagram, without a frame
-    OpenNonce nonce_{};                     ///< that every datagram begins with
-    OpenAxes counts_per_turn_{};            ///< by channel
-    OpenAxes limit_{};                      ///< uN m, by channel
-    std::array<double, kMostAxes> jump_{};  ///< counts between two answers that cannot be, by axis
+    std::size_t axes_;                     ///< of the machine
+    bool bare_;                            ///< a body a datagram, without a frame
+    OpenNonce nonce_{};                    ///< that every datagram begins with
+    OpenAxes counts_per_turn_{};           ///< by channel
+    OpenAxes limit_{};                     ///< uN m, by channel
+    std::array<double, kMaxAxes> jump_{};  ///< counts between two answers that cannot be, by axis
     OpenBytes disarm_;
     OpenReader reader_;
     std::array<std::uint8_t, 256> came_{};

@@ -106,8 +106,8 @@ OpenLine::Problem OpenLine::look_once() noexcept {
     }
     const double passed = 1e3 * static_cast<double>(report_.time_us - first.time_us);
     const auto least = static_cast<double>(asked_ns_ - first_heard);
-    const auto most = static_cast<double>(link_->now_ns() - first_asked);
-    const bool right = passed >= (1.0 - kClock) * least && passed <= (1.0 + kClock) * most;
+    const auto max = static_cast<double>(link_->now_ns() - first_asked);
+    const bool right = passed >= (1.0 - kClock) * least && passed <= (1.0 + kClock) * max;
     return right ? Problem::none : Problem::clock;
 }
 

@@ -21,7 +21,7 @@ constexpr Shape kReport{.bytes = 8};
 
 /// How many axes a payload of this length speaks of; 0: it has another shape.
 constexpr std::size_t axes_of(const Shape& shape, std::size_t payload) noexcept {
-    for (std::size_t axes = 2; axes <= kMostAxes; ++axes) {
+    for (std::size_t axes = 2; axes <= kMaxAxes; ++axes) {
         if (payload == shape.bytes + 4 * shape.numbers * axes) {
             return axes;
         }

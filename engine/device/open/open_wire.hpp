@@ -57,7 +57,7 @@ struct OpenBytes {
 };
 
 /// A number for each axis: of two the third is 0.
-using OpenAxes = std::array<std::int32_t, kMostAxes>;
+using OpenAxes = std::array<std::int32_t, kMaxAxes>;
 
 /// What a board says it is.
 struct OpenIdent {

@@ -24,7 +24,7 @@ namespace palpate::engine {
 [[nodiscard]] inline Rubbed bristle(const LawTask& law, LawState& state, const Rub& rub) noexcept {
     const double reach = law.mu_s * rub.load / law.stiffness;
     const double lowest = law.mu_s > 0.0 ? 3.0 * law.mu_d / law.mu_s - 2.0 : 1.0;
-    const double most_over = std::fabs(rub.travel);
+    const double max_over = std::fabs(rub.travel);
     double sum = 0.0;
     bool snapped = false;
     for (int i = 0; i < law.spec.bristles; ++i) {
@@ -32,7 +32,7 @@ namespace palpate::engine {
         stretch += rub.travel;
         const double way = sign_of(stretch);
         // What of the travel came after the bond snapped stretches the new one.
-        double over = std::min(std::fabs(stretch) - reach, most_over);
+        double over = std::min(std::fabs(stretch) - reach, max_over);
         for (int again = 0; over > 0.0 && again < 16; ++again) {
             snapped = true;
             const double share = lowest + (1.0 - lowest) * uniform(law.spec.seed, state.draws++);

@@ -29,14 +29,14 @@ namespace palpate::engine {
 /// for sigma <= K. No static friction; drifts under an oscillating load below f_c, for it slips a
 /// little at any force.
 [[nodiscard]] inline Rubbed dahl(const LawTask& law, LawState& state, const Rub& rub) noexcept {
-    const double most = law.mu_d * rub.load;
-    const double before = std::clamp(-state.force, -most, most);
+    const double max = law.mu_d * rub.load;
+    const double before = std::clamp(-state.force, -max, max);
     double after = before;
-    if (rub.travel != 0.0 && most > 0.0) {
+    if (rub.travel != 0.0 && max > 0.0) {
         const double way = sign_of(rub.travel);
-        const double length = std::fabs(rub.travel) * law.stiffness / most;
-        const double rest = dahl_rest(1.0 - way * before / most, length, law.spec.exponent);
-        after = std::clamp(way * most * (1.0 - rest), -most, most);
+        const double length = std::fabs(rub.travel) * law.stiffness / max;
+        const double rest = dahl_rest(1.0 - way * before / max, length, law.spec.exponent);
+        after = std::clamp(way * max * (1.0 - rest), -max, max);
     }
     state.force = -after;
     return {.force = state.force,

@@ -11,8 +11,8 @@ namespace palpate::engine {
 
 /// The stretch after a travel s > 0 in its direction, for the adhesion map of hayward_armstrong().
 /// @param z  in [-most, most]   @param stick  z_stick, m, in [0, most)
-[[nodiscard]] inline double adhesion_step(double z, double s, double stick, double most) noexcept {
-    const double width = most - stick;
+[[nodiscard]] inline double adhesion_step(double z, double s, double stick, double max) noexcept {
+    const double width = max - stick;
     if (z < -stick) {  // the anchor comes along, ever slower, until it holds again
         const double begun = 1.0 - (z + stick) / width;
         const double left = begun * exponential(-s / width);
@@ -25,7 +25,7 @@ namespace palpate::engine {
     const double held = std::min(s, std::max(stick - z, 0.0));
     z += held;
     s -= held;
-    return s > 0.0 ? most + (z - most) * exponential(-s / width) : z;
+    return s > 0.0 ? max + (z - max) * exponential(-s / width) : z;
 }
 
 /// The law of Hayward & Armstrong ("A new computational model of friction applied to haptic
@@ -48,13 +48,13 @@ namespace palpate::engine {
 [[nodiscard]] inline Rubbed hayward_armstrong(const LawTask& law,
                                               LawState& state,
                                               const Rub& rub) noexcept {
-    const double most = law.mu_d * rub.load / law.stiffness;
-    const double before = std::clamp(state.stretch, -most, most);
+    const double max = law.mu_d * rub.load / law.stiffness;
+    const double before = std::clamp(state.stretch, -max, max);
     double after = before;
-    if (rub.travel != 0.0 && most > 0.0) {
+    if (rub.travel != 0.0 && max > 0.0) {
         const double way = sign_of(rub.travel);
-        after = way * adhesion_step(way * before, std::fabs(rub.travel),
-                                    law.spec.stick_share * most, most);
+        after = way *
+                adhesion_step(way * before, std::fabs(rub.travel), law.spec.stick_share * max, max);
     }
     state.stretch = after;
     return {.force = -law.stiffness * after,

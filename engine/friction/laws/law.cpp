@@ -63,7 +63,7 @@ LawTask checked(const LawSpec& spec, const Friction& friction, double stiffness,
             "give 0 to 3");
     require(finite_from_zero(spec.stick_share) && spec.stick_share <= 0.99, "stick share",
             spec.stick_share, "give 0 to 0.99");
-    require(spec.bristles >= 1 && spec.bristles <= kMostBristles, "bristles", spec.bristles,
+    require(spec.bristles >= 1 && spec.bristles <= kMaxBristles, "bristles", spec.bristles,
             "give 1 to 64");
     require(positive(spec.snag_spacing), "snag spacing", spec.snag_spacing, "give m above 0");
     require(spec.kind != LawKind::bristle || 3.0 * friction.mu_d >= friction.mu_s, "mu_d",

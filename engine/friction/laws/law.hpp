@@ -29,7 +29,7 @@ enum class LawKind : std::uint8_t {
 };
 
 /// Most bristles of a contact: a tick visits each of them.
-inline constexpr int kMostBristles = 64;
+inline constexpr int kMaxBristles = 64;
 
 /// Which law, and what it needs beside mu_s and mu_d. A law reads its own numbers alone.
 struct LawSpec {
@@ -42,7 +42,7 @@ struct LawSpec {
     double stick_speed = 0.002;      ///< DV, m/s, > 0: Karnopp
     double exponent = 1.0;           ///< alpha, 0 to 3: Dahl
     double stick_share = 0.7;  ///< z_stick / z_max, 0 to 0.99: Hayward & Armstrong; 0 is Dahl's law
-    int bristles = 20;         ///< 1 to kMostBristles
+    int bristles = 20;         ///< 1 to kMaxBristles
     double snag_spacing = 0.003;  ///< m, > 0: one snag in each such length
     std::uint64_t seed = 0;       ///< of bristles and snags
 
@@ -96,14 +96,14 @@ struct Rubbed {
 
 /// What lives on from tick to tick. A plain value; new at every contact but for `draws`.
 struct LawState {
-    double stretch = 0.0;                          ///< of the law's spring, m
-    double force = 0.0;                            ///< on the user in the tick before, N
-    double way = 0.0;                              ///< of sliding: +1 or -1
-    double place = 0.0;                            ///< of the tick before, m
-    bool sliding = false;                          ///< not held by the spring
-    bool placed = false;                           ///< `place` is one
-    std::uint64_t draws = 0;                       ///< of random numbers so far
-    std::array<double, kMostBristles> bristles{};  ///< their stretches, m
+    double stretch = 0.0;                         ///< of the law's spring, m
+    double force = 0.0;                           ///< on the user in the tick before, N
+    double way = 0.0;                             ///< of sliding: +1 or -1
+    double place = 0.0;                           ///< of the tick before, m
+    bool sliding = false;                         ///< not held by the spring
+    bool placed = false;                          ///< `place` is one
+    std::uint64_t draws = 0;                      ///< of random numbers so far
+    std::array<double, kMaxBristles> bristles{};  ///< their stretches, m
 };
 
 /// A law with all its numbers.

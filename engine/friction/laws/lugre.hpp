@@ -30,8 +30,8 @@ namespace palpate::engine {
 /// ask the device for as much damping more. Drifts under an oscillating load, as Dahl's law does.
 [[nodiscard]] inline Rubbed lugre(const LawTask& law, LawState& state, const Rub& rub) noexcept {
     const double level = lugre_level(law, rub);
-    const double most = law.mu_s * rub.load / law.stiffness;
-    const double before = std::clamp(state.stretch, -most, most);
+    const double max = law.mu_s * rub.load / law.stiffness;
+    const double before = std::clamp(state.stretch, -max, max);
     double after = before;
     if (rub.travel != 0.0 && level > 0.0) {
         const double steady = sign_of(rub.travel) * level / law.stiffness;
