@@ -29,13 +29,12 @@ struct Judged {
 
 struct Exclusions {
     bool rules = false;  ///< the protocol has some
-    std::vector<Judged>
-        all;  ///< by pseudonym, and by protocol where a study has had several versions
+    /// by pseudonym, and by protocol where a study has had several versions
+    std::vector<Judged> all;
 };
 
 /// Judges everybody who has a session of this kind, by the rules of the protocol that they ran. Who ran
-/// several versions of a study is judged by each, with the sessions of each. In files of schema 3 and
-/// before there are no rules.
+/// several versions of a study is judged by each, with the sessions of each.
 /// @param study  the protocol's id
 /// @param kind   "real", "pilot" or "simulated"
 [[nodiscard]] Exclusions judge(Database& database, std::string_view study, std::string_view kind);

@@ -57,13 +57,10 @@ public:
     /// Lets time pass: nothing for 0, less, or what is not a number; at most 1 s a call.
     void advance(double seconds) noexcept;
 
-    /// Torque of the motors now, N m, after their current has followed.
     [[nodiscard]] JointAngles angles() const noexcept { return angles_; }  ///< rad
     [[nodiscard]] Vec2 rates() const noexcept { return rates_; }           ///< rad/s
     /// Torque of the motors now, N m, after their current has followed.
-    [[nodiscard]] Vec2 torque() const noexcept {
-        return torque_;
-    }  ///< N m, what the motors give now
+    [[nodiscard]] Vec2 torque() const noexcept { return torque_; }
     /// The hand has done all its sweeps and left the object.
     [[nodiscard]] bool hand_is_done() const noexcept { return time_ >= path_.duration(); }
     /// The linkage came to a singular pose: it stands still from then on.
