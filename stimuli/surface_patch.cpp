@@ -71,7 +71,8 @@ std::vector<Vec2> around(int steps) {
     return all;
 }
 
-// Turned by 30 degrees, seen from 50 degrees above: steeper than any patch, so that nothing hides anything.
+// Turned by 30 degrees, seen from 50 degrees above: steeper than any patch, so that nothing hides
+// anything.
 constexpr double kTurnCos = 0.8660254037844386;
 constexpr double kTurnSin = 0.5;
 constexpr double kAboveCos = 0.6427876096865393;

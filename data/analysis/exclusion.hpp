@@ -11,9 +11,10 @@ namespace palpate::data {
 
 /// One participant of a study, and which of the protocol's rules of exclusion they break.
 ///
-/// Answers that do not count are only in `answers` and `invalid`. A catch trial is answered rightly with
-/// the outermost picture on its side: the most convex one for an object of curvature > 0, the most concave
-/// one below 0. Where there is nothing to judge (no catch trial was answered) a rule is not broken.
+/// Answers that do not count are only in `answers` and `invalid`. A catch trial is answered rightly
+/// with the outermost picture on its side: the most convex one for an object of curvature > 0, the
+/// most concave one below 0. Where there is nothing to judge (no catch trial was answered) a rule
+/// is not broken.
 struct Judged {
     std::string participant;
     std::int64_t main = 0;              ///< main trials with an answer that counts
@@ -33,8 +34,8 @@ struct Exclusions {
     std::vector<Judged> all;
 };
 
-/// Judges everybody who has a session of this kind, by the rules of the protocol that they ran. Who ran
-/// several versions of a study is judged by each, with the sessions of each.
+/// Judges everybody who has a session of this kind, by the rules of the protocol that they ran. Who
+/// ran several versions of a study is judged by each, with the sessions of each.
 /// @param study  the protocol's id
 /// @param kind   "real", "pilot" or "simulated"
 [[nodiscard]] Exclusions judge(Database& database, std::string_view study, std::string_view kind);

@@ -8,11 +8,12 @@
 #include "data/export/json_text.hpp"
 #include "data/store/analysed.hpp"
 
-/// Whom and what the numbers of a study are without, and why: one account, which every command gives.
+/// Whom and what the numbers of a study are without, and why: one account, which every command
+/// gives.
 namespace palpate::data {
 
-/// Of one study and kind. Each person is counted in one place, and so is each answer of a main trial: in the first
-/// that holds of no_consent, withdrawn, marked, invalid, by_rule, analysed.
+/// Of one study and kind. Each person is counted in one place, and so is each answer of a main
+/// trial: in the first that holds of no_consent, withdrawn, marked, invalid, by_rule, analysed.
 struct LeftOut {
     struct Count {
         std::int64_t people = 0;

@@ -135,7 +135,8 @@ std::string persons_text(const PeopleTable& table) {
 /// How a study asks, as its responses say.
 enum class Asks : std::uint8_t { correct, yes, level };
 
-/// Where answers are neither right nor wrong, yes/no and ratings are told apart by the last protocol.
+/// Where answers are neither right nor wrong, yes/no and ratings are told apart by the last
+/// protocol.
 Asks asks(Database& database, const Group& group) {
     Statement row = database.prepare(
         "SELECT protocol_toml FROM study WHERE study_name = ?1 ORDER BY study_id DESC LIMIT 1");

@@ -8,7 +8,8 @@
 
 #include "data/store/database.hpp"
 
-/// What a summary says of people: each for themselves, all together, and differences within a person.
+/// What a summary says of people: each for themselves, all together, and differences within a
+/// person.
 namespace palpate::data {
 
 /// The sessions of a study (the protocol's id) of one run kind.
@@ -32,21 +33,22 @@ struct PeopleTable {
     std::map<std::string, std::map<std::string, Own>> people{};  ///< by pseudonym, then condition
 };
 
-/// The mean over people of each condition with a 95 % interval over people, and each condition against
-/// the first: the difference within a person, its interval, and an exact sign-flip p. With one person the
-/// difference is that of their own trials, and it says that nothing follows for others.
+/// The mean over people of each condition with a 95 % interval over people, and each condition
+/// against the first: the difference within a person, its interval, and an exact sign-flip p. With
+/// one person the difference is that of their own trials, and it says that nothing follows for
+/// others.
 [[nodiscard]] std::string table_text(const PeopleTable& table,
                                      const std::set<std::string>& left_out);
 
-/// Of main trials without a rule, by friction: the share correct; of yes/no answers the share of yes and of
-/// ratings the mean level, object by object. Person by person (unless somebody is left out: then it stands
-/// above), then over people. Empty without such an answer.
+/// Of main trials without a rule, by friction: the share correct; of yes/no answers the share of
+/// yes and of ratings the mean level, object by object. Person by person (unless somebody is left
+/// out: then it stands above), then over people. Empty without such an answer.
 [[nodiscard]] std::string answers_text(Database& database,
                                        const Group& group,
                                        const std::set<std::string>& left_out = {});
 
-/// What the rule of a study came to in each run, person by person: thresholds, JNDs, sd and 95 % interval of
-/// the posterior, by the answers that count; then over people. Empty without a rule.
+/// What the rule of a study came to in each run, person by person: thresholds, JNDs, sd and 95 %
+/// interval of the posterior, by the answers that count; then over people. Empty without a rule.
 [[nodiscard]] std::string runs_text(Database& database,
                                     const Group& group,
                                     const std::set<std::string>& left_out = {});

@@ -97,7 +97,8 @@ std::string confusion_text(Database& database, const Group& group) {
     return text;
 }
 
-/// Whom the protocol's rules leave out, and the shares without them; nothing where there are no rules.
+/// Whom the protocol's rules leave out, and the shares without them; nothing where there are no
+/// rules.
 std::string exclusions_text(Database& database, const Group& group) {
     const Exclusions exclusions = judge(database, group.study, group.kind);
     if (!exclusions.rules) {

@@ -11,8 +11,8 @@
 #include "data/inference/trials.hpp"
 #include "data/statistics/over_people.hpp"
 
-/// Which of several things was it: what identifications say of how well people tell things apart, and of how they name
-/// them.
+/// Which of several things was it: what identifications say of how well people tell things apart,
+/// and of how they name them.
 namespace palpate::data {
 
 struct IdentificationOptions {
@@ -21,9 +21,9 @@ struct IdentificationOptions {
     std::set<std::string> given{};  ///< of the items, those that somebody named: each must be there
 };
 
-/// Of one person, two conditions: a change that is not told from none has a p near 1. Numbers are there where both
-/// sigmas have ends; intervals and p always, and they agree: a p below .05 is an interval without the ratio of 1, or the
-/// shift of 0.
+/// Of one person, two conditions: a change that is not told from none has a p near 1. Numbers are
+/// there where both sigmas have ends; intervals and p always, and they agree: a p below .05 is an
+/// interval without the ratio of 1, or the shift of 0.
 struct ThurstoneChange {
     std::optional<double> ratio{};  ///< sigma of the condition over the first one's
     Interval ratio_interval{};      ///< 95 % by profile likelihood; 0 and infinite where open
@@ -38,7 +38,8 @@ struct IdentifiedPerson {
     std::vector<CallCounts> counts{};  ///< of each condition
     ThurstoneFit thurstone{};
     std::vector<ThurstoneChange> changes{};  ///< of each condition but the first
-    /// Of each condition; nothing where an item was never called by its name: which, in no_similarity.
+    /// Of each condition; nothing where an item was never called by its name: which, in
+    /// no_similarity.
     std::vector<std::optional<SimilarityFit>> similarity{};
     std::vector<std::string> no_similarity{};
 };
@@ -68,7 +69,8 @@ struct IdentificationReport {
                                                         const std::string& study);
 
 /// Fits of every person's trials that count, a condition a friction.
-/// @throws std::invalid_argument with value and remedy: an item without a value, answers of yes and no, nobody to fit
+/// @throws std::invalid_argument with value and remedy: an item without a value, answers of yes and
+/// no, nobody to fit
 [[nodiscard]] IdentificationReport identification_of(TrialTable table,
                                                      const IdentificationOptions& options);
 

@@ -101,8 +101,9 @@ Table as_numbers(const CallCounts& counts) {
     return table;
 }
 
-/// The likelihood with one similarity held, by Newton's steps: P(j | i) is a softmax of ln bias_j + ln similarity_ij, concave
-/// in both. Pairs that were never confused, but for the one that is held, have a similarity of 0.
+/// The likelihood with one similarity held, by Newton's steps: P(j | i) is a softmax of ln bias_j +
+/// ln similarity_ij, concave in both. Pairs that were never confused, but for the one that is held,
+/// have a similarity of 0.
 class HeldPair {
 public:
     HeldPair(const Table& counts, std::size_t one, std::size_t other)
@@ -212,7 +213,8 @@ private:
     Eigen::MatrixXd information_{};
 };
 
-/// Where the loss against `top` is that of 95 %, from `start` towards `end`; nothing if it never is.
+/// Where the loss against `top` is that of 95 %, from `start` towards `end`; nothing if it never
+/// is.
 std::optional<double> edge(HeldPair& profile, double top, double start, double end) {
     constexpr double kLoss = 1.920729410347062;  // half the 95 % point of chi-square of 1 df
     const double sign = end < start ? -1.0 : 1.0;

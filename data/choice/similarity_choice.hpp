@@ -17,24 +17,25 @@ struct SimilarityFit {
     double log_likelihood = 0.0;
     double deviance = 0.0;  ///< against free shares of each row
     std::int64_t df = 0;    ///< (m - 1)(m - 2) / 2
-    /// Largest difference of a margin, answers, from the one of the likelihood equations: what is left to gain.
+    /// Largest difference of a margin, answers, from the one of the likelihood equations: what is
+    /// left to gain.
     double residual = 0.0;
-    /// 95 % of each similarity by profile likelihood: 0 below where none is too small (a pair that was never confused),
-    /// infinite above where none is too large.
+    /// 95 % of each similarity by profile likelihood: 0 below where none is too small (a pair that
+    /// was never confused), infinite above where none is too large.
     std::vector<std::vector<Interval>> intervals{};
-    /// Pairs whose similarity is 0 though they were confused, one way alone: the maximum is a limit, in which the biases on
-    /// either side have no ratio.
+    /// Pairs whose similarity is 0 though they were confused, one way alone: the maximum is a
+    /// limit, in which the biases on either side have no ratio.
     std::vector<std::pair<std::size_t, std::size_t>> one_way{};
 };
 
-/// The similarity choice model (R. D. Luce, Handbook of Mathematical Psychology 1:103, 1963; J. E. K. Smith, Percept. &
-/// Psychophys. 31:259, 1982), by maximum likelihood:
+/// The similarity choice model (R. D. Luce, Handbook of Mathematical Psychology 1:103, 1963; J. E.
+/// K. Smith, Percept. & Psychophys. 31:259, 1982), by maximum likelihood:
 ///
 ///     P(j | i) = bias_j similarity_ij / sum over k of bias_k similarity_ik
 ///
-/// It is the model of quasi-symmetry of the table: rows, columns and n_ij + n_ji are matched in turn (J. N. Darroch, D.
-/// Ratcliff, Ann. Math. Stat. 43:1470, 1972) until none is off by more than 1e-10 answers. The likelihood is concave in
-/// the logarithms, so that this is its one maximum.
+/// It is the model of quasi-symmetry of the table: rows, columns and n_ij + n_ji are matched in
+/// turn (J. N. Darroch, D. Ratcliff, Ann. Math. Stat. 43:1470, 1972) until none is off by more than
+/// 1e-10 answers. The likelihood is concave in the logarithms, so that this is its one maximum.
 /// @param counts  items and responses are the same list
 /// @throws std::invalid_argument: not square, or an item that was never called by its name
 [[nodiscard]] SimilarityFit fit_similarity(const CallCounts& counts);

@@ -9,7 +9,8 @@
 namespace palpate::data::thurstone {
 namespace {
 
-/// Below this share of the least distance of two items nothing but lapses is left: sigma is unbounded.
+/// Below this share of the least distance of two items nothing but lapses is left: sigma is
+/// unbounded.
 constexpr double kSharp = 0.1;
 
 /// Beyond this many times the items' range an answer tells nothing of the item.

@@ -22,8 +22,9 @@ inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Phi(high) - Phi(low) without loss in either tail.
 [[nodiscard]] double between(double low, double high);
 [[nodiscard]] double least_distance(const std::vector<double>& items);
-/// Ends of ln sigma, or of ln of a ratio of two: below 0.1 of the least distance of two items nothing but lapses is left,
-/// beyond 1,000 times the range of all an answer tells nothing of the item.
+/// Ends of ln sigma, or of ln of a ratio of two: below 0.1 of the least distance of two items
+/// nothing but lapses is left, beyond 1,000 times the range of all an answer tells nothing of the
+/// item.
 [[nodiscard]] Interval sigma_limits(const ThurstoneSpec& spec, bool ratio);
 
 /// Which parameters there are: criteria between responses that were given, ln sigma, shifts.
@@ -71,8 +72,8 @@ public:
         }
     }
 
-    /// Sigmas stay within a factor of 10,000 of what is as good as 0 and as infinite, but for one that is
-    /// held.
+    /// Sigmas stay within a factor of 10,000 of what is as good as 0 and as infinite, but for one
+    /// that is held.
     void keep_within(Parameters& at, std::size_t held = kNone) const {
         const Interval limits = sigma_limits(spec_, false);
         const double wide = std::log(1e4);

@@ -13,8 +13,9 @@ struct CsvColumn {
     std::vector<double> values{};
 };
 
-/// Comma-separated text (RFC 4180, "\n"): a line of names, then a line a row. Each number in the fewest
-/// digits that read back to the same bits; NaN is an empty field, infinities are inf and -inf.
+/// Comma-separated text (RFC 4180, "\n"): a line of names, then a line a row. Each number in the
+/// fewest digits that read back to the same bits; NaN is an empty field, infinities are inf and
+/// -inf.
 /// @throws std::invalid_argument if there is no column or their lengths differ
 [[nodiscard]] std::string csv(std::span<const CsvColumn> columns);
 

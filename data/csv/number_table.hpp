@@ -12,7 +12,8 @@
 /// Tables of numbers as CSV: a head with the columns' names (units in them), then one row a line.
 namespace palpate::data {
 
-/// What is wrong with a CSV file: "file:line: what, the value, what to do", or file:line:character where a field is.
+/// What is wrong with a CSV file: "file:line: what, the value, what to do", or file:line:character
+/// where a field is.
 class CsvError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
@@ -42,12 +43,13 @@ struct NumberTable {
     [[nodiscard]] std::string text_place(std::size_t row, std::string_view column) const;
 };
 
-/// Reads the columns `wanted` of a CSV text, in that order; other columns are not looked at. Columns of
-/// `optional` follow if the file has them all, texts of `texts` each if it is there. Commas part the fields; blanks
-/// around a field, quotes around it (which may hold commas, and "" for one of their own), blank lines, a byte-order
-/// mark and CR LF are fine. A field ends with its line.
-/// @throws CsvError for a missing column or one that is there twice, a field that is no finite number, a text that is
-///         not UTF-8, a row too short or too long
+/// Reads the columns `wanted` of a CSV text, in that order; other columns are not looked at.
+/// Columns of `optional` follow if the file has them all, texts of `texts` each if it is there.
+/// Commas part the fields; blanks around a field, quotes around it (which may hold commas, and ""
+/// for one of their own), blank lines, a byte-order mark and CR LF are fine. A field ends with its
+/// line.
+/// @throws CsvError for a missing column or one that is there twice, a field that is no finite
+///         number, a text that is not UTF-8, a row too short or too long
 [[nodiscard]] NumberTable parse_numbers(std::string_view text,
                                         std::string_view file_name,
                                         std::span<const std::string_view> wanted,

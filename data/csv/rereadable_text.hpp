@@ -6,8 +6,8 @@
 
 namespace palpate::data {
 
-/// The text of a file that can be read more than once: what is no file on a disk, a pipe or standard input, is copied to
-/// one without a name.
+/// The text of a file that can be read more than once: what is no file on a disk, a pipe or
+/// standard input, is copied to one without a name.
 class RereadableText {
 public:
     /// @throws CsvError (data/csv/number_table.hpp) if it cannot be read or copied

@@ -20,8 +20,8 @@ namespace {
 
 using engine::TickRecord;
 
-/// A column of a tick as BIDS asks for it: all but the number of the tick, which is the row's, and the
-/// commanded force, which is a stimulus.
+/// A column of a tick as BIDS asks for it: all but the number of the tick, which is the row's, and
+/// the commanded force, which is a stimulus.
 struct Channel {
     const TraceColumn* column;
     std::string_view component, type;

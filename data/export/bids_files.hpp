@@ -14,8 +14,8 @@ namespace palpate::data {
 /// "0012": the run of attempt 12.
 [[nodiscard]] std::string bids_run(std::int64_t number);
 
-/// Writes motion and stim of an attempt into the folders motion and beh (there already) of its session;
-/// nothing for an interval without ticks.
+/// Writes motion and stim of an attempt into the folders motion and beh (there already) of its
+/// session; nothing for an interval without ticks.
 void write_bids_run(Database& database,
                     const ChosenSession& session,
                     std::int64_t trial,

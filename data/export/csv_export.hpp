@@ -8,9 +8,10 @@
 
 namespace palpate::data {
 
-/// One file a table (participants, sessions, plan, pictures, trials, responses, events; with details also
-/// participant_details and provenance), columns.csv with type, unit and meaning of every column, README.txt;
-/// with codes codes.csv; with traces ticks/SUBJECT_STUDY_ses-NN_trial-NNNN.csv.gz.
+/// One file a table (participants, sessions, plan, pictures, trials, responses, events; with
+/// details also participant_details and provenance), columns.csv with type, unit and meaning of
+/// every column, README.txt; with codes codes.csv; with traces
+/// ticks/SUBJECT_STUDY_ses-NN_trial-NNNN.csv.gz.
 /// @param folder  is there, and empty
 void export_csv(Database& database,
                 const Selection& selection,
@@ -38,7 +39,8 @@ void write_ticks(Database& database,
 /// Which code of the lab each subject is.
 void write_codes(Database& database, const std::filesystem::path& file);
 
-/// Name of the ticks' files of a trial, without an ending: "sub-001_shapefriction_ses-01_trial-0001".
+/// Name of the ticks' files of a trial, without an ending:
+/// "sub-001_shapefriction_ses-01_trial-0001".
 [[nodiscard]] std::string trial_name(const ChosenSession& session, std::int64_t trial);
 
 /// For every trial of the session with ticks: its id and its number. @param visit  (id, number)

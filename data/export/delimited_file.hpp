@@ -10,13 +10,13 @@
 
 namespace palpate::data {
 
-/// How a table is written: texts as csv_field() or tsv_field() has them, lines end in "\n". csv: nothing for
-/// what is not there; tsv: n/a.
+/// How a table is written: texts as csv_field() or tsv_field() has them, lines end in "\n". csv:
+/// nothing for what is not there; tsv: n/a.
 enum class Delimited : std::uint8_t { csv, tsv };
 
-/// A table of text, row by row. A name that ends in .gz is compressed, the same bytes for the same rows.
-/// Numbers as number_text() has them; NaN is not there. Every call throws std::runtime_error if the file
-/// cannot be written.
+/// A table of text, row by row. A name that ends in .gz is compressed, the same bytes for the same
+/// rows. Numbers as number_text() has them; NaN is not there. Every call throws std::runtime_error
+/// if the file cannot be written.
 class DelimitedFile {
 public:
     DelimitedFile(std::filesystem::path path, Delimited style);

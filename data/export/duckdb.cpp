@@ -10,7 +10,8 @@
 
 namespace palpate::data {
 
-/// duckdb_result of DuckDB's C API, https://duckdb.org/docs/stable/clients/c/api: six words of its own.
+/// duckdb_result of DuckDB's C API, https://duckdb.org/docs/stable/clients/c/api: six words of its
+/// own.
 struct DuckDb::Result {
     std::uint64_t own[6] = {};
 };

@@ -4,8 +4,8 @@
 
 namespace palpate::data {
 
-/// DuckDB in memory, as far as it is needed here, through the C API of its library, which is looked for when
-/// this is made: $PALPATE_DUCKDB, or libduckdb.so where the system keeps libraries.
+/// DuckDB in memory, as far as it is needed here, through the C API of its library, which is looked
+/// for when this is made: $PALPATE_DUCKDB, or libduckdb.so where the system keeps libraries.
 class DuckDb {
 public:
     /// @throws std::invalid_argument if there is no such library: says where to get it

@@ -34,11 +34,13 @@ struct Exported {
     std::int64_t without_consent = 0;  ///< participants left out
 };
 
-/// Writes a palpate database in a form that others can read, into a new folder: whole or not at all. The
-/// database is only read, and sees one moment of it. De-identified unless the options say otherwise (see Selection for what that means);
-/// with details or codes nobody but the owner may look into the folder.
-/// @throws std::invalid_argument if the folder is there and not empty, nothing is there to export, or details, traces
-///         or codes are asked for of a format from procedure on, which has no place for them
+/// Writes a palpate database in a form that others can read, into a new folder: whole or not at
+/// all. The database is only read, and sees one moment of it. De-identified unless the options say
+/// otherwise (see Selection for what that means); with details or codes nobody but the owner may
+/// look into the folder.
+/// @throws std::invalid_argument if the folder is there and not empty, nothing is there to export,
+///         or details, traces or codes are asked for of a format from procedure on, which has no
+///         place for them
 /// @throws TraceError if a trace is damaged: nothing is exported then
 Exported export_file(const std::string& file,
                      ExportFormat format,

@@ -7,8 +7,8 @@
 
 namespace palpate::data {
 
-/// A folder that is there whole or not at all: filled under another name beside its place, and renamed by
-/// keep(). Removed with all that is in it if keep() was not reached.
+/// A folder that is there whole or not at all: filled under another name beside its place, and
+/// renamed by keep(). Removed with all that is in it if keep() was not reached.
 class NewFolder {
 public:
     /// @throws std::invalid_argument if something other than an empty folder is there
@@ -20,7 +20,8 @@ public:
 
     /// Where to write until keep().
     [[nodiscard]] const std::filesystem::path& path() const { return building_; }
-    /// @param own  nobody but its owner may look inside, nor into its files where they are copied to
+    /// @param own  nobody but its owner may look inside, nor into its files where they are copied
+    /// to
     void keep(bool own = false);
 
 private:

@@ -9,7 +9,8 @@
 namespace palpate::data {
 namespace {
 
-/// What R makes of plain decimal text: all digits into a long double, then one scaling by a power of ten.
+/// What R makes of plain decimal text: all digits into a long double, then one scaling by a power
+/// of ten.
 double read_by_r(std::string_view text) {
     long double digits = 0.0L;
     int exponent = 0;

@@ -60,7 +60,8 @@ Types tick_types() {
     return types;
 }
 
-/// A pattern of files could mean more than this folder, whose name is not ours: from inside there are none.
+/// A pattern of files could mean more than this folder, whose name is not ours: from inside there
+/// are none.
 std::string all_ticks(const fs::path& folder) {
     std::string escaped;
     for (const char c : (folder / "ticks").string()) {

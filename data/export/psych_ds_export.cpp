@@ -22,7 +22,8 @@ std::string stem_of(const ChosenSession& session) {
                        session.number);
 }
 
-/// A column in schema.org's words: unitText is its unit, valuePattern a regular expression of its levels.
+/// A column in schema.org's words: unitText is its unit, valuePattern a regular expression of its
+/// levels.
 Json variable(const ExportColumn& column) {
     Json words{{"@type", "PropertyValue"}, {"name", column.name}};
     std::string meaning(column.meaning);

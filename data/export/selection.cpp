@@ -61,8 +61,8 @@ Selection::Selection(Database& database, const ExportOptions& options)
         "julianday(date(min(other.started_utc))) AS INTEGER) FROM session AS mine JOIN session AS "
         "other ON other.participant_id = mine.participant_id JOIN chosen AS too ON too.session_id "
         "= other.session_id WHERE mine.session_id = chosen.session_id);"
-        // The servo's clock says when its machine was switched on, and so who came first: it counts from the
-        // first of attempts that follow each other within an hour.
+        // The servo's clock says when its machine was switched on, and so who came first: it counts
+        // from the first of attempts that follow each other within an hour.
         "WITH begun AS (SELECT trial_id, session_id, started_ns, started_ns - lag(started_ns) OVER "
         "(PARTITION BY session_id ORDER BY trial_id) AS gap FROM trial WHERE session_id IN (SELECT "
         "session_id FROM chosen)), part AS (SELECT *, sum(gap IS NULL OR gap NOT BETWEEN 0 AND "

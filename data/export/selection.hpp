@@ -29,13 +29,15 @@ struct ChosenSession {
     double rate_hz = 0.0;
 };
 
-/// The sessions asked for, in the temporary tables `chosen (session, subject, label, day, number)` and
-/// `numbered (trial, number, zero_ns)` and `happened (event, since_ns)` of this connection; one moment of the file.
+/// The sessions asked for, in the temporary tables `chosen (session, subject, label, day, number)`
+/// and `numbered (trial, number, zero_ns)` and `happened (event, since_ns)` of this connection; one
+/// moment of the file.
 ///
-/// A participant is called by the number that was drawn for them when they were registered, and keeps it in every
-/// export; rows come in the order of these numbers. Who noted that a participant does not consent (consent 0)
-/// has them left out. Orders follow from the file's secret (data/store/secret.hpp): who knows protocol, seed and a
-/// list of codes cannot say whose they are. Two exports of a file that grew do say who joined in between.
+/// A participant is called by the number that was drawn for them when they were registered, and
+/// keeps it in every export; rows come in the order of these numbers. Who noted that a participant
+/// does not consent (consent 0) has them left out. Orders follow from the file's secret
+/// (data/store/secret.hpp): who knows protocol, seed and a list of codes cannot say whose they are.
+/// Two exports of a file that grew do say who joined in between.
 class Selection {
 public:
     /// @throws std::invalid_argument if there is no such session

@@ -13,8 +13,9 @@ namespace {
 
 constexpr const char* kYesNo = "0 = no; 1 = yes";
 
-/// Columns that the file does not have as they are: keys of an export, and what is said of a column so that it
-/// tells nobody who somebody is. All others have name, type, unit, meaning and readers from the catalogue.
+/// Columns that the file does not have as they are: keys of an export, and what is said of a column
+/// so that it tells nobody who somebody is. All others have name, type, unit, meaning and readers
+/// from the catalogue.
 const std::vector<ExportColumn>& computed_columns() {
     static const std::vector<ExportColumn> all{
         {"subject", "text", "", "the participant, in every export: a number that says nothing",
@@ -111,8 +112,8 @@ ExportColumn one_column(const std::string& word) {
     return exported(word.substr(0, word.find('.')), *column);
 }
 
-/// "trial.*": all of a table's columns that may leave the file and are not there yet. "trial.phase": one of a
-/// table. "counts": a computed one. "text=event_text": one by another name.
+/// "trial.*": all of a table's columns that may leave the file and are not there yet.
+/// "trial.phase": one of a table. "counts": a computed one. "text=event_text": one by another name.
 std::vector<ExportColumn> columns_of(const std::string& words) {
     std::vector<ExportColumn> columns;
     std::istringstream list(words);

@@ -31,8 +31,8 @@ inline constexpr const char* kHandednessSql =
     "CASE WHEN participant.handedness <= -40 THEN 'left' WHEN participant.handedness >= 40 THEN"
     " 'right' WHEN participant.handedness IS NOT NULL THEN 'both' END";
 
-/// What is exported, whatever the format: the catalogue's columns that may leave the file, and what is computed of
-/// them. The SQL reads the tables of a Selection beside the file's own.
+/// What is exported, whatever the format: the catalogue's columns that may leave the file, and what
+/// is computed of them. The SQL reads the tables of a Selection beside the file's own.
 [[nodiscard]] const std::vector<ExportTable>& export_tables();
 [[nodiscard]] const ExportTable& export_table(std::string_view name);
 

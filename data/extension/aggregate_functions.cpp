@@ -31,8 +31,8 @@ double number(const char* name, sqlite3_value* value) {
     return sqlite3_value_double(value);
 }
 
-/// The values of a group, or of a window's frame: what came first leaves first. A frame is computed anew for
-/// each of its rows, so that a window says to the bit what the same rows say as a group.
+/// The values of a group, or of a window's frame: what came first leaves first. A frame is computed
+/// anew for each of its rows, so that a window says to the bit what the same rows say as a group.
 class Rows {
 public:
     void add(double x) { values_.push_back(x); }
@@ -272,8 +272,8 @@ int add(sqlite3* db, const char* name, int arguments) {
         step<Aggregate, &Aggregate::remove>, nullptr);
 }
 
-/// R's SQLite brings a median of its own, the same one. SQLite says busy there, since the statement that
-/// loads this is running; then theirs stays.
+/// R's SQLite brings a median of its own, the same one. SQLite says busy there, since the statement
+/// that loads this is running; then theirs stays.
 int add_median(sqlite3* db) {
     const int code = add<Quantile>(db, "median", 1);
     return (code & 0xFF) == SQLITE_BUSY ? SQLITE_OK : code;

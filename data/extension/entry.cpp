@@ -4,8 +4,9 @@
 
 SQLITE_EXTENSION_INIT1
 
-/// What SQLite calls after it has loaded palpate_sample.so. The module is compiled on its own, so that
-/// every call goes through the function table of whoever loads it: R's SQLite is not the system's.
+/// What SQLite calls after it has loaded palpate_sample.so. The module is compiled on its own, so
+/// that every call goes through the function table of whoever loads it: R's SQLite is not the
+/// system's.
 extern "C" __attribute__((visibility("default"))) int sqlite3_palpatesample_init(
     sqlite3* db, char** error, const sqlite3_api_routines* api) {
     SQLITE_EXTENSION_INIT2(api);

@@ -24,8 +24,8 @@ struct PartChunk {
 
 /// Rows of trace_chunk of one part, in the order of their ticks, read when they are asked for.
 ///
-/// Checksums see nothing outside the columns' bytes: that a chunk is of this trial, in its place and of this
-/// servo is what the other chunks and the rows of trial, presentation and session say.
+/// Checksums see nothing outside the columns' bytes: that a chunk is of this trial, in its place
+/// and of this servo is what the other chunks and the rows of trial, presentation and session say.
 class PartChunks {
 public:
     /// @throws SampleError if ticks are missing, but not where the session says that some were lost

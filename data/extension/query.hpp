@@ -13,8 +13,8 @@ struct sqlite3_stmt;
 
 namespace palpate::data {
 
-/// A connection of somebody else's, with the statements that were asked on it: most are asked again. Ends before
-/// the connection.
+/// A connection of somebody else's, with the statements that were asked on it: most are asked
+/// again. Ends before the connection.
 class Asked {
 public:
     explicit Asked(sqlite3* db) noexcept : db_(db) {}
@@ -29,8 +29,8 @@ private:
     std::multimap<std::string, sqlite3_stmt*, std::less<>> idle_;
 };
 
-/// A statement, through the extension's function table. Columns are counted from 0, parameters from 1. Throws
-/// SampleError.
+/// A statement, through the extension's function table. Columns are counted from 0, parameters from
+/// 1. Throws SampleError.
 class Query {
 public:
     Query(Asked& database, std::string_view sql);

@@ -103,8 +103,8 @@ int at_end(sqlite3_vtab_cursor* cursor) {
     return static_cast<Cursor*>(cursor)->cursor.at_end() ? 1 : 0;
 }
 
-/// The command as chunks hold it, whatever else of the tick is exact: the same number with and without a
-/// replay.
+/// The command as chunks hold it, whatever else of the tick is exact: the same number with and
+/// without a replay.
 double in_whole_steps(double command) noexcept {
     return steps_in_newton(in_steps(command, kCommandSteps));
 }

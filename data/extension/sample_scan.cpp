@@ -34,7 +34,8 @@ char letter(int column, unsigned char op) {
     }
 }
 
-/// How the rows come by themselves: trial_id, interval, tick or time_s; or the trial's intervals merged.
+/// How the rows come by themselves: trial_id, interval, tick or time_s; or the trial's intervals
+/// merged.
 /// @return '\0' if they do not, else 'n', or 'm' (by time) or 'M' (by tick) for merged
 char order_of(const sqlite3_index_info& info, const std::string& letters) {
     const bool one_trial = letters.find('T') != std::string::npos;
@@ -62,8 +63,8 @@ char order_of(const sqlite3_index_info& info, const std::string& letters) {
     return by;
 }
 
-/// A trial by its id is found in an index. All trials are dear, so that a join asks for one trial after the
-/// other: as many trials as SQLite takes a table to have rows of which it knows nothing.
+/// A trial by its id is found in an index. All trials are dear, so that a join asks for one trial
+/// after the other: as many trials as SQLite takes a table to have rows of which it knows nothing.
 void estimate(sqlite3_index_info& info, const std::string& letters) {
     constexpr double kTicks = 3e4;  // 30 s at 1 kHz
     constexpr double kTrials = 1048576.0;
@@ -103,8 +104,8 @@ std::int64_t highest(double bound, bool beyond) noexcept {
     return low == INT64_MIN ? INT64_MAX : -low;
 }
 
-/// Narrows the scan by one constraint. Bounds of ticks and times are widened to inclusive ones: SQLite looks
-/// again. Not those of trials: one that nobody asks for may be damaged.
+/// Narrows the scan by one constraint. Bounds of ticks and times are widened to inclusive ones:
+/// SQLite looks again. Not those of trials: one that nobody asks for may be damaged.
 void narrow(SampleScan& scan, char one, sqlite3_value* value) {
     const int type = sqlite3_value_numeric_type(value);
     if (one == 'T' || one == 'I') {

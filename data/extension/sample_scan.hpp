@@ -10,11 +10,11 @@ struct sqlite3_value;
 
 namespace palpate::data {
 
-/// Which constraints of a query on `sample` narrow its scan, in which order its rows come, and what that
-/// costs: what xBestIndex answers. Writes the choice as info.idxStr.
+/// Which constraints of a query on `sample` narrow its scan, in which order its rows come, and what
+/// that costs: what xBestIndex answers. Writes the choice as info.idxStr.
 ///
-/// Used are: trial_id and interval with = or IS, ranges of trial_id, tick and time_s. All else SQLite looks at row by
-/// row.
+/// Used are: trial_id and interval with = or IS, ranges of trial_id, tick and time_s. All else
+/// SQLite looks at row by row.
 void choose_scan(sqlite3_index_info& info);
 
 /// The scan that was chosen, with the values that the constraints have now.

@@ -48,8 +48,8 @@ public:
 private:
     static constexpr double kNoTime = 1e299;
 
-    /// The last chunk that begins at or before the first tick wanted; with velocities, at the one before.
-    /// A chunk's ticks may jump, but never beyond the next chunk; nor does time go back.
+    /// The last chunk that begins at or before the first tick wanted; with velocities, at the one
+    /// before. A chunk's ticks may jump, but never beyond the next chunk; nor does time go back.
     std::size_t first_chunk() {
         const std::int64_t lead = (columns_ & kVelocityColumns) != 0 ? 1 : 0;
         std::size_t low = 0;

@@ -16,8 +16,8 @@ struct HipSource {
     bool in_space = false;                            ///< from its own columns
 };
 
-/// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay, decoding
-/// the columns wanted only, those chunks left out that are out of range.
+/// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay,
+/// decoding the columns wanted only, those chunks left out that are out of range.
 [[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(Asked& db,
                                                         const TrialPart& part,
                                                         SampleColumns columns,

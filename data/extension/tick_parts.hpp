@@ -10,7 +10,8 @@
 /// What is asked of stored ticks, and how they come.
 namespace palpate::data {
 
-/// Stored ticks cannot be read, or not be computed again: a sentence with the trial, and the remedy.
+/// Stored ticks cannot be read, or not be computed again: a sentence with the trial, and the
+/// remedy.
 class SampleError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
@@ -47,8 +48,8 @@ public:
     TickBlocks(const TickBlocks&) = delete;
     TickBlocks& operator=(const TickBlocks&) = delete;
     virtual ~TickBlocks() = default;
-    /// The next ticks, valid until the next call; empty at the end. Those of the range are among them, and
-    /// the one before its first if velocities are wanted. @throws SampleError
+    /// The next ticks, valid until the next call; empty at the end. Those of the range are among
+    /// them, and the one before its first if velocities are wanted. @throws SampleError
     virtual std::span<const engine::TickRecord> next() = 0;
 };
 

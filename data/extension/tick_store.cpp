@@ -19,7 +19,8 @@ using engine::TickRecord;
 
 namespace {
 
-/// The ticks of a part that follow from the hand's path from tick 0 on, replayed as far as somebody asks.
+/// The ticks of a part that follow from the hand's path from tick 0 on, replayed as far as somebody
+/// asks.
 class PartReplay {
 public:
     PartReplay(const TrialPart& part,
@@ -208,7 +209,8 @@ Ticks TickStore::State::make_room() {
 TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
 TickStore::~TickStore() = default;
 
-/// SQLite does not tell a table of this kind which database was named: b.sample would be main's ticks.
+/// SQLite does not tell a table of this kind which database was named: b.sample would be main's
+/// ticks.
 void TickStore::State::require_one_study() {
     Query others(db,
                  "SELECT d.name FROM pragma_database_list AS d WHERE d.name NOT IN ('main', 'temp')"

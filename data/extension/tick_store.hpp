@@ -10,8 +10,8 @@ struct sqlite3;
 
 namespace palpate::data {
 
-/// The ticks in a database that somebody else opened: main of `db`. Reads only. Refuses while another
-/// database with ticks is attached.
+/// The ticks in a database that somebody else opened: main of `db`. Reads only. Refuses while
+/// another database with ticks is attached.
 class TickStore {
 public:
     explicit TickStore(sqlite3* db);
@@ -22,8 +22,8 @@ public:
     /// Parts with ticks, or of which ticks are counted, in order.
     [[nodiscard]] std::vector<TrialPart> parts(const TrialRange& trials);
 
-    /// The ticks of a part, block by block in order. `columns` says which fields of the ticks are read;
-    /// others may hold anything.
+    /// The ticks of a part, block by block in order. `columns` says which fields of the ticks are
+    /// read; others may hold anything.
     [[nodiscard]] std::unique_ptr<TickBlocks> blocks(const TrialPart& part,
                                                      SampleColumns columns,
                                                      const TickRange& range);

@@ -9,7 +9,8 @@
 
 namespace palpate::data {
 
-/// Draws a binomial number by the inverse of its distribution: one uniform number, log2(n) comparisons.
+/// Draws a binomial number by the inverse of its distribution: one uniform number, log2(n)
+/// comparisons.
 class Binomial {
 public:
     Binomial(double n, double p) {

@@ -96,7 +96,8 @@ double endless(
 
 namespace {
 
-/// No slope is too steep: the steepest curve is as good, at its place or with one level on its rise.
+/// No slope is too steep: the steepest curve is as good, at its place or with one level on its
+/// rise.
 bool is_steep(const CurveModel& model, const CurvePoint& at) {
     constexpr double kNearlyAStep = 2.70805020110221;  // ln 15: four times the reciprocal gap
     constexpr double kAsGood = 1e-6;

@@ -18,18 +18,21 @@ enum class End : std::uint8_t {
     far_down,  ///< the same below them
 };
 
-/// Fits of answers drawn anew, n at each level as in the data, k binomial with the fitted chance. The levels of an
-/// adaptive run are kept as they were, though other answers would have led to others.
+/// Fits of answers drawn anew, n at each level as in the data, k binomial with the fitted chance.
+/// The levels of an adaptive run are kept as they were, though other answers would have led to
+/// others.
 struct Bootstrap {
-    /// The curve that they are drawn from: the fit, or, where rates are free and have no prior, the maximum with
-    /// beta(2, 20) of these. Drawn from a rate of 0 nothing would vary that the rate can hide.
+    /// The curve that they are drawn from: the fit, or, where rates are free and have no prior, the
+    /// maximum with beta(2, 20) of these. Drawn from a rate of 0 nothing would vary that the rate
+    /// can hide.
     CurvePoint from{};
     std::vector<CurvePoint> at{};
     std::vector<End> ends{};  ///< of each of these
     std::size_t steep = 0;    ///< of these
     std::size_t far = 0;      ///< up or down
-    /// Share of fits, the data's own counted as one, with a deviance at least as high as the data's: goodness of fit by
-    /// simulation (F. A. Wichmann, N. J. Hill, Percept. Psychophys. 63:1293, 2001).
+    /// Share of fits, the data's own counted as one, with a deviance at least as high as the
+    /// data's: goodness of fit by simulation (F. A. Wichmann, N. J. Hill, Percept. Psychophys.
+    /// 63:1293, 2001).
     double deviance_p = 1.0;
 };
 
@@ -43,27 +46,28 @@ struct Bootstrap {
 /// Whether a fitted curve has an end.
 [[nodiscard]] End end_of(const CurveModel& model, const CurvePoint& at);
 
-/// A quantity of all fits, infinite where it has no end: so that percentiles know on which side it lies. A share that is
-/// never reached lies beyond all stimuli, a Weber fraction of a threshold that is not above 0 too. NaN where there is
-/// none.
+/// A quantity of all fits, infinite where it has no end: so that percentiles know on which side it
+/// lies. A share that is never reached lies beyond all stimuli, a Weber fraction of a threshold
+/// that is not above 0 too. NaN where there is none.
 [[nodiscard]] std::vector<double> of_all(const CurveSpec& spec,
                                          const Bootstrap& samples,
                                          Quantity quantity,
                                          double share = 0.5);
 
-/// The estimate less its bias, as the samples have it: of what they were drawn from they are off by so much on the
-/// average, on the logarithm of what is above 0. A rate's may be below 0. Nothing where more than 1 % of the samples
-/// have no such quantity, or slopes without end.
+/// The estimate less its bias, as the samples have it: of what they were drawn from they are off by
+/// so much on the average, on the logarithm of what is above 0. A rate's may be below 0. Nothing
+/// where more than 1 % of the samples have no such quantity, or slopes without end.
 [[nodiscard]] std::optional<double> corrected(const CurveSpec& spec,
                                               const CurveFit& fit,
                                               const Bootstrap& samples,
                                               Quantity quantity,
                                               double share = 0.5);
 
-/// 95 % bias-corrected percentiles (B. Efron, J. Am. Stat. Assoc. 82:171, 1987, without acceleration): with
-/// z0 = probit(share of values below that of the curve they were drawn from, half of equal ones), the values at
-/// Phi(2 z0 -+ 1.96). Values may be infinite, and so may ends. Values that are NaN are left out; nothing
-/// where they are more than 1 %, for fewer than 40 others, or where z0 is not finite.
+/// 95 % bias-corrected percentiles (B. Efron, J. Am. Stat. Assoc. 82:171, 1987, without
+/// acceleration): with z0 = probit(share of values below that of the curve they were drawn from,
+/// half of equal ones), the values at Phi(2 z0 -+ 1.96). Values may be infinite, and so may ends.
+/// Values that are NaN are left out; nothing where they are more than 1 %, for fewer than 40
+/// others, or where z0 is not finite.
 [[nodiscard]] std::optional<Interval> bootstrap_interval(std::vector<double> values, double from);
 
 }  // namespace palpate::data

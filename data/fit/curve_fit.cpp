@@ -98,8 +98,8 @@ std::optional<Held> held(const CurveModel& model,
     return std::nullopt;
 }
 
-/// The loss of log-likelihood where a quantity is held: the best of the searches from where the last one ended and
-/// from a grid.
+/// The loss of log-likelihood where a quantity is held: the best of the searches from where the
+/// last one ended and from a grid.
 class Profile {
 public:
     Profile(CurveModel model, const CurveFit& fit, const Held& held)
@@ -203,8 +203,8 @@ public:
         return sum;
     }
 
-    /// The hull of all places that lose no more than `loss` against the best, and the best; only levels and the gaps
-    /// between them differ.
+    /// The hull of all places that lose no more than `loss` against the best, and the best; only
+    /// levels and the gaps between them differ.
     [[nodiscard]] std::pair<Interval, double> within(double loss) const {
         const auto z = model_->places();
         double best = -kInfinity;
@@ -301,7 +301,8 @@ CurveFit fit_curve(const CurveModel& model) {
     fit.covariance = inverse(information, inner);
     fit.at = model.whole(best.at);
     fit.deviance = model.deviance(fit.at);
-    // A likelihood that still grows is as good as its end long before it: within 0.5 of the log of the slope.
+    // A likelihood that still grows is as good as its end long before it: within 0.5 of the log of
+    // the slope.
     const Optimum end = steepest(model, best.at);
     fit.steep = end.value > fit.value - kSame;
     fit.shallow = !model.spec().slope_prior && fit.deviance > model.flat_deviance() - 1e-6;
@@ -332,7 +333,8 @@ std::optional<Interval> profile_interval(const CurveModel& model,
                        place->tie.kind == Tie::Kind::none;
     const double least = rate || positive ? 0.0 : -kInfinity;
     const double max = rate ? place->high : kInfinity;
-    // Where a slope without end is not refuted, no JND is too small, though the model's slopes have an end.
+    // Where a slope without end is not refuted, no JND is too small, though the model's slopes have
+    // an end.
     bool endless = false;
     if (place->tie.kind == Tie::Kind::jnd || place->tie.kind == Tie::Kind::weber) {
         const Optimum end = steepest(model, fit.at);

@@ -22,8 +22,8 @@ enum class Quantity : std::uint8_t {
     at_share  ///< the stimulus at which P is a given share
 };
 
-/// The value of a quantity. NaN: there is none, a Weber fraction of a threshold <= 0 or of a logarithmic axis, or a
-/// share that is never reached.
+/// The value of a quantity. NaN: there is none, a Weber fraction of a threshold <= 0 or of a
+/// logarithmic axis, or a share that is never reached.
 /// @param share  of Quantity::at_share: of answers, not of F
 [[nodiscard]] double quantity_of(const CurveSpec& spec,
                                  const CurvePoint& point,
@@ -36,7 +36,8 @@ struct CurveFit {
     double value = 0.0;           ///< CurveModel::value
     double deviance = 0.0;        ///< CurveModel::deviance
     std::int64_t parameters = 0;  ///< that were fitted
-    /// Inverse of the expected information, as R's glm takes it. 0 for what is fixed, or at an end of its range.
+    /// Inverse of the expected information, as R's glm takes it. 0 for what is fixed, or at an end
+    /// of its range.
     CurveMatrix covariance{};
     double second =
         0.0;  ///< the value that the other optimiser reached, from the same point of the grid
@@ -45,14 +46,15 @@ struct CurveFit {
         false;  ///< the likelihood grows with the slope to no end: no level lies on the rise
     bool shallow = false;  ///< one share for all levels is as good: it does not grow
     bool far = false;      ///< the threshold left the levels by 20 times their range
-    /// Of a steep curve without priors: all thresholds of the highest likelihood, on the axis. With the slope it tends to
-    /// a step, which has the guess rate below its place, 1 - lapse above it, and on it any chance between. One place of
-    /// two ends: what the threshold tends to; else it is not determined.
+    /// Of a steep curve without priors: all thresholds of the highest likelihood, on the axis. With
+    /// the slope it tends to a step, which has the guess rate below its place, 1 - lapse above it,
+    /// and on it any chance between. One place of two ends: what the threshold tends to; else it is
+    /// not determined.
     std::optional<Interval> maxima{};
 };
 
-/// The highest maximum that thorough Search finds by Fisher scoring, and Nelder-Mead's from the same point of the grid;
-/// where that is higher it is taken, and `agree` is false.
+/// The highest maximum that thorough Search finds by Fisher scoring, and Nelder-Mead's from the
+/// same point of the grid; where that is higher it is taken, and `agree` is false.
 [[nodiscard]] CurveFit fit_curve(const CurveModel& model);
 
 /// Standard error by the delta method; nothing where the covariance says nothing.
@@ -61,17 +63,18 @@ struct CurveFit {
                                                    Quantity quantity,
                                                    double share = 0.5);
 
-/// 95 % interval of all values whose best fit is worse by less than 3.8415 / 2 of log-likelihood (chi-square of one
-/// degree of freedom; W. Q. Meeker, L. A. Escobar, Am. Stat. 49:48, 1995), priors included. An end that the data
-/// do not bound is infinite, or that of the range. Of a threshold with `maxima` it holds every step that is not refuted.
-/// Nothing for what is fixed or has no value, and for at_share with free rates.
+/// 95 % interval of all values whose best fit is worse by less than 3.8415 / 2 of log-likelihood
+/// (chi-square of one degree of freedom; W. Q. Meeker, L. A. Escobar, Am. Stat. 49:48, 1995),
+/// priors included. An end that the data do not bound is infinite, or that of the range. Of a
+/// threshold with `maxima` it holds every step that is not refuted. Nothing for what is fixed or
+/// has no value, and for at_share with free rates.
 [[nodiscard]] std::optional<Interval> profile_interval(const CurveModel& model,
                                                        const CurveFit& fit,
                                                        Quantity quantity,
                                                        double share = 0.5);
 
-/// The p of equal thresholds (or slopes b) of two curves with all else their own: 2 x the loss of log-likelihood
-/// is chi-square of one degree of freedom.
+/// The p of equal thresholds (or slopes b) of two curves with all else their own: 2 x the loss of
+/// log-likelihood is chi-square of one degree of freedom.
 /// @param quantity  threshold or slope
 [[nodiscard]] double equality_p(const CurveModel& one,
                                 const CurveFit& fit_one,

@@ -21,8 +21,8 @@ using protocols::Family;
 constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
 constexpr double kInverseSqrtTwo = 0.707106781186547524400844362104849039;
 constexpr double kTiny = 1e-300;
-/// How far outside the levels a threshold is looked for, in their range, and how steep a slope: beyond 60 / gap no
-/// share between two levels changes by 1e-12 any more.
+/// How far outside the levels a threshold is looked for, in their range, and how steep a slope:
+/// beyond 60 / gap no share between two levels changes by 1e-12 any more.
 constexpr double kBeyond = 20.0;
 constexpr double kSteepest = 60.0;
 constexpr double kShallowest = 0.002;

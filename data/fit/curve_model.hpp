@@ -10,7 +10,8 @@
 
 #include "protocols/psychometric/psychometric_function.hpp"
 
-/// A psychometric function and the answers it is fitted to: log-likelihood, its gradient and information.
+/// A psychometric function and the answers it is fitted to: log-likelihood, its gradient and
+/// information.
 namespace palpate::data {
 
 /// How often a stimulus was answered with 1 (yes, correct, the comparison).
@@ -20,15 +21,17 @@ struct Level {
     std::int64_t k = 0;
 };
 
-/// What is believed before the answers: the density of a parameter, which MAP adds to the likelihood. Densities are
-/// taken on the scale that is fitted (the location, ln b, the rates themselves): that scale is where the maximum is.
+/// What is believed before the answers: the density of a parameter, which MAP adds to the
+/// likelihood. Densities are taken on the scale that is fitted (the location, ln b, the rates
+/// themselves): that scale is where the maximum is.
 struct Prior {
     double first = 0.0;  ///< mean of the threshold; median of the slope b; alpha of a rate's beta
     double second =
         1.0;  ///< sd of the threshold (of its natural logarithm: weibull); sd of ln b; beta of a rate's beta
 };
 
-/// What is fitted. The function is that of protocols::PsychometricFunction with the lapses of LapseForm::upper,
+/// What is fitted. The function is that of protocols::PsychometricFunction with the lapses of
+/// LapseForm::upper,
 ///
 ///     P(x) = guess + (1 - guess - lapse) F(x)
 ///
@@ -64,8 +67,9 @@ inline constexpr double kMaxGuess = 0.7;
 inline constexpr double kMaxLapse = 0.25;
 
 inline constexpr std::size_t kCurveParameters = 4;
-/// (location, ln b, guess, lapse). The location is where F = 1/2, on the axis on which the family is b (x - t): ln x
-/// for weibull, x for all others. b is per unit of that axis, so that of weibull_log10 is ln 10 times Family's.
+/// (location, ln b, guess, lapse). The location is where F = 1/2, on the axis on which the family
+/// is b (x - t): ln x for weibull, x for all others. b is per unit of that axis, so that of
+/// weibull_log10 is ln 10 times Family's.
 using CurvePoint = std::array<double, kCurveParameters>;
 using CurveMask = std::array<bool, kCurveParameters>;
 using CurveMatrix = std::array<CurvePoint, kCurveParameters>;
@@ -116,9 +120,9 @@ public:
 /// The answers as numbers, and what they say of a point.
 class CurveModel {
 public:
-    /// @throws std::invalid_argument with value and remedy: no level with answers, fewer than two different levels,
-    ///         k outside 0 .. n, a stimulus that is not finite, beyond 1e100 or below 0 for a weibull, two within
-    ///         1e-100, rates or priors out of range
+    /// @throws std::invalid_argument with value and remedy: no level with answers, fewer than two
+    ///         different levels, k outside 0 .. n, a stimulus that is not finite, beyond 1e100 or
+    ///         below 0 for a weibull, two within 1e-100, rates or priors out of range
     CurveModel(std::span<const Level> levels, const CurveSpec& spec);
 
     [[nodiscard]] const CurveSpec& spec() const { return spec_; }
@@ -132,15 +136,16 @@ public:
     void share(std::shared_ptr<const SharedRate> others) { others_ = std::move(others); }
     void tie(const Tie& tie);
     [[nodiscard]] Tie::Kind tied_by() const { return tie_.kind; }
-    /// The ln b at which a JND or Weber fraction that is held has the location there, to 1e-6 between the ends.
+    /// The ln b at which a JND or Weber fraction that is held has the location there, to 1e-6
+    /// between the ends.
     [[nodiscard]] double log_slope_at(double location) const;
     void set_rate_priors(const std::optional<Prior>& guess, const std::optional<Prior>& lapse) {
         spec_.guess_prior = guess;
         spec_.lapse_prior = lapse;
     }
 
-    /// The log-likelihood (without the binomial coefficients, which no parameter changes) and the log of the priors'
-    /// densities, but for constants.
+    /// The log-likelihood (without the binomial coefficients, which no parameter changes) and the
+    /// log of the priors' densities, but for constants.
     [[nodiscard]] double value(const CurvePoint& point) const;
     /// value() with its gradient and the expected (Fisher) information, priors included.
     double derivatives(const CurvePoint& point,

@@ -74,7 +74,7 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
         panel.bands.push_back(std::move(band));
     }
     panel.series.push_back(std::move(line));
-    const QuantityEstimate& threshold = curve.estimates.front();
+    const FitEstimate& threshold = curve.estimates.front();
     if (threshold.profile && std::isfinite(threshold.profile->low) &&
         std::isfinite(threshold.profile->high)) {
         const double y = chance(

@@ -48,7 +48,7 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
                 {"condition", curve.answers.condition},
                 {"levels", curve.model.levels()},
                 {"answers", answers_of(curve)}};
-    for (const QuantityEstimate& estimate : curve.estimates) {
+    for (const FitEstimate& estimate : curve.estimates) {
         one[key_of(estimate.quantity)] = {
             {"estimate", number(estimate.value)},
             {"why", estimate.why.empty() ? Json(nullptr) : Json(estimate.why)},

@@ -53,12 +53,10 @@ bool ratios(const Answers& answers) {
                                [](const Level& level) { return level.stimulus >= 0.0; });
 }
 
-QuantityEstimate estimate_of(const FittedCurve& curve,
-                             const FitOptions& options,
-                             Quantity quantity) {
+FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Quantity quantity) {
     const CurveSpec& spec = options.spec;
     const double share = options.at.value_or(0.5);
-    QuantityEstimate estimate{.quantity = quantity, .value = kNoValue};
+    FitEstimate estimate{.quantity = quantity, .value = kNoValue};
     if (quantity == Quantity::weber && !ratios(curve.answers)) {
         estimate.why = "none: a stimulus is below 0";
         return estimate;
@@ -190,8 +188,8 @@ double p_of_equal(const FitReport& report,
                              place_two, two.fit, quantity);
 }
 
-const QuantityEstimate& estimate_in(const FittedCurve& curve, Quantity quantity) {
-    return *std::ranges::find(curve.estimates, quantity, &QuantityEstimate::quantity);
+const FitEstimate& estimate_in(const FittedCurve& curve, Quantity quantity) {
+    return *std::ranges::find(curve.estimates, quantity, &FitEstimate::quantity);
 }
 
 std::optional<Interval> interval_of_difference(const CurveSpec& spec,
@@ -244,8 +242,8 @@ void compare(FitReport& report, const std::string& condition) {
     }
 }
 
-/// What is known of one person for an average: a number, or its rank alone (infinite), or neither (NaN).
-struct Known {
+/// Of one person for an average: a number, or its rank alone (infinite), or neither (NaN).
+struct Score {
     std::string name{};
     double value = 0.0;
     double rank = 0.0;
@@ -253,7 +251,7 @@ struct Known {
 };
 
 /// Of the curve of a condition; without a name where the person gave no answers in it.
-Known known_of(const FitReport& report,
+Score score_of(const FitReport& report,
                const std::string& person,
                const std::string& condition,
                Quantity quantity) {
@@ -267,8 +265,8 @@ Known known_of(const FitReport& report,
     if (curve == nullptr) {
         return {"", kNoValue, kNoValue, "no answers"};
     }
-    const QuantityEstimate& estimate = estimate_in(*curve, quantity);
-    Known known{person, estimate.value, estimate.value, estimate.why};
+    const FitEstimate& estimate = estimate_in(*curve, quantity);
+    Score known{person, estimate.value, estimate.value, estimate.why};
     if (std::isnan(estimate.value)) {
         const bool jnd = quantity == Quantity::jnd;
         known.rank = estimate.why.starts_with(kNotDetermined) ? kNoValue
@@ -281,8 +279,8 @@ Known known_of(const FitReport& report,
 }
 
 /// The second less the first; without a name where the person has neither.
-Known difference_of(const Known& first, const Known& second) {
-    Known made{first.name.empty() ? second.name : first.name, second.value - first.value, kNoValue,
+Score difference_of(const Score& first, const Score& second) {
+    Score made{first.name.empty() ? second.name : first.name, second.value - first.value, kNoValue,
                first.why.empty() || first.why == second.why ? second.why : first.why};
     if (first.name.empty() != second.name.empty()) {
         made.why = "one condition alone";
@@ -290,11 +288,11 @@ Known difference_of(const Known& first, const Known& second) {
     return made;
 }
 
-void add_people(FitReport& report, std::string what, const std::vector<Known>& all, bool test) {
+void add_people(FitReport& report, std::string what, const std::vector<Score>& all, bool test) {
     std::vector<double> known;
     std::vector<double> ranks;
     OverPeople made{.what = std::move(what)};
-    for (const Known& one : all) {
+    for (const Score& one : all) {
         if (std::isfinite(one.value)) {
             known.push_back(one.value);
         } else {
@@ -320,22 +318,22 @@ void add_people(FitReport& report, std::string what, const std::vector<Known>& a
 void over_people(FitReport& report, const std::vector<std::string>& people) {
     for (const Quantity quantity : {Quantity::threshold, Quantity::jnd}) {
         const std::string name = quantity == Quantity::threshold ? "threshold" : "JND";
-        std::vector<std::vector<Known>> known;
+        std::vector<std::vector<Score>> known;
         for (const std::string& condition : report.conditions) {
-            std::vector<Known>& all = known.emplace_back();
+            std::vector<Score>& all = known.emplace_back();
             for (const std::string& person : people) {
-                all.push_back(known_of(report, person, condition, quantity));
+                all.push_back(score_of(report, person, condition, quantity));
             }
-            std::vector<Known> some = all;
-            std::erase_if(some, [](const Known& one) { return one.name.empty(); });
+            std::vector<Score> some = all;
+            std::erase_if(some, [](const Score& one) { return one.name.empty(); });
             add_people(report, condition.empty() ? name : name + ", " + condition, some, false);
         }
         for (std::size_t c = 1; c < report.conditions.size(); ++c) {
-            std::vector<Known> differences;
+            std::vector<Score> differences;
             for (std::size_t i = 0; i < people.size(); ++i) {
                 differences.push_back(difference_of(known[0][i], known[c][i]));
             }
-            std::erase_if(differences, [](const Known& one) { return one.name.empty(); });
+            std::erase_if(differences, [](const Score& one) { return one.name.empty(); });
             add_people(
                 report,
                 fmt::format("{}, {} - {}", name, report.conditions[c], report.conditions.front()),

@@ -26,9 +26,10 @@ struct Answers {
     std::vector<protocols::Estimate> believed{};
 };
 
-/// Columns stimulus, n, k, and participant and condition if they are there; rows of one stimulus add up. In the order in
-/// which they first come.
-/// @throws CsvError with file, line and character: no such column, no number, k outside 0 .. n, n above 1,000,000
+/// Columns stimulus, n, k, and participant and condition if they are there; rows of one stimulus
+/// add up. In the order in which they first come.
+/// @throws CsvError with file, line and character: no such column, no number, k outside 0 .. n, n
+/// above 1,000,000
 [[nodiscard]] std::vector<Answers> read_answers(const std::filesystem::path& file);
 
 struct FitOptions {
@@ -36,12 +37,13 @@ struct FitOptions {
     std::optional<double> at{};    ///< a share whose stimulus is asked for
     std::size_t bootstrap = 2000;  ///< samples; 0: none
     std::uint64_t seed = 1;
-    /// In their order, the first what others are compared with; those that are not named follow by name.
+    /// In their order, the first what others are compared with; those that are not named follow by
+    /// name.
     std::vector<std::string> conditions{};
 };
 
 /// One quantity of a curve.
-struct QuantityEstimate {
+struct FitEstimate {
     Quantity quantity = Quantity::threshold;
     double value = 0.0;  ///< NaN: there is none
     std::string why{};   ///< why there is none: "unbounded: ...", "not determined: 2 to 3"
@@ -57,7 +59,7 @@ struct FittedCurve {
     CurveModel model;
     CurveFit fit{};
     Bootstrap samples{};
-    std::vector<QuantityEstimate> estimates{};
+    std::vector<FitEstimate> estimates{};
 };
 
 /// Of one participant, a condition less the first.
@@ -78,8 +80,8 @@ struct Difference {
 struct OverPeople {
     std::string what{};
     PeopleMean mean{};  ///< of nobody: NaN
-    /// Of everybody, where an unbounded JND is below all others (no level on the rise) or above them (hardly a rise).
-    /// Nothing for differences, or where somebody has no rank.
+    /// Of everybody, where an unbounded JND is below all others (no level on the rise) or above
+    /// them (hardly a rise). Nothing for differences, or where somebody has no rank.
     std::optional<double> median{};
     std::optional<SignFlip> test{};  ///< of a difference
     std::vector<Without> left_out{};

@@ -77,7 +77,7 @@ double scale_of(const std::optional<Interval>& interval) {
     return interval ? interval->high - interval->low : 0.0;
 }
 
-std::string estimate_text(const FitOptions& options, const QuantityEstimate& estimate) {
+std::string estimate_text(const FitOptions& options, const FitEstimate& estimate) {
     const std::string name = quantity_text(options, estimate.quantity);
     if (estimate.fixed) {
         return fmt::format(
@@ -118,7 +118,7 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
     }
     text += fmt::format("\n  {:<15} {:<10} {:<10} {:<22}{}\n", "", "estimate", "se", "profile",
                         options.bootstrap > 0 ? fmt::format(" {:<22} corrected", "bootstrap") : "");
-    for (const QuantityEstimate& estimate : curve.estimates) {
+    for (const FitEstimate& estimate : curve.estimates) {
         text += estimate_text(options, estimate);
     }
     for (const protocols::Estimate& one : curve.answers.believed) {

@@ -21,7 +21,8 @@ namespace palpate::data {
 /// "threshold ~ normal: mean, sd (5, 2), lapse ~ beta(2, 50)"; empty without priors.
 [[nodiscard]] std::string priors_text(const CurveSpec& spec);
 [[nodiscard]] std::int64_t answers_of(const FittedCurve& curve);
-/// Half of the answers or more stand alone at their stimulus: then the deviance is of the fitted chances alone.
+/// Half of the answers or more stand alone at their stimulus: then the deviance is of the fitted
+/// chances alone.
 [[nodiscard]] bool single_answers(const FittedCurve& curve);
 inline constexpr std::string_view kNoGoodness =
     "no goodness of fit: the deviance of single answers says next to nothing of it; group them by "

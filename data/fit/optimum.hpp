@@ -14,8 +14,8 @@ struct Optimum {
     bool settled = false;  ///< a further step would gain less than the tolerance
 };
 
-/// Fisher scoring from `start` with Levenberg's damping, inside the model's ends: a step that gains nothing is made
-/// shorter, a parameter that would leave its range stays at the end.
+/// Fisher scoring from `start` with Levenberg's damping, inside the model's ends: a step that gains
+/// nothing is made shorter, a parameter that would leave its range stays at the end.
 /// @param free       which parameters move
 /// @param tolerance  of the log-likelihood
 [[nodiscard]] Optimum climb(const CurveModel& model,
@@ -33,29 +33,31 @@ struct Highest {
     CurvePoint start{};  ///< from which it was reached
 };
 
-/// The highest of climb() from `near` and from the highest points of a grid, none of whose neighbours at its slope is
-/// higher: locations from half of the levels' range below to half above, in between all levels, and where the curve
-/// passes through the share of a level; slopes from 0.25 / range to the steepest; rates. What is not free stays as in
-/// `near`; where a JND or Weber fraction is held, the slope follows from the location.
+/// The highest of climb() from `near` and from the highest points of a grid, none of whose
+/// neighbours at its slope is higher: locations from half of the levels' range below to half above,
+/// in between all levels, and where the curve passes through the share of a level; slopes from 0.25
+/// / range to the steepest; rates. What is not free stays as in `near`; where a JND or Weber
+/// fraction is held, the slope follows from the location.
 [[nodiscard]] Highest highest(const CurveModel& model,
                               const CurvePoint& near,
                               const CurveMask& free,
                               Search search,
                               double tolerance = 1e-12);
 
-/// The simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun anew where it ended until that gains less than
-/// 1e-9. Knows no derivative.
+/// The simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun anew where it ended until
+/// that gains less than 1e-9. Knows no derivative.
 [[nodiscard]] Optimum nelder_mead(const CurveModel& model,
                                   const CurvePoint& start,
                                   const CurveMask& free);
 
-/// The least of a loss between two places (both among them), which may have several dips: a grid finds the deepest, and
-/// golden section its bottom, to 1e-10 of it.
+/// The least of a loss between two places (both among them), which may have several dips: a grid
+/// finds the deepest, and golden section its bottom, to 1e-10 of it.
 [[nodiscard]] double least_between(const std::function<double(double)>& loss,
                                    double one,
                                    double other);
 
-/// The inverse of the rows and columns of `used`; 0 elsewhere. All 0 if it is not positive definite.
+/// The inverse of the rows and columns of `used`; 0 elsewhere. All 0 if it is not positive
+/// definite.
 [[nodiscard]] CurveMatrix inverse(const CurveMatrix& matrix, const CurveMask& used);
 
 }  // namespace palpate::data

@@ -13,8 +13,9 @@
 namespace palpate::data {
 namespace {
 
-/// Rates at which likelihoods are kept: 0.25 apart in the logarithm up to 0.001, where they are nearly straight lines, and
-/// 0.05 apart beyond, of guess rates, which may be large, 0.03: cubics in between are off by less than 1e-6.
+/// Rates at which likelihoods are kept: 0.25 apart in the logarithm up to 0.001, where they are
+/// nearly straight lines, and 0.05 apart beyond, of guess rates, which may be large, 0.03: cubics
+/// in between are off by less than 1e-6.
 /// @param rate  its place in CurvePoint
 std::vector<double> log_rates(std::size_t rate) {
     constexpr double kLeast = -16.0;  // 1e-7
@@ -139,7 +140,8 @@ CurvePoint times_own(const CurveMatrix& m, const CurvePoint& v, std::size_t rate
     return out;
 }
 
-/// climb() of all together: what is each curve's own is eliminated, which leaves one equation for the rate.
+/// climb() of all together: what is each curve's own is eliminated, which leaves one equation for
+/// the rate.
 /// @param free  of each curve, the rate not looked at
 Joint climb_together(std::span<const CurveModel> models,
                      std::vector<CurvePoint> start,

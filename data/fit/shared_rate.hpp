@@ -8,10 +8,11 @@
 #include "data/fit/bootstrap.hpp"
 #include "data/fit/curve_fit.hpp"
 
-/// One lapse rate, or guess rate, of all conditions of a person, as F. A. Wichmann and N. J. Hill (Percept. Psychophys. 63:1293, 2001)
-/// advise: a person lapses as often in each, and guesses alike. What the other conditions say of it enters each curve's likelihood as
-/// their own highest for each rate, so that the maximum of each is that of all together, and a profile of one
-/// curve is that of the joint likelihood.
+/// One lapse rate, or guess rate, of all conditions of a person, as F. A. Wichmann and N. J. Hill
+/// (Percept. Psychophys. 63:1293, 2001) advise: a person lapses as often in each, and guesses
+/// alike. What the other conditions say of it enters each curve's likelihood as their own highest
+/// for each rate, so that the maximum of each is that of all together, and a profile of one curve
+/// is that of the joint likelihood.
 namespace palpate::data {
 
 /// Gives each model what the others say of their one rate: CurveModel::share().

@@ -28,10 +28,11 @@ struct StoredAnswers {
     LeftOut left_out{};
 };
 
-/// Of every participant and condition of a study the answers that count, main trials alone. Where a rule chose the
-/// levels: the runs, by name, its stimulus, and how often the answer was 1 (two intervals: the comparison); with
-/// yes-no on planned objects: their curvature in 1/m, by friction, and how often yes. Sessions of a participant add
-/// up; what the rules believe stands beside them, session by session. Without whom the protocol's rules leave out.
+/// Of every participant and condition of a study the answers that count, main trials alone. Where a
+/// rule chose the levels: the runs, by name, its stimulus, and how often the answer was 1 (two
+/// intervals: the comparison); with yes-no on planned objects: their curvature in 1/m, by friction,
+/// and how often yes. Sessions of a participant add up; what the rules believe stands beside them,
+/// session by session. Without whom the protocol's rules leave out.
 /// @throws std::invalid_argument if there are none, or of several studies: which there are
 [[nodiscard]] StoredAnswers stored_answers(Database& database, const StoredChoice& choice);
 

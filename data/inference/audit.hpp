@@ -10,8 +10,8 @@
 
 #include "data/inference/trials.hpp"
 
-/// Does anything but friction differ between the conditions? One number a person and friction, differences within
-/// person, and whether these are known to be small.
+/// Does anything but friction differ between the conditions? One number a person and friction,
+/// differences within person, and whether these are known to be small.
 namespace palpate::data {
 
 /// What is known of a difference that should be none.
@@ -25,8 +25,9 @@ enum class Sameness : std::uint8_t {
 struct Equivalence {
     std::size_t people = 0;
     double mean = 0.0;
-    /// 90 %: inside -bound .. bound exactly if both one-sided t-tests at 5 % say so (D. J. Schuirmann,
-    /// J. Pharmacokinet. Biopharm. 15:657, 1987). Where all people have one value, that value twice.
+    /// 90 %: inside -bound .. bound exactly if both one-sided t-tests at 5 % say so (D. J.
+    /// Schuirmann, J. Pharmacokinet. Biopharm. 15:657, 1987). Where all people have one value, that
+    /// value twice.
     double low = 0.0;
     double high = 0.0;
     Sameness verdict = Sameness::open;
@@ -36,7 +37,8 @@ struct Equivalence {
     }
 };
 
-/// @param differences  one a person, finite   @param bound  > 0   @return nothing of fewer than two people
+/// @param differences  one a person, finite @param bound > 0 @return nothing of fewer than two
+/// people
 [[nodiscard]] std::optional<Equivalence> equivalence(std::span<const double> differences,
                                                      double bound);
 
@@ -80,10 +82,11 @@ struct Audit {
     LeftOut left_out{};
 };
 
-/// Rig and hand, friction by friction against the one of least friction: start pose, late, stale and saturated ticks,
-/// gaps of the masking noise; times, strokes, force, speed. Answered main trials that count, of one study and kind,
-/// without whom the protocol's rules leave out.
-/// @throws std::invalid_argument if there are none, of several studies, or of one friction alone: which there are
+/// Rig and hand, friction by friction against the one of least friction: start pose, late, stale
+/// and saturated ticks, gaps of the masking noise; times, strokes, force, speed. Answered main
+/// trials that count, of one study and kind, without whom the protocol's rules leave out.
+/// @throws std::invalid_argument if there are none, of several studies, or of one friction alone:
+/// which there are
 [[nodiscard]] Audit audit_of(Database& database,
                              const TrialChoice& choice,
                              const AuditBounds& bounds);

@@ -23,7 +23,8 @@ struct MixedFit {
     MixedSpec spec{};
     double intercept = 0.0;  ///< b0, logit
     double effect = 0.0;     ///< b1, logit
-    /// Of b0 and b1, from the observed information of all parameters; nothing where that says nothing.
+    /// Of b0 and b1, from the observed information of all parameters; nothing where that says
+    /// nothing.
     std::optional<double> intercept_se{};
     std::optional<double> effect_se{};
     double sd_intercept = 0.0;  ///< of s0 over people
@@ -31,19 +32,19 @@ struct MixedFit {
     /// Of s0 and s1; nothing where one of them does not vary.
     std::optional<double> correlation{};
     double log_likelihood = 0.0;
-    /// The covariance has lost a rank: some combination of s0 and s1 does not vary (|l11| or |l22| below 1e-4, as
-    /// lme4's isSingular takes it).
+    /// The covariance has lost a rank: some combination of s0 and s1 does not vary (|l11| or |l22|
+    /// below 1e-4, as lme4's isSingular takes it).
     bool singular = false;
-    /// |b0| or |b1| beyond 10 logits: no answer of the other kind in a condition. Then b1 has no end, and in the first
-    /// case b0 neither; the likelihood has one, and so have its ratios.
+    /// |b0| or |b1| beyond 10 logits: no answer of the other kind in a condition. Then b1 has no
+    /// end, and in the first case b0 neither; the likelihood has one, and so have its ratios.
     bool unbounded = false;
     bool intercept_unbounded = false;
     bool converged = false;
     std::array<double, 3> l{};  ///< l11, l21, l22
 };
 
-/// The highest of three maxima (BFGS with central differences from a small, a middle and a large spread), polished by
-/// Newton's steps. Where `from` is given it is the only start.
+/// The highest of three maxima (BFGS with central differences from a small, a middle and a large
+/// spread), polished by Newton's steps. Where `from` is given it is the only start.
 /// @pre one person or more, n > 0 in both conditions for somebody
 [[nodiscard]] MixedFit fit_mixed(std::span<const TwoCounts> people,
                                  const MixedSpec& spec,
@@ -55,8 +56,9 @@ struct MixedFit {
 /// P(chi-square of `df` > x). @pre df 1 or 2
 [[nodiscard]] double chi_square_p(double x, int df);
 
-/// The p of no variance of s1 (and no covariance): on the boundary the ratio is half chi-square of 1 df, half of 2 (S. G.
-/// Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987; D. O. Stram, J. W. Lee, Biometrics 50:1171, 1994).
+/// The p of no variance of s1 (and no covariance): on the boundary the ratio is half chi-square of
+/// 1 df, half of 2 (S. G. Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987; D. O. Stram, J. W.
+/// Lee, Biometrics 50:1171, 1994).
 [[nodiscard]] double slope_variance_p(double ratio);
 
 struct SimulatedNull {
@@ -65,9 +67,11 @@ struct SimulatedNull {
         1.0;  ///< share of ratios, the data's own counted as one, at least as high as the data's
 };
 
-/// The likelihood ratio of b1 = 0 under answers drawn from `null`, the fit without the effect, in which people differ as
-/// fitted: its true distribution for so few people, where chi-square is one for many. Laplace fits.
-/// @param stream  sample s is drawn with PCG32 (seed, stream + s): any number of threads gives the same
+/// The likelihood ratio of b1 = 0 under answers drawn from `null`, the fit without the effect, in
+/// which people differ as fitted: its true distribution for so few people, where chi-square is one
+/// for many. Laplace fits.
+/// @param stream  sample s is drawn with PCG32 (seed, stream + s): any number of threads gives the
+/// same
 [[nodiscard]] SimulatedNull simulate_null(std::span<const TwoCounts> people,
                                           const MixedFit& null,
                                           double ratio,

@@ -18,7 +18,8 @@ namespace {
 
 using protocols::PrimaryTest;
 
-/// Work on 0 ... count - 1 by several threads, each number once. @throws what the first of them threw
+/// Work on 0 ... count - 1 by several threads, each number once. @throws what the first of them
+/// threw
 template <class Work>
 void side_by_side(std::size_t threads, std::size_t count, const Work& work) {
     std::atomic<std::size_t> next{0};
@@ -55,8 +56,8 @@ std::vector<double> differences_of(std::span<const PowerPerson> people) {
     return differences;
 }
 
-/// The share of all patterns of signs whose sum is as far from 0, where differences are whole numbers of one unit: as
-/// sign_flip() of them, in people times answers instead of 2^people.
+/// The share of all patterns of signs whose sum is as far from 0, where differences are whole
+/// numbers of one unit: as sign_flip() of them, in people times answers instead of 2^people.
 double sign_flip_of_counts(std::span<const PowerPerson> people) {
     std::vector<std::size_t> sizes;
     std::size_t all = 0;

@@ -24,7 +24,8 @@ struct PowerPerson {
     double expected = 0.0;  ///< chance of a right answer with friction, less that without
 };
 
-/// The person of a number (from 0) in a study of a number: always the same one. Asked from several threads.
+/// The person of a number (from 0) in a study of a number: always the same one. Asked from several
+/// threads.
 using PowerPeople = std::function<PowerPerson(std::size_t study, std::size_t number)>;
 
 /// Of shares: a smaller true difference is none, and nothing that could be exaggerated.
@@ -52,9 +53,9 @@ struct PowerPoint {
     MonteCarlo
         width{};  ///< of the 95 % interval (Student's, over people) of the difference of shares
     MonteCarlo estimate{};  ///< the difference of shares, with friction less without
-    /// Of significant studies: mean size of the difference by the true one's size, and the share that have the wrong
-    /// sign (A. Gelman, J. Carlin, Perspect. Psychol. Sci. 9:641, 2014: type M and type S). Nothing without any, or
-    /// without a true difference.
+    /// Of significant studies: mean size of the difference by the true one's size, and the share
+    /// that have the wrong sign (A. Gelman, J. Carlin, Perspect. Psychol. Sci. 9:641, 2014: type M
+    /// and type S). Nothing without any, or without a true difference.
     std::optional<MonteCarlo> exaggeration{};
     std::optional<MonteCarlo> wrong_sign{};
 
@@ -67,22 +68,25 @@ struct LeastPeople {
     std::optional<std::size_t> people{};
     std::optional<std::size_t> low{};
     std::optional<std::size_t> high{};
-    /// Studies that tell this number to about one participant, by the power's growth there; nothing where these do.
+    /// Studies that tell this number to about one participant, by the power's growth there; nothing
+    /// where these do.
     std::optional<std::size_t> studies{};
 
     friend bool operator==(const LeastPeople&, const LeastPeople&) = default;
 };
 
-/// Many studies of the same people-to-be: that of fewer participants is the beginning of that of more.
+/// Many studies of the same people-to-be: that of fewer participants is the beginning of that of
+/// more.
 class PowerStudies {
 public:
     PowerStudies(const PowerSpec& spec, PowerPeople people);
 
     /// @param participants  2 or more. Any number of threads gives the same.
     [[nodiscard]] PowerPoint at(std::size_t participants);
-    /// The least number of participants from 3 to `max` whose power is at least `wanted`, taken to grow with it, and which
-    /// numbers Monte-Carlo error allows: the least whose power could be that high, and the least whose power must be, by
-    /// the ends of Wilson's 95 % interval of the share of studies.
+    /// The least number of participants from 3 to `max` whose power is at least `wanted`, taken to
+    /// grow with it, and which numbers Monte-Carlo error allows: the least whose power could be
+    /// that high, and the least whose power must be, by the ends of Wilson's 95 % interval of the
+    /// share of studies.
     [[nodiscard]] LeastPeople least(double wanted, std::size_t max);
     /// Mean of `expected` over all people drawn so far: the true difference of shares.
     [[nodiscard]] double truth() const;
@@ -126,8 +130,9 @@ struct PowerReport {
 /// Power and type I error over participants, with 95 % intervals of Wilson.
 [[nodiscard]] Figure power_figure(const PowerReport& report);
 
-/// Two-sided p of a test of the differences of people, as `palpate stats` has it: paired t, sign-flip and signed ranks
-/// of the shares, the likelihood ratio of the mixed model (Laplace) by chi-square of 1 df. 1 where it says nothing.
+/// Two-sided p of a test of the differences of people, as `palpate stats` has it: paired t,
+/// sign-flip and signed ranks of the shares, the likelihood ratio of the mixed model (Laplace) by
+/// chi-square of 1 df. 1 where it says nothing.
 [[nodiscard]] double p_of(protocols::PrimaryTest test, const std::vector<PowerPerson>& people);
 
 }  // namespace palpate::data

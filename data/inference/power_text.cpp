@@ -15,7 +15,8 @@ std::string with_error(const std::optional<MonteCarlo>& value, int digits) {
                  : std::string("-");
 }
 
-/// Of a share that was 0 or 1 in all studies the standard error would be 0: the other end of Wilson's interval.
+/// Of a share that was 0 or 1 in all studies the standard error would be 0: the other end of
+/// Wilson's interval.
 std::string share_text(const MonteCarlo& share, std::size_t studies, int digits) {
     if (share.se > 0.0) {
         return with_error(share, digits);
@@ -63,7 +64,8 @@ std::string least_text(const PowerReport& report) {
     return text;
 }
 
-/// For the number of participants that the protocol plans, where it was asked for; else for that of power .8.
+/// For the number of participants that the protocol plans, where it was asked for; else for that of
+/// power .8.
 std::string sentence(const PowerReport& report) {
     const PowerPoint* point = point_of(report, report.planned);
     if (point == nullptr) {

@@ -7,16 +7,16 @@
 /// How a report is made of its trials.
 namespace palpate::data {
 
-/// All statistics of the trials that `takes`. A person's permutations are drawn with a stream of their own, which no
-/// other choice of trials changes.
+/// All statistics of the trials that `takes`. A person's permutations are drawn with a stream of
+/// their own, which no other choice of trials changes.
 [[nodiscard]] StatsPart part_of(const StatsReport& report,
                                 const std::function<bool(const Trial&)>& takes);
 
 /// Whether the answer is right; of yes/no without signals: whether it is yes.
 [[nodiscard]] bool hit(const StatsReport& report, const Trial& trial);
 
-/// Measures, the mixed model of each friction and the first, and the tests of one number a person, from
-/// part.people.
+/// Measures, the mixed model of each friction and the first, and the tests of one number a person,
+/// from part.people.
 void add_measures(const StatsReport& report, StatsPart& part);
 void add_mixed(const StatsReport& report, StatsPart& part);
 void add_tests(const StatsReport& report, StatsPart& part);

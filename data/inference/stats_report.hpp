@@ -36,7 +36,8 @@ struct PersonCell {
     std::optional<double> criterion{};  ///< of yes/no
     std::int64_t signals = 0;           ///< of yes/no: answers to these
     std::int64_t hits = 0;
-    /// d' and criterion with the correction of the least answers that the person gave under a friction: what is compared.
+    /// d' and criterion with the correction of the least answers that the person gave under a
+    /// friction: what is compared.
     std::optional<double> alike_d_prime{};
     std::optional<double> alike_criterion{};
     std::optional<Transmitted> bits{};
@@ -49,8 +50,8 @@ struct PersonStats {
     std::string subject{};
     std::vector<PersonCell> cells{};  ///< a friction each
     std::optional<double> confidence_area{};
-    /// Where confidence is a probability: its mean less the share of right answers, and the mean of (confidence - right)^2
-    /// (G. W. Brier, Mon. Weather Rev. 78:1, 1950).
+    /// Where confidence is a probability: its mean less the share of right answers, and the mean of
+    /// (confidence - right)^2 (G. W. Brier, Mon. Weather Rev. 78:1, 1950).
     std::optional<double> overconfidence{};
     std::optional<double> brier{};
     Trend answers{};  ///< of answers as 0 and 1, a trial
@@ -106,8 +107,8 @@ struct StatsPart {
     std::vector<Measure> measures{};
     std::vector<MixedStats> mixed{};
     std::vector<ConfidenceLevel> levels{};  ///< of no more than 12 different ones
-    /// By key: "confidence_area" (against 0.5), "overconfidence", "share_per_trial", "share_since_break", "log_rt_per_trial",
-    /// "log_rt_since_break" (against 0).
+    /// By key: "confidence_area" (against 0.5), "overconfidence", "share_per_trial",
+    /// "share_since_break", "log_rt_per_trial", "log_rt_since_break" (against 0).
     std::vector<std::pair<std::string, PeopleTest>> tests{};
 };
 
@@ -129,15 +130,16 @@ struct StatsReport {
     std::optional<StatsPart> not_applied{};  ///< with it; nothing where nothing is
 };
 
-/// @throws std::invalid_argument with value and remedy: options that do not fit the table, or nothing that counts
+/// @throws std::invalid_argument with value and remedy: options that do not fit the table, or
+/// nothing that counts
 [[nodiscard]] StatsReport stats_of(TrialTable table, const StatsOptions& options);
 
 /// Tables for people.
 [[nodiscard]] std::string stats_text(const StatsReport& report);
 /// The same for programs; what is not known is null.
 [[nodiscard]] std::string stats_json(const StatsReport& report);
-/// A script of R that computes the same from `trials` (trials_csv(), beside the script), with lme4 where it is
-/// installed: lines of a place in stats_json(), a tab, and the number.
+/// A script of R that computes the same from `trials` (trials_csv(), beside the script), with lme4
+/// where it is installed: lines of a place in stats_json(), a tab, and the number.
 [[nodiscard]] std::string stats_r(const StatsReport& report, const std::string& trials);
 
 }  // namespace palpate::data

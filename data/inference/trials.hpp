@@ -59,14 +59,17 @@ struct NamedTrial {
 /// The table, every list of names sorted; without source.
 [[nodiscard]] TrialTable table_of_names(std::vector<NamedTrial> all);
 
-/// Columns subject,trial,shape,friction,response and, if they are there, rt_s, confidence, explore_s, since_break and
-/// excluded (why a trial does not count; empty or 0: it does). Numbers that are not known are empty, or NA. Answers of
-/// yes and no alone are those of yes/no; else the pictures are the shapes and responses that occur.
+/// Columns subject,trial,shape,friction,response and, if they are there, rt_s, confidence,
+/// explore_s, since_break and excluded (why a trial does not count; empty or 0: it does). Numbers
+/// that are not known are empty, or NA. Answers of yes and no alone are those of yes/no; else the
+/// pictures are the shapes and responses that occur.
 /// @param others  answers that name no shape are kept, as pictures of what nobody felt
-/// @throws CsvError with file, line and character, value and remedy; so is such an answer without `others`
+/// @throws CsvError with file, line and character, value and remedy; so is such an answer without
+/// `others`
 [[nodiscard]] TrialTable read_trials(const std::filesystem::path& file, bool others = true);
 
-/// The same columns, each trial a row: read_trials() of it gives the table, but for its study and kind.
+/// The same columns, each trial a row: read_trials() of it gives the table, but for its study and
+/// kind.
 [[nodiscard]] std::string trials_csv(const TrialTable& table);
 
 /// Which trials of a database are meant.
@@ -76,12 +79,13 @@ struct TrialChoice {
     bool codes = false;         ///< people by the lab's codes, not by their numbers in exports
 };
 
-/// Answered main trials of identification and yes-no, no rule among them; trials that do not count, and those of people
-/// whom the protocol's rules leave out, say why.
+/// Answered main trials of identification and yes-no, no rule among them; trials that do not count,
+/// and those of people whom the protocol's rules leave out, say why.
 /// @throws std::invalid_argument if there are none, or of several studies: which there are
 [[nodiscard]] TrialTable stored_trials(Database& database, const TrialChoice& choice);
 
-/// Makes this friction the first. @throws std::invalid_argument if there is no such friction: which there are
+/// Makes this friction the first. @throws std::invalid_argument if there is no such friction: which
+/// there are
 void compare_with(TrialTable& table, const std::string& friction);
 
 }  // namespace palpate::data

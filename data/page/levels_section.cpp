@@ -23,7 +23,7 @@ Results fit_results(const PageNumbers& numbers) {
                     .command = numbers.fit_words,
                     .caption = "Thresholds, JND and slopes with 95 % intervals"};
     for (const FittedCurve& curve : numbers.fit->curves) {
-        for (const QuantityEstimate& one : curve.estimates) {
+        for (const FitEstimate& one : curve.estimates) {
             if (one.fixed) {
                 continue;
             }

@@ -8,7 +8,8 @@
 namespace palpate::data {
 namespace {
 
-/// The newest seal is that of the last end, event or attempt; and nothing that ended is without one.
+/// The newest seal is that of the last end, event or attempt; and nothing that ended is without
+/// one.
 constexpr std::string_view kSeals =
     R"(SELECT person, session_number, finished,
        (SELECT count(*) FROM trial WHERE trial.session_id = session.session_id) AS attempts,

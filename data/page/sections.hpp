@@ -41,7 +41,8 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
 /// The frictions' colours, in their order.
 [[nodiscard]] Ink ink_of(std::size_t friction);
 
-/// A number a person and friction, people as paired lines, the means with their intervals beside them.
+/// A number a person and friction, people as paired lines, the means with their intervals beside
+/// them.
 struct PairedPanel {
     std::string title{};
     std::string label{};
@@ -68,7 +69,8 @@ enum class Scale { numbers, logarithms };
 [[nodiscard]] PeopleMean as_exp(const PeopleMean& mean);
 /// The measure of a key; nothing if there is none.
 [[nodiscard]] const Measure* find_measure(const StatsPart& part, std::string_view key);
-/// One row a test: what, people, mean, low, high, t, df, t_p, dz, sign_flip_p, wilcoxon_v, wilcoxon_p, bayes_factor_10.
+/// One row a test: what, people, mean, low, high, t, df, t_p, dz, sign_flip_p, wilcoxon_v,
+/// wilcoxon_p, bayes_factor_10.
 [[nodiscard]] std::vector<std::string> test_names();
 [[nodiscard]] std::vector<std::string> test_cells(std::string what, const PeopleTest& test);
 

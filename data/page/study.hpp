@@ -43,18 +43,20 @@ struct Results {
 
 class Study {
 public:
-    /// @throws std::invalid_argument if the file has no such session, or several studies: which there are
+    /// @throws std::invalid_argument if the file has no such session, or several studies: which
+    /// there are
     Study(Database& database, const PageOptions& options);
 
     /// The rows of a query that may read, beside tables and views,
     ///
-    ///     person  a row a person with a session of the study and kind: person (a number, or the code where
-    ///             codes are asked for), subject (of exports), left_out (1: by the protocol's rules)
+    ///     person  a row a person with a session of the study and kind: person (a number, or the
+    ///             code where codes are asked for), subject (of exports), left_out (1: by the
+    ///             protocol's rules)
     ///     main    analysis_trial of their main trials, with person and left_out
     ///
-    /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes, {hit} for whether an answer
-    ///             is right (of yes/no without signals: yes), {right} for the same or NULL where nothing is, {signal} for
-    ///             whether yes is right
+    /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes,
+    ///             {hit} for whether an answer is right (of yes/no without signals: yes), {right}
+    ///             for the same or NULL where nothing is, {signal} for whether yes is right
     /// @throws StoreError if the file says no
     [[nodiscard]] Rows ask(std::string_view sql) const;
 
@@ -71,10 +73,12 @@ public:
     [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
     /// " --kind simulated --study x": what other commands need to speak of the same.
     [[nodiscard]] const std::string& words() const { return words_; }
-    /// Of which protocols the file has several, and " --versions apart": how they are taken; else nothing.
+    /// Of which protocols the file has several, and " --versions apart": how they are taken; else
+    /// nothing.
     [[nodiscard]] const std::vector<StudyVersion>& versions() const { return versions_; }
     [[nodiscard]] const std::string& seen() const { return seen_; }
-    /// FILE, since a name may hold a code; where codes are asked for, the file's without its folder.
+    /// FILE, since a name may hold a code; where codes are asked for, the file's without its
+    /// folder.
     [[nodiscard]] const std::string& file() const { return file_; }
 
 private:

@@ -2,8 +2,8 @@
 
 namespace palpate::data {
 
-/// Figures keep the inks of data/plot (Okabe & Ito), lighter on a dark page; on paper the page is light, and the
-/// watermark stands on every sheet.
+/// Figures keep the inks of data/plot (Okabe & Ito), lighter on a dark page; on paper the page is
+/// light, and the watermark stands on every sheet.
 std::string_view page_style() {
     return R"css(
 :root {

@@ -24,7 +24,8 @@ using engine::Vec3;
 constexpr double kNear = 5e-5;
 constexpr double kMilli = 1e3;
 
-/// Those of the points that a line through them needs to pass all others within kNear (Douglas & Peucker 1973).
+/// Those of the points that a line through them needs to pass all others within kNear (Douglas &
+/// Peucker 1973).
 std::vector<Vec2> thinned(const std::vector<Vec2>& points) {
     if (points.size() < 3) {
         return points;

@@ -28,7 +28,8 @@ struct TrialTrace {
         felt{};                 ///< ticks to done: presentation.ticks; none: it was cut off
     std::string fault_cause{};  ///< why the force went off in it; empty: it did not
 
-    /// The rows of `sample` that are of it, to done: "trial_id = 3 AND interval = 1 AND tick < 9120".
+    /// The rows of `sample` that are of it, to done: "trial_id = 3 AND interval = 1 AND tick <
+    /// 9120".
     [[nodiscard]] std::string rows() const;
     /// Of the last of these, s: of a fault the instant. None: it was cut off.
     [[nodiscard]] std::optional<double> done_s() const;

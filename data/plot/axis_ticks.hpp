@@ -27,9 +27,9 @@ struct AxisTicks {
     int exponent = 0;  ///< labels are values / 10^exponent; a multiple of 3
 };
 
-/// Ticks at 1, 2 or 5 times a power of ten, about `wanted` of them. A log axis has its decades labelled
-/// (every n-th if there are many) and minor ticks at 2 to 9; within less than a decade its ticks are
-/// those of a linear one.
+/// Ticks at 1, 2 or 5 times a power of ten, about `wanted` of them. A log axis has its decades
+/// labelled (every n-th if there are many) and minor ticks at 2 to 9; within less than a decade its
+/// ticks are those of a linear one.
 [[nodiscard]] AxisTicks nice_ticks(const AxisRange& range, int wanted);
 
 }  // namespace palpate::data

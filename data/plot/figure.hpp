@@ -28,8 +28,8 @@ enum class Stroke : std::uint8_t { solid, dashed, dotted };
 /// What of a series is drawn.
 enum class Mark : std::uint8_t { line, points, both };
 
-/// A line, a path or a cloud of points. A value that is not finite (or not above 0 on a log axis) is a
-/// gap: the line breaks there.
+/// A line, a path or a cloud of points. A value that is not finite (or not above 0 on a log axis)
+/// is a gap: the line breaks there.
 struct Series {
     std::string name{};  ///< in the legend; empty: not in it
     std::vector<double> x{};
@@ -57,7 +57,8 @@ struct Shade {
     Ink ink = Ink::grey;
 };
 
-/// What lies between two lines over the same x, shaded: where a curve may be. Ends where a value is not finite.
+/// What lies between two lines over the same x, shaded: where a curve may be. Ends where a value is
+/// not finite.
 struct Band {
     std::vector<double> x{};
     std::vector<double> low{};   ///< as many
@@ -110,13 +111,15 @@ struct Panel {
     double height = 220.0;  ///< of the plot area, px, 40 to 4000
 };
 
-/// Panels in rows, a caption below. Legends stand above their plot area, so that they cover no data.
+/// Panels in rows, a caption below. Legends stand above their plot area, so that they cover no
+/// data.
 struct Figure {
     std::string id = "figure";  ///< begins the ids inside, for several figures in one page
     std::string title{};
     std::vector<Panel> panels{};
     int columns = 1;  ///< panels in a row, 1 to 8
-    /// Panels below one another whose x axes have the same label and unit show the same stretch of x.
+    /// Panels below one another whose x axes have the same label and unit show the same stretch of
+    /// x.
     bool share_x = true;
     std::string caption{};  ///< wrapped to the width
     double width = 760.0;   ///< px, 200 to 10000

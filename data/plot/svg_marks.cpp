@@ -162,8 +162,8 @@ std::string PanelPlan::labels(const Rect& plot) const {
     return out;
 }
 
-/// Labels go where they cover least: of 32 places round the dot the one with the fewest points of lines,
-/// other labels and dots under it, the nearest first.
+/// Labels go where they cover least: of 32 places round the dot the one with the fewest points of
+/// lines, other labels and dots under it, the nearest first.
 std::string PanelPlan::markers(const Rect& plot) const {
     std::vector<Point> ink;
     for (const Series& series : panel_->series) {

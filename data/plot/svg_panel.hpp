@@ -39,7 +39,8 @@ public:
     /// The x axis of this panel is to show the same as that of `other`: both get the wider range.
     void share_x(PanelPlan& other);
 
-    /// Leaves `left` px for labels, so that panels below one another line up, and fits ranges to it.
+    /// Leaves `left` px for labels, so that panels below one another line up, and fits ranges to
+    /// it.
     void align(double left);
 
     /// The panel with its plot area's top left corner at (cell_x + left(), top).

@@ -6,15 +6,15 @@
 
 namespace palpate::data {
 
-/// `text` for XML: the five special characters as entities, control characters left out, bytes that are
-/// no UTF-8 as U+FFFD.
+/// `text` for XML: the five special characters as entities, control characters left out, bytes that
+/// are no UTF-8 as U+FFFD.
 [[nodiscard]] std::string xml_escaped(std::string_view text);
 
 /// A coordinate or size with two decimals, never "-0.00".
 [[nodiscard]] std::string px(double value);
 
-/// Width of `text` in a sans-serif font of `size` px, from a table of letter classes: DejaVu Sans, which
-/// is wide, so that most other fonts take less.
+/// Width of `text` in a sans-serif font of `size` px, from a table of letter classes: DejaVu Sans,
+/// which is wide, so that most other fonts take less.
 [[nodiscard]] double text_width(std::string_view text, double size);
 
 /// Lines of at most `width` px, broken at spaces (a longer word stands alone) and at "\n".

@@ -1,4 +1,5 @@
-// Figure 3.1.4: static friction at a corner: HIP in the region of another curve than the one on which GO stands.
+// Figure 3.1.4: static friction at a corner: HIP in the region of another curve than the one on
+// which GO stands.
 #include <algorithm>
 #include <array>
 #include <memory>

@@ -7,7 +7,8 @@
 #include "engine/geometry/nurbs_curve.hpp"
 #include "engine/rendering/mode.hpp"
 
-/// The pre-determined path of the thesis' chapter 3.2.1 on its object of two curves, felt by two laws.
+/// The pre-determined path of the thesis' chapter 3.2.1 on its object of two curves, felt by two
+/// laws.
 namespace palpate::data {
 
 inline constexpr double kFrictionTick = 0.001;        ///< s
@@ -36,8 +37,8 @@ struct FrictionTick {
 
 using FrictionRun = std::vector<FrictionTick>;
 
-/// HIP, a place a tick: in along the normal of the first curve, along it at constant depth, deeper along
-/// the normal, along again, out; in again near the vertex, and level over it.
+/// HIP, a place a tick: in along the normal of the first curve, along it at constant depth, deeper
+/// along the normal, along again, out; in again near the vertex, and level over it.
 [[nodiscard]] std::vector<engine::Vec2> friction_path();
 
 /// By engine::Scene (GOS), with vertex slew.

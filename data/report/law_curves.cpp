@@ -1,4 +1,5 @@
-// Figure 3.1.1: friction over speed by a stiction model, sharp and with the Stribeck effect, as runs on a line measure it.
+// Figure 3.1.1: friction over speed by a stiction model, sharp and with the Stribeck effect, as
+// runs on a line measure it.
 #include <algorithm>
 #include <cmath>
 #include <memory>

@@ -1,4 +1,5 @@
-// Figure 3.1.2: the modes of our law and of the thesis', with how often a run went from one to another.
+// Figure 3.1.2: the modes of our law and of the thesis', with how often a run went from one to
+// another.
 #include <array>
 
 #include <fmt/format.h>

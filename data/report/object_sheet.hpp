@@ -11,9 +11,9 @@ namespace palpate::data {
 /// c^2 k / (4 (1 + sqrt(1 - (k c / 2)^2))), which keeps its digits near k = 0. @pre |k| c <= 2
 [[nodiscard]] double sagitta(double curvature, double chord) noexcept;
 
-/// All objects of a protocol on one sheet at one scale: outline, chords, name, curvature, sagitta in
-/// mm, whether it is pictured; a bar of whole mm below. A standalone SVG 1.1 text; the same protocol
-/// gives the same bytes. @param hash  protocol_hash(protocol)
+/// All objects of a protocol on one sheet at one scale: outline, chords, name, curvature, sagitta
+/// in mm, whether it is pictured; a bar of whole mm below. A standalone SVG 1.1 text; the same
+/// protocol gives the same bytes. @param hash protocol_hash(protocol)
 /// @throws std::invalid_argument if an object cannot be built (none of a protocol read from a file)
 [[nodiscard]] std::string object_sheet(const protocols::Protocol& protocol, std::string_view hash);
 

@@ -4,8 +4,8 @@
 
 #include "engine/geometry/nurbs_curve.hpp"
 
-/// The objects of the thesis' figures. Its control points are not printed; these are of the kind that its
-/// text describes.
+/// The objects of the thesis' figures. Its control points are not printed; these are of the kind
+/// that its text describes.
 namespace palpate::data {
 
 /// Control polygons of one object: four points a curve, m, the object on the right of travel.

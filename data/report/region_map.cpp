@@ -12,7 +12,8 @@ namespace {
 
 using engine::Vec2;
 
-/// Where the region changes on the way from `a` to `b`, and the regions on both sides of that place.
+/// Where the region changes on the way from `a` to `b`, and the regions on both sides of that
+/// place.
 struct Change {
     Vec2 at{};
     int before = 0;
@@ -43,7 +44,8 @@ struct Crossing {
     int other = 0;
 };
 
-/// The true vertex of the outline in or beside the cell whose lower corner is `low`, if there is one.
+/// The true vertex of the outline in or beside the cell whose lower corner is `low`, if there is
+/// one.
 std::optional<Vec2> vertex_near(const RegionMap& map, const Vec2& low, double step) {
     for (const engine::Seam& seam : map.outline().seams()) {
         const Vec2 p = seam.point - low;
@@ -77,7 +79,8 @@ void add_cell(const RegionMap& map,
             add(change(map, corner[next], corner[k]));
         }
     }
-    // Two crossings of one border are a piece of it; a lone one ends at a vertex or where regions meet.
+    // Two crossings of one border are a piece of it; a lone one ends at a vertex or where regions
+    // meet.
     std::vector<Crossing> lone;
     while (!found.empty()) {
         const Crossing one = found.back();

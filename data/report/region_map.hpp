@@ -8,8 +8,9 @@
 
 namespace palpate::data {
 
-/// The Voronoi regions of a closed outline of n curves with n convex vertices, as the engine finds them:
-/// external 0 .. 2n - 1, curve i at 2 i and the vertex at its end at 2 i + 1; internal 2n + i, of curve i.
+/// The Voronoi regions of a closed outline of n curves with n convex vertices, as the engine finds
+/// them: external 0 .. 2n - 1, curve i at 2 i and the vertex at its end at 2 i + 1; internal 2n +
+/// i, of curve i.
 class RegionMap {
 public:
     /// @param curves  joined end to end and closed, the object on the right of travel
@@ -50,15 +51,15 @@ struct Border {
     int other = 0;
 };
 
-/// The borders between regions of the same side of the outline, one piece a cell: where two nodes of a
-/// cell's edge lie in different regions, the place between them is bisected to 1e-12 m.
+/// The borders between regions of the same side of the outline, one piece a cell: where two nodes
+/// of a cell's edge lie in different regions, the place between them is bisected to 1e-12 m.
 [[nodiscard]] std::vector<Border> borders(const RegionMap& map, const Lattice& lattice);
 
 /// Region of each node, row by row.
 [[nodiscard]] std::vector<int> regions_of(const RegionMap& map, const Lattice& lattice);
 
-/// Pairs (low, high) of regions that meet on a line between two nodes, sorted, each once: both sides of
-/// the place, bisected to 1e-12 m, where the region changes.
+/// Pairs (low, high) of regions that meet on a line between two nodes, sorted, each once: both
+/// sides of the place, bisected to 1e-12 m, where the region changes.
 [[nodiscard]] std::vector<std::array<int, 2>> neighbours(const RegionMap& map,
                                                          const Lattice& lattice);
 

@@ -1,4 +1,5 @@
-// Figure 3.3.1: a stick-slip transition in a run of the servo loop with the simulated device and hand.
+// Figure 3.3.1: a stick-slip transition in a run of the servo loop with the simulated device and
+// hand.
 #include <algorithm>
 #include <array>
 #include <cmath>

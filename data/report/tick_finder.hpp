@@ -13,7 +13,8 @@ public:
     /// @param run  outlives the finder
     explicit TickFinder(const std::vector<Tick>& run) : run_(&run) {}
 
-    /// The next tick for which test(tick before, tick, tick after) holds; none, and the place stays.
+    /// The next tick for which test(tick before, tick, tick after) holds; none, and the place
+    /// stays.
     template <class Test>
     std::optional<std::size_t> next(Test&& test) {
         for (std::size_t i = at_ + 1; i + 1 < run_->size(); ++i) {

@@ -13,10 +13,11 @@ namespace palpate::data {
 inline constexpr std::int64_t kApplicationId = 0x70616C70;
 inline constexpr std::int64_t kSchemaVersion = 1;
 
-/// The catalogue: every table and view as SQL, each column once, its meaning beside it. SQLite keeps a comment
-/// only inside a statement, so they stand there, and `sqlite3 FILE .schema` prints them from any database. Files
-/// are made from this text, and `verify` compares with it; manuals, exports and their descriptions read it by
-/// catalogue(). A new column is written here and where its value is computed.
+/// The catalogue: every table and view as SQL, each column once, its meaning beside it. SQLite
+/// keeps a comment only inside a statement, so they stand there, and `sqlite3 FILE .schema` prints
+/// them from any database. Files are made from this text, and `verify` compares with it; manuals,
+/// exports and their descriptions read it by catalogue(). A new column is written here and where
+/// its value is computed.
 [[nodiscard]] std::string_view schema_sql();
 
 /// The catalogue of this program, read from schema_sql().

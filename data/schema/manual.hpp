@@ -34,11 +34,12 @@ struct TableManual {
     std::vector<ColumnManual> columns;
 };
 
-/// What a schema says of itself, from the comments in its CREATE TABLE and CREATE VIEW statements: a comment at
-/// the end of a line belongs to the column that ends or goes on there, one above the first column to the
-/// table. Text that is no such statement is passed over. A comment may begin with [details] or [file] (Seen) and
-/// end with the column's words in braces, {real = a session of the study; pilot = ...}. A view's column that is
-/// another's, `trial.outcome AS outcome`, has its meaning without a comment.
+/// What a schema says of itself, from the comments in its CREATE TABLE and CREATE VIEW statements:
+/// a comment at the end of a line belongs to the column that ends or goes on there, one above the
+/// first column to the table. Text that is no such statement is passed over. A comment may begin
+/// with [details] or [file] (Seen) and end with the column's words in braces, {real = a session of
+/// the study; pilot = ...}. A view's column that is another's, `trial.outcome AS outcome`, has its
+/// meaning without a comment.
 [[nodiscard]] std::vector<TableManual> schema_manual(std::string_view sql);
 
 /// SI unit by the end of a column's name: "m/s" for vx_m_per_s. "-" without one.

@@ -227,7 +227,8 @@ LEFT JOIN response USING (trial_id)
 GROUP BY session.session_id;
 )sql";
 
-/// One kind of sessions, whatever a file holds: whoever forgets to ask for one gets the study, not its trial runs too.
+/// One kind of sessions, whatever a file holds: whoever forgets to ask for one gets the study, not
+/// its trial runs too.
 constexpr std::string_view kMainTrial = R"sql(
 CREATE VIEW main_trial AS
 -- analysis_trial, less what is no answer of the study: its main trials that count, of who consents, of one kind of

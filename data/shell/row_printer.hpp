@@ -17,8 +17,9 @@ using Cell = std::variant<std::monostate, std::int64_t, double, std::string, Blo
 enum class RowFormat : std::uint8_t {
     table,  ///< aligned by the first 1,000 rows, for people; NULL is empty
     csv,    ///< texts by csv_field(), "\n"; NULL is empty; a blob is hexadecimal
-    /// One array of objects; NULL is null; a blob is hexadecimal. JSON has no infinity: it is 1e999, which is
-    /// JSON and which JavaScript, Python, R and SQLite read as infinity; -1e999 the other one.
+    /// One array of objects; NULL is null; a blob is hexadecimal. JSON has no infinity: it is
+    /// 1e999, which is JSON and which JavaScript, Python, R and SQLite read as infinity; -1e999 the
+    /// other one.
     json,
 };
 

@@ -14,8 +14,8 @@ struct SqlLimits {
     std::int64_t steps = 2'000'000'000;  ///< of SQLite's machine, a statement
 };
 
-/// While it lives, statements on a database read that file alone, by plain functions, make no value of more than
-/// 50 MB, and end: somebody may have pasted them from anywhere.
+/// While it lives, statements on a database read that file alone, by plain functions, make no value
+/// of more than 50 MB, and end: somebody may have pasted them from anywhere.
 class SqlGuard {
 public:
     SqlGuard(Database& database, SqlLimits limits);

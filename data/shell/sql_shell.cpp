@@ -72,8 +72,8 @@ Cell cell_of(sqlite3_stmt* row, int column) {
     }
 }
 
-/// Words of a sentence in lines of at most 64 characters, so that a table fits a window. A word longer than
-/// that has a line of its own.
+/// Words of a sentence in lines of at most 64 characters, so that a table fits a window. A word
+/// longer than that has a line of its own.
 std::vector<std::string> wrapped(std::string_view sentence, RowFormat format) {
     constexpr std::size_t kWidth = 64;
     std::vector<std::string> lines;

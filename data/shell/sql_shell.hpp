@@ -10,8 +10,8 @@
 
 namespace palpate::data {
 
-/// SQL on a database that is only read, with the virtual table `sample` and the statistics, and words that
-/// begin with a dot. What is wrong goes to `error` as a sentence with its place.
+/// SQL on a database that is only read, with the virtual table `sample` and the statistics, and
+/// words that begin with a dot. What is wrong goes to `error` as a sentence with its place.
 class SqlShell {
 public:
     /// @throws StoreError if the functions cannot be added
@@ -21,7 +21,8 @@ public:
              std::FILE* error,
              SqlLimits limits = {});
 
-    /// Statements, separated by semicolons, and words, each on its line. Stops at the first that fails.
+    /// Statements, separated by semicolons, and words, each on its line. Stops at the first that
+    /// fails.
     /// @param first_line  line that `text` begins in, for messages
     /// @return all of it went well
     bool run(std::string_view text, std::size_t first_line = 1);

@@ -4,9 +4,9 @@
 
 namespace palpate::data {
 
-/// Share correct of an unbiased observer who names the largest of m normal percepts, one of which is
-/// d higher than the others, all of deviation 1 (D. M. Green, J. A. Swets, Signal Detection Theory and
-/// Psychophysics, 1966):
+/// Share correct of an unbiased observer who names the largest of m normal percepts, one of which
+/// is d higher than the others, all of deviation 1 (D. M. Green, J. A. Swets, Signal Detection
+/// Theory and Psychophysics, 1966):
 ///
 ///     P = integral of phi(x - d) Phi(x)^(m - 1) dx
 ///
@@ -15,12 +15,13 @@ namespace palpate::data {
 /// @param m  alternatives, >= 2
 [[nodiscard]] double share_correct(double d, std::int64_t m);
 
-/// The d with share_correct(d, m) = hits / n; sqrt(2) probit(hits / n) for m = 2. Error below 1e-10.
-/// Nobody is perfect: n of n counts as n - 1/2, none as 1/2 (N. A. Macmillan, H. L. Kaplan, Psychol.
-/// Bull. 98:185, 1985), so that d stays finite.
+/// The d with share_correct(d, m) = hits / n; sqrt(2) probit(hits / n) for m = 2. Error below
+/// 1e-10. Nobody is perfect: n of n counts as n - 1/2, none as 1/2 (N. A. Macmillan, H. L. Kaplan,
+/// Psychol. Bull. 98:185, 1985), so that d stays finite.
 /// @pre 0 <= hits <= n, n >= 1, m >= 2
-/// @param least  answers that the correction is for, <= n; 0: n. Where conditions with different numbers of answers are
-///               compared, the least of them: else who is perfect in both would be better in the longer one.
+/// @param least  answers that the correction is for, <= n; 0: n. Where conditions with different
+///               numbers of answers are compared, the least of them: else who is perfect in both
+///               would be better in the longer one.
 [[nodiscard]] double d_prime(std::int64_t hits,
                              std::int64_t n,
                              std::int64_t m,
@@ -31,9 +32,11 @@ struct YesNo {
     double criterion = 0.0;  ///< c = -(z(hit rate) + z(false alarm rate)) / 2: above 0 rather no
 };
 
-/// Of yes/no answers. Rates with the log-linear correction (M. J. Hautus, Behav. Res. Methods Instrum. Comput. 27:46,
-/// 1995): half a yes and one trial more, in each row, whether it is needed or not.
-/// @param least_signals, least_noises  as of d_prime(): shares are taken to be of so many, 0: of signals, noises
+/// Of yes/no answers. Rates with the log-linear correction (M. J. Hautus, Behav. Res. Methods
+/// Instrum. Comput. 27:46, 1995): half a yes and one trial more, in each row, whether it is needed
+/// or not.
+/// @param least_signals, least_noises as of d_prime(): shares are taken to be of so many, 0: of
+/// signals, noises
 /// @pre 0 <= hits <= signals, 0 <= false_alarms <= noises, signals and noises >= 1
 [[nodiscard]] YesNo yes_no(std::int64_t hits,
                            std::int64_t signals,

@@ -13,7 +13,8 @@ using ConfusionCounts = std::map<std::pair<std::string, std::string>, std::int64
 /// Transmitted information H(stimulus) + H(response) - H(both), bits.
 struct Information {
     double plug_in = 0.0;  ///< from the shares as they are: too high for few answers
-    /// Each entropy corrected by (cells that occur - 1) / (2 N ln 2) (G. A. Miller, 1955). May be below 0.
+    /// Each entropy corrected by (cells that occur - 1) / (2 N ln 2) (G. A. Miller, 1955). May be
+    /// below 0.
     double miller_madow = 0.0;
 };
 

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t kMaxExact = 40;  ///< 2^20 sums in each half
 constexpr int kDrawn = 1'000'000;
 
-/// Standard error of the mean times the 97.5 % point of t; nothing if it would be 0 or is not known.
+/// Standard error of the mean times the 97.5 % point of t; nothing if it would be 0 or is not
+/// known.
 std::optional<double> half_width(std::span<const double> values, double mean) {
     const auto n = static_cast<double>(values.size());
     double squares = 0.0;
@@ -52,7 +53,8 @@ std::vector<double> signed_sums(std::span<const double> values) {
     return sums;
 }
 
-/// The share of patterns whose sum reaches `far` on either side, by the sums of both halves of the people.
+/// The share of patterns whose sum reaches `far` on either side, by the sums of both halves of the
+/// people.
 double exact_share(std::span<const double> differences, double far) {
     const std::size_t half = differences.size() / 2;
     const std::vector<double> first = signed_sums(differences.first(half));

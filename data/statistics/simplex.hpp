@@ -13,8 +13,8 @@ struct Summit {
     bool settled = false;  ///< begun anew there it gains less than 1e-9
 };
 
-/// A maximum near `start` by the simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun anew where it ended, up
-/// to 12 times.
+/// A maximum near `start` by the simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun
+/// anew where it ended, up to 12 times.
 /// @param value  of a point; may be -infinity
 /// @param edge   length of the first edge along each parameter, not 0
 [[nodiscard]] Summit simplex_maximum(const std::function<double(std::span<const double>)>& value,

@@ -14,7 +14,8 @@ struct ExportedRun {
     std::string responses;  ///< CSV: stimulus,response, in the order of the answers
 };
 
-/// Answers that were marked later are left out: what is replayed is the rule as it stands at the end.
+/// Answers that were marked later are left out: what is replayed is the rule as it stands at the
+/// end.
 /// @param run  from 0
 /// @throws StoreError if there is no such session or run
 [[nodiscard]] ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run);

@@ -22,11 +22,12 @@ void write_adaptive_plan(Database& database,
 /// An answer that the rule took in.
 void write_step(Database& database, std::int64_t trial, const protocols::AdaptiveStep& step);
 
-/// {"threshold":{"mean":5.1,"mode":5},...} as adaptive_step.estimates has it; numbers as short as can be.
+/// {"threshold":{"mean":5.1,"mode":5},...} as adaptive_step.estimates has it; numbers as short as
+/// can be.
 [[nodiscard]] std::string estimates_text(const std::vector<protocols::Estimate>& estimates);
 
-/// The rules of a session by the answers that count at the end, stored states unchecked: what is stored beside
-/// an answer took in those that were marked after it.
+/// The rules of a session by the answers that count at the end, stored states unchecked: what is
+/// stored beside an answer took in those that were marked after it.
 /// @throws std::exception if the session, its protocol or an answer is not what a rule takes
 [[nodiscard]] protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session);
 

@@ -22,18 +22,21 @@ struct StudyVersion {
 
 enum class Versions { apart, together };
 
-/// From here on all queries of this connection see the file as analyses do, whatever they ask: where people of one
-/// kind ran several versions of a protocol, each is a study of its own, by its id and hash, unless they are to be
-/// together; sessions that were withdrawn and those of who does not consent are not there: data/analysis/left_out.hpp
-/// says who. Nothing in the file changes. @pre nothing was prepared that is still used
+/// From here on all queries of this connection see the file as analyses do, whatever they ask:
+/// where people of one kind ran several versions of a protocol, each is a study of its own, by its
+/// id and hash, unless they are to be together; sessions that were withdrawn and those of who does
+/// not consent are not there: data/analysis/left_out.hpp says who. Nothing in the file changes.
+/// @pre nothing was prepared that is still used
 /// @param study  as given; empty: not
-/// @throws std::invalid_argument if that is a protocol of several versions, kept apart: which there are
+/// @throws std::invalid_argument if that is a protocol of several versions, kept apart: which there
+/// are
 void analyse(Database& database, Versions versions, const std::string& study = {});
 
 /// Whether the file has a session that no analysis sees.
 [[nodiscard]] bool hides(Database& database);
 
-/// Versions of protocols of which there are several with people of one kind; else nothing. After analyse().
+/// Versions of protocols of which there are several with people of one kind; else nothing. After
+/// analyse().
 [[nodiscard]] std::vector<StudyVersion> versions_of(Database& database);
 /// Of a file where one study is to be chosen: which there are.
 [[nodiscard]] std::string several_studies(Database& database, const std::set<std::string>& studies);

@@ -5,7 +5,8 @@
 namespace palpate::data {
 namespace {
 
-/// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk gets there.
+/// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk
+/// gets there.
 constexpr std::size_t kMaxWaiting = std::size_t{1} << 18U;
 /// Ticks that are worth waking the thread before they have to be saved.
 constexpr std::size_t kBatch = 512;

@@ -16,14 +16,15 @@ namespace palpate::data {
 
 /// Writes on a thread of its own, so that a slow disk never holds up a screen or a key press.
 ///
-/// append() only hands the ticks over; what was handed over is saved within `save_every` of the oldest, and
-/// again as often while a lock of another program keeps it back. Every other call waits until all before it is stored, and then
-/// for itself. What fails on the thread is thrown by the next call and by every one after it: from the
-/// error on nothing is stored, so that nothing can stand behind a hole.
+/// append() only hands the ticks over; what was handed over is saved within `save_every` of the
+/// oldest, and again as often while a lock of another program keeps it back. Every other call waits
+/// until all before it is stored, and then for itself. What fails on the thread is thrown by the
+/// next call and by every one after it: from the error on nothing is stored, so that nothing can
+/// stand behind a hole.
 class AsyncRecorder : public protocols::Recorder {
 public:
-    /// Ticks come to append() up to a frame of a screen after they were made, a commit takes some 15 ms:
-    /// together this stays below 120 ms.
+    /// Ticks come to append() up to a frame of a screen after they were made, a commit takes some
+    /// 15 ms: together this stays below 120 ms.
     static constexpr std::chrono::milliseconds kSaveEvery{75};
     /// Together below 45 ms.
     static constexpr std::chrono::milliseconds kSaveOften{10};

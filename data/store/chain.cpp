@@ -66,7 +66,8 @@ std::string first_head(Database& database, std::int64_t session) {
     return sha256_hex(text);
 }
 
-/// Tables with rows of trials, but for events: those of the catalogue, whatever else somebody added.
+/// Tables with rows of trials, but for events: those of the catalogue, whatever else somebody
+/// added.
 const std::vector<std::string>& tables_of_trials() {
     static const std::vector<std::string> names = [] {
         std::vector<std::string> all = tables_with("trial_id");
@@ -160,7 +161,8 @@ void keep_events(Database& database,
         .run();
 }
 
-/// Follows the links of a session in their order, and notes where one does not follow, or makes all anew.
+/// Follows the links of a session in their order, and notes where one does not follow, or makes all
+/// anew.
 class ChainWalk {
 public:
     ChainWalk(Database& database, std::int64_t session, bool anew)

@@ -9,21 +9,23 @@
 #include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
 
-/// A chain of SHA-256 hashes through a session: each trial that ended, each event and the session's end carry the
-/// head that they made. Who edits, removes or reorders anything before a head has to recompute it and all later
-/// ones; a head noted in a lab book shows that too. session.head is the newest: without it, or a later one, the
-/// last links could be taken away.
+/// A chain of SHA-256 hashes through a session: each trial that ended, each event and the session's
+/// end carry the head that they made. Who edits, removes or reorders anything before a head has to
+/// recompute it and all later ones; a head noted in a lab book shows that too. session.head is the
+/// newest: without it, or a later one, the last links could be taken away.
 ///
-/// The first link hashes what a session is before its first trial: its row without `finished` and the like,
-/// protocol hash and the pseudonym under which it was run, provenance, plan and pictures. Each next one hashes the head
-/// before it and: of a trial its row and its rows in every other table (of a trace chunk's data their SHA-256);
-/// of an event its row, with position and attempt of its trial; of the end what was set then.
-/// Row numbers are in none of them: files may be merged. NULLs neither: a later schema may have more columns.
-/// What is noted later (`mark`, `note`, `participant`) is an event; trial.invalid goes in as it was at the end of
-/// the trial, and must be what the mark says. The same holds of whose session it is and of withdrawn_reason.
+/// The first link hashes what a session is before its first trial: its row without `finished` and
+/// the like, protocol hash and the pseudonym under which it was run, provenance, plan and pictures.
+/// Each next one hashes the head before it and: of a trial its row and its rows in every other
+/// table (of a trace chunk's data their SHA-256); of an event its row, with position and attempt of
+/// its trial; of the end what was set then. Row numbers are in none of them: files may be merged.
+/// NULLs neither: a later schema may have more columns. What is noted later (`mark`, `note`,
+/// `participant`) is an event; trial.invalid goes in as it was at the end of the trial, and must be
+/// what the mark says. The same holds of whose session it is and of withdrawn_reason.
 namespace palpate::data {
 
-/// Writes the head of a trial that has just got its outcome. In the caller's transaction, as its last words.
+/// Writes the head of a trial that has just got its outcome. In the caller's transaction, as its
+/// last words.
 void chain_trial(Database& database, std::int64_t trial);
 /// The same for the end of a session.
 void chain_session(Database& database, std::int64_t session);
@@ -38,15 +40,16 @@ std::string add_event(Database& database,
                       std::string_view operator_name = {},
                       std::string_view noted_utc = {});
 
-/// The answer of `trial` does not count for this reason: its row and an event say so. In the caller's
-/// transaction. @return the new head
+/// The answer of `trial` does not count for this reason: its row and an event say so. In the
+/// caller's transaction. @return the new head
 std::string add_mark(Database& database,
                      std::int64_t session,
                      std::int64_t trial,
                      std::string_view reason,
                      std::string_view operator_name = {});
 
-/// Takes the mark of a trial back: its answer counts again. In the caller's transaction. @return the new head
+/// Takes the mark of a trial back: its answer counts again. In the caller's transaction. @return
+/// the new head
 std::string undo_mark(Database& database,
                       std::int64_t session,
                       std::int64_t trial,
@@ -59,13 +62,15 @@ std::string undo_mark(Database& database,
 /// Why a session is left out, as its last mark without a trial says; none: it is not.
 [[nodiscard]] std::optional<std::string> withdrawal(Database& database, std::int64_t session);
 
-/// The key of a note of a participant: the session is not of whom it was run as, but of `value`, by the number `count`.
+/// The key of a note of a participant: the session is not of whom it was run as, but of `value`, by
+/// the number `count`.
 inline constexpr std::string_view kIsReally = "is really";
-/// The key of the mark of a session whose data were destroyed on request; its value is the newest seal by then.
+/// The key of the mark of a session whose data were destroyed on request; its value is the newest
+/// seal by then.
 inline constexpr std::string_view kDestroyed = "destroyed";
 
-/// Makes all links of a session anew, by what it is now: where it is planned again before its first trial, or something
-/// of it was destroyed. In the caller's transaction.
+/// Makes all links of a session anew, by what it is now: where it is planned again before its first
+/// trial, or something of it was destroyed. In the caller's transaction.
 void chain_anew(Database& database, std::int64_t session);
 
 /// The newest head of a session; empty: it has none yet.

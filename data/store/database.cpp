@@ -53,8 +53,8 @@ std::string immutable_uri(const std::string& file) {
 }
 
 /// SQLite would wait for ever at a pipe, and take a device for an empty database.
-/// @throws WrongFile if there is something else than a file under the name of the database, or of the log,
-///         index and journal that SQLite keeps beside it
+/// @throws WrongFile if there is something else than a file under the name of the database, or of
+///         the log, index and journal that SQLite keeps beside it
 void require_plain_files(const std::string& file) {
     std::error_code unknown;
     const std::filesystem::path there = std::filesystem::canonical(plain_name(file), unknown);
@@ -80,8 +80,8 @@ void require_plain_files(const std::string& file) {
         fmt::format("{}: this is not a palpate database; choose another file name", file));
 }
 
-/// What the first page says (https://www.sqlite.org/fileformat2.html, 1.3), before SQLite looks at the
-/// log or rolls anything back: a database of somebody else's must not be tidied up.
+/// What the first page says (https://www.sqlite.org/fileformat2.html, 1.3), before SQLite looks at
+/// the log or rolls anything back: a database of somebody else's must not be tidied up.
 enum class FirstPage : std::uint8_t { blank, ours, theirs };
 
 FirstPage first_page(sqlite3* handle) {
@@ -142,7 +142,8 @@ void Database::connect(const std::string& name, int flags) {
     }
     sqlite3_extended_result_codes(connection_.handle, 1);
     sqlite3_busy_timeout(connection_.handle, wait_ms_);
-    // A file can come from anywhere: nothing in it runs, its log stays, until it is known to be ours.
+    // A file can come from anywhere: nothing in it runs, its log stays, until it is known to be
+    // ours.
     for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
                                      {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
                                      {SQLITE_DBCONFIG_ENABLE_FTS3_TOKENIZER, 0},

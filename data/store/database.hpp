@@ -21,13 +21,15 @@ enum class Access { read, write, memory, inspect };
 class Database {
 public:
     /// write: makes the file (mode 0600) with the current schema, or opens one; WAL, every commit
-    /// synced to the disk, foreign keys on. read: never changes anything, and reads from a read-only
-    /// disk too. inspect: the same for a look at what is stored, whatever its schema. memory: a new one that nobody else sees, gone with this object; its name is for messages.
+    /// synced to the disk, foreign keys on. read: never changes anything, and reads from a
+    /// read-only disk too. inspect: the same for a look at what is stored, whatever its schema.
+    /// memory: a new one that nobody else sees, gone with this object; its name is for messages.
     /// The name is always that of a file: "" and ":memory:" have no meaning of their own.
     ///
-    /// What a file brings is data, never a program: none of its triggers runs. Its schema is compared with the
-    /// catalogue. write refuses a trigger on our tables and whatever of ours is another. read refuses tables of
-    /// ours that are others; for views that are, it remarks so, makes our own and looks into none of the file's.
+    /// What a file brings is data, never a program: none of its triggers runs. Its schema is
+    /// compared with the catalogue. write refuses a trigger on our tables and whatever of ours is
+    /// another. read refuses tables of ours that are others; for views that are, it remarks so,
+    /// makes our own and looks into none of the file's.
     /// @throws StoreError for a file that is no palpate database or has another schema (both stay
     ///         as they are, their logs too), one that cannot be opened, or whose schema is refused
     Database(std::string file, Access access);
@@ -43,8 +45,9 @@ public:
     [[nodiscard]] const std::string& file() const { return connection_.file; }
     [[nodiscard]] bool in_memory() const { return in_memory_; }
 
-    /// Whose time goes into rows from here on, ns since 1970; the session of a simulated person lasts as long as
-    /// it would have, and is the same whenever it is simulated. Without it: the clocks of this machine.
+    /// Whose time goes into rows from here on, ns since 1970; the session of a simulated person
+    /// lasts as long as it would have, and is the same whenever it is simulated. Without it: the
+    /// clocks of this machine.
     void set_clock(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
     /// Now, as utc_now() says it.
     [[nodiscard]] std::string utc_now() const;
@@ -53,10 +56,12 @@ public:
 
     /// How long the locks of others are waited for, ms.
     void wait_for_locks(int ms);
-    /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
-    /// nobody: a reader that is still looking delays it to the next time. Then as require_in_place().
+    /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits
+    /// for nobody: a reader that is still looking delays it to the next time. Then as
+    /// require_in_place().
     void checkpoint();
-    /// @throws StoreError if the file was moved or deleted since it was opened: what is written goes with it
+    /// @throws StoreError if the file was moved or deleted since it was opened: what is written
+    /// goes with it
     void require_in_place() const;
 
     [[noreturn]] void fail(std::string_view doing) const { connection_.fail(doing); }

@@ -14,17 +14,20 @@ enum class Destroy {
     everything,  ///< these, and all of each session but that it was, when, and with which newest seal
 };
 
-/// Destroys it, in the file's free pages too. Pseudonym and number stay, so that neither is given again, and
-/// each session has an event that says it, with the newest seal that it had. Of `everything` this event is all that its
-/// chain still links; consent is noted as no. Copies, exports and servers are others' to look after.
-/// @throws std::invalid_argument if nobody is called so, or while a program runs a session of theirs
+/// Destroys it, in the file's free pages too. Pseudonym and number stay, so that neither is given
+/// again, and each session has an event that says it, with the newest seal that it had. Of
+/// `everything` this event is all that its chain still links; consent is noted as no. Copies,
+/// exports and servers are others' to look after.
+/// @throws std::invalid_argument if nobody is called so, or while a program runs a session of
+/// theirs
 void destroy_participant(Database& database,
                          std::string_view code,
                          Destroy what,
                          std::string_view reason,
                          std::string_view operator_name = {});
 
-/// Deletes all that belongs to a session, but not its own row. In the caller's transaction, with deferred foreign keys.
+/// Deletes all that belongs to a session, but not its own row. In the caller's transaction, with
+/// deferred foreign keys.
 void clear_session(Database& database, std::int64_t session);
 
 [[nodiscard]] bool is_destroyed(Database& database, std::int64_t session);

@@ -7,9 +7,10 @@
 
 namespace palpate::data {
 
-/// Bytes that `trials` of a protocol can take at most: every one until its time-out, 40 bytes a tick, and
-/// 16 MB for the log and all else. Measured: 5 to 12 bytes a tick where a replay gives the rest; 40 leaves
-/// room for a device without encoders, and for the log beside the file, which holds a part of it twice.
+/// Bytes that `trials` of a protocol can take at most: every one until its time-out, 40 bytes a
+/// tick, and 16 MB for the log and all else. Measured: 5 to 12 bytes a tick where a replay gives
+/// the rest; 40 leaves room for a device without encoders, and for the log beside the file, which
+/// holds a part of it twice.
 [[nodiscard]] std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials);
 
 /// What the file's disk can still take of ours, bytes.
@@ -21,13 +22,13 @@ void require_space(const std::string& file,
                    const protocols::Protocol& protocol,
                    std::size_t trials);
 
-/// A database that nobody writes, where nobody can: SQLite could not lay its index of the log beside
-/// it, and with no log and no index there, it needs none. A live or a killed rig leaves both, beside the
-/// file itself, wherever a link to it is.
+/// A database that nobody writes, where nobody can: SQLite could not lay its index of the log
+/// beside it, and with no log and no index there, it needs none. A live or a killed rig leaves
+/// both, beside the file itself, wherever a link to it is.
 [[nodiscard]] bool lies_still(const std::string& name);
 
-/// Something waits in the log. Without it nobody writes the file, and on a full disk, where SQLite finds no room for the
-/// log's index, nobody can begin to: it can be read as it is.
+/// Something waits in the log. Without it nobody writes the file, and on a full disk, where SQLite
+/// finds no room for the log's index, nobody can begin to: it can be read as it is.
 [[nodiscard]] bool has_log(const std::string& name);
 
 }  // namespace palpate::data

@@ -4,10 +4,11 @@
 
 namespace palpate::data {
 
-/// A query of all answers on a graded stimulus, main trials that count: session_id, study_name, session_kind,
-/// participant_code, condition, stimulus, and k, which is 1 for yes or the comparison. Two kinds of rows of
-/// analysis_trial: where a rule chose the level, the run by name and its stimulus (more than two answers have k above
-/// 1); with yes-no on planned objects the friction and the curvature in 1/m.
+/// A query of all answers on a graded stimulus, main trials that count: session_id, study_name,
+/// session_kind, participant_code, condition, stimulus, and k, which is 1 for yes or the
+/// comparison. Two kinds of rows of analysis_trial: where a rule chose the level, the run by name
+/// and its stimulus (more than two answers have k above 1); with yes-no on planned objects the
+/// friction and the curvature in 1/m.
 inline constexpr std::string_view kGradedAnswers = R"sql(
 SELECT session_id, study_name, session_kind, participant_code, coalesce(run_name, '') AS condition, stimulus,
        rule_outcome AS k

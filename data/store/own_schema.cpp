@@ -23,8 +23,8 @@ struct Entry {
 };
 using Schema = std::map<std::pair<std::string, std::string>, Entry>;  // by type and name
 
-/// SQLite's own list of what a database holds. A table of the file can be called sqlite_schema, none
-/// sqlite_master.
+/// SQLite's own list of what a database holds. A table of the file can be called sqlite_schema,
+/// none sqlite_master.
 Schema read_schema(const Connection& file) {
     Schema all;
     Statement row(file, "SELECT type, name, lower(tbl_name), sql FROM main.sqlite_master");
@@ -129,7 +129,8 @@ std::string names_of(const std::vector<SchemaDifference>& differences) {
     return all;
 }
 
-/// A table of somebody's that refers to ours by what is no key: SQLite refuses every change of ours for it.
+/// A table of somebody's that refers to ours by what is no key: SQLite refuses every change of ours
+/// for it.
 bool refers_badly(const Connection& file, const std::string& table) {
     bool to_ours = false;
     for (Statement row(file, fmt::format("PRAGMA foreign_key_list({})", quoted_name(table)));

@@ -7,8 +7,9 @@
 
 #include "data/store/statement.hpp"
 
-/// The whole schema of a file against the catalogue. A file can come from anywhere, and its schema is a program:
-/// triggers that change what is written, views that say something else, a table that is a view without an end.
+/// The whole schema of a file against the catalogue. A file can come from anywhere, and its schema
+/// is a program: triggers that change what is written, views that say something else, a table that
+/// is a view without an end.
 namespace palpate::data {
 
 struct SchemaDifference {
@@ -25,8 +26,8 @@ struct SchemaDifference {
     std::string wanted;
 };
 
-/// Every difference, tables first. What somebody added of their own is theirs and none: tables, views, triggers on
-/// these, plain indices on ours.
+/// Every difference, tables first. What somebody added of their own is theirs and none: tables,
+/// views, triggers on these, plain indices on ours.
 [[nodiscard]] std::vector<SchemaDifference> schema_differences(const Connection& file);
 
 /// @throws WrongFile that names every difference
@@ -36,7 +37,8 @@ struct SchemaDifference {
 /// Names every difference on one line, and says whose views are used.
 void remark_schema(const Connection& file, const std::vector<SchemaDifference>& differences);
 
-/// The views of the catalogue as this connection's own, before those of its file. Nothing in the file changes.
+/// The views of the catalogue as this connection's own, before those of its file. Nothing in the
+/// file changes.
 void make_own_views(const Connection& file);
 
 }  // namespace palpate::data

@@ -163,7 +163,8 @@ void note_at_beginning(Database& database, std::int64_t session) {
 }
 
 std::vector<NoteBreak> note_breaks(Database& database) {
-    // A session's last word on each is what was noted last: a note goes to all sessions that are there.
+    // A session's last word on each is what was noted last: a note goes to all sessions that are
+    // there.
     Statement row = database.prepare(
         "SELECT DISTINCT participant_code, key, stored, value FROM (SELECT participant_code, key, "
         "value, coalesce(noted_utc, at_utc) AS word_utc, iif(key = 'handedness', CAST(handedness "

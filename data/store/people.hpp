@@ -9,7 +9,8 @@
 
 #include "data/store/database.hpp"
 
-/// What people note by hand: of participants, of sessions, and of answers that do not count after all.
+/// What people note by hand: of participants, of sessions, and of answers that do not count after
+/// all.
 namespace palpate::data {
 
 /// Nothing in a field: not known, or not to be changed.
@@ -31,26 +32,26 @@ struct Participant {
 [[nodiscard]] std::optional<Participant> find_participant(Database& database,
                                                           std::string_view code);
 
-/// Somebody known whose code could be meant by `code`: it differs in upper and lower case, in - and _, or in
-/// leading zeros only, as P03 and p-3. Nobody where `code` itself is known.
+/// Somebody known whose code could be meant by `code`: it differs in upper and lower case, in - and
+/// _, or in leading zeros only, as P03 and p-3. Nobody where `code` itself is known.
 [[nodiscard]] std::optional<std::string> similar_participant(Database& database,
                                                              std::string_view code);
 
 /// Registers the participant if need be and notes what is given. What was noted before and is not
-/// given stays; each has the time when it was last noted. Each of the participant's sessions gets an
-/// event of each note: "handedness 80", "consent yes", and of a detail its key alone (events go where details
-/// do not).
+/// given stays; each has the time when it was last noted. Each of the participant's sessions gets
+/// an event of each note: "handedness 80", "consent yes", and of a detail its key alone (events go
+/// where details do not).
 void note_participant(Database& database,
                       std::string_view code,
                       const ParticipantNotes& notes,
                       std::string_view operator_name = {});
 
-/// Handedness and consent, as far as they are known, as events of a session that begins: who edits them later
-/// contradicts its chain. In the caller's transaction.
+/// Handedness and consent, as far as they are known, as events of a session that begins: who edits
+/// them later contradicts its chain. In the caller's transaction.
 void note_at_beginning(Database& database, std::int64_t session);
 
-/// Where what is noted of a participant is not what the events of their sessions say: those since the session is
-/// theirs, unless it was noted after them, in a file that was merged.
+/// Where what is noted of a participant is not what the events of their sessions say: those since
+/// the session is theirs, unless it was noted after them, in a file that was merged.
 struct NoteBreak {
     std::string what;    ///< "participant P01 handedness"
     std::string stored;  ///< in the participant's row
@@ -80,19 +81,21 @@ struct Marked {
     std::string head;       ///< of its chain, with the mark
 };
 
-/// The answer of a trial does not count, for this reason: it stays, and analyses leave it out. Unless the
-/// session is finished, the position is run again when it is resumed.
-/// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already, or
-///         while a program runs its session, which goes by what it knows: the next trials would contradict the mark
+/// The answer of a trial does not count, for this reason: it stays, and analyses leave it out.
+/// Unless the session is finished, the position is run again when it is resumed.
+/// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count
+///         already, or while a program runs its session, which goes by what it knows: the next
+///         trials would contradict the mark
 Marked mark_invalid(Database& database,
                     std::int64_t trial,
                     std::string_view reason,
                     std::string_view operator_name = {});
 
-/// The mark of a trial is taken back, for this reason: its answer counts again, as if it had never been marked.
-/// @throws std::invalid_argument if there is no such trial, if it is not marked, while a program runs its session, or
-///         where the session went on otherwise for the mark: another answer counts in its place, its part was run
-///         again, or its rule went on without it
+/// The mark of a trial is taken back, for this reason: its answer counts again, as if it had never
+/// been marked.
+/// @throws std::invalid_argument if there is no such trial, if it is not marked, while a program
+///         runs its session, or where the session went on otherwise for the mark: another answer
+///         counts in its place, its part was run again, or its rule went on without it
 Marked undo_mark(Database& database,
                  std::int64_t trial,
                  std::string_view reason,

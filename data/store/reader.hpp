@@ -13,7 +13,8 @@ namespace palpate::data {
 /// Ids of the answered trials, in the order in which they were run.
 [[nodiscard]] std::vector<std::int64_t> answered_trials(Database& database);
 
-/// The intervals that a trial has, in order. @throws std::invalid_argument if there is no such trial
+/// The intervals that a trial has, in order. @throws std::invalid_argument if there is no such
+/// trial
 [[nodiscard]] std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial);
 
 /// Reads many traces of one database: what they share is read once.
@@ -25,15 +26,16 @@ public:
     TraceReader& operator=(const TraceReader&) = delete;
     ~TraceReader();
 
-    /// All stored ticks of an interval of a trial, each chunk checked, every field to the bit as the servo had
-    /// it; empty for one without ticks. Where a full ring lost ticks the tick numbers jump, which only
-    /// evidence may do: for replay take read().
-    /// @throws TraceError if a chunk is damaged, ReplayError if what was not stored does not come back
+    /// All stored ticks of an interval of a trial, each chunk checked, every field to the bit as
+    /// the servo had it; empty for one without ticks. Where a full ring lost ticks the tick numbers
+    /// jump, which only evidence may do: for replay take read().
+    /// @throws TraceError if a chunk is damaged, ReplayError if what was not stored does not come
+    /// back
     /// @throws std::invalid_argument if there is no such trial
     [[nodiscard]] Ticks stored(std::int64_t trial, std::int64_t interval = 1);
 
-    /// The same, and whole: tick k is the k-th, and none is missing of those that the trial's summary
-    /// counted. @throws TraceError also if ticks are missing
+    /// The same, and whole: tick k is the k-th, and none is missing of those that the trial's
+    /// summary counted. @throws TraceError also if ticks are missing
     [[nodiscard]] Ticks read(std::int64_t trial, std::int64_t interval = 1);
 
     /// One column as every chunk holds it, without any replay; stored_columns() has its scale.

@@ -49,7 +49,8 @@ std::string mark_session(Database& database,
         operator_name);
 }
 
-/// The wished number if the participant has no session of it, in any version of the study; else the next one.
+/// The wished number if the participant has no session of it, in any version of the study; else the
+/// next one.
 std::int64_t free_number(Database& database,
                          std::int64_t session,
                          std::string_view code,

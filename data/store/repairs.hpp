@@ -6,17 +6,20 @@
 
 #include "data/store/database.hpp"
 
-/// What people set right of whole sessions: each an event under the seal, so that nothing is erased.
+/// What people set right of whole sessions: each an event under the seal, so that nothing is
+/// erased.
 namespace palpate::data {
 
-/// Analyses and exports leave the session out, for this reason, and it is never resumed. @return the new head
+/// Analyses and exports leave the session out, for this reason, and it is never resumed. @return
+/// the new head
 /// @throws std::invalid_argument if that is so already, or while a program runs it
 std::string withdraw_session(Database& database,
                              std::int64_t session,
                              std::string_view reason,
                              std::string_view operator_name = {});
 
-/// Takes that back. @throws std::invalid_argument if it is not withdrawn, or while a program runs it
+/// Takes that back. @throws std::invalid_argument if it is not withdrawn, or while a program runs
+/// it
 std::string undo_withdrawal(Database& database,
                             std::int64_t session,
                             std::string_view reason,
@@ -28,10 +31,11 @@ struct MovedSession {
     std::string head;
 };
 
-/// The session was run under a wrong code and counts as that of `code`, everywhere, with its own number where that is
-/// free and else the next one. Its orders stay those that were drawn for the code under which it was run. Moved
-/// back, it is as it was.
-/// @throws std::invalid_argument if nobody is called `code`, if it is theirs already, or while a program runs it
+/// The session was run under a wrong code and counts as that of `code`, everywhere, with its own
+/// number where that is free and else the next one. Its orders stay those that were drawn for the
+/// code under which it was run. Moved back, it is as it was.
+/// @throws std::invalid_argument if nobody is called `code`, if it is theirs already, or while a
+/// program runs it
 MovedSession move_session(Database& database,
                           std::int64_t session,
                           std::string_view code,

@@ -6,9 +6,9 @@
 
 namespace palpate::data {
 
-/// Room on a file's disk that nobody else can fill: a file without a name, so that nothing is left of it
-/// however the program ends. When the disk turns out to be full it is given back piece by piece: another
-/// program that goes on filling the disk gets little of it.
+/// Room on a file's disk that nobody else can fill: a file without a name, so that nothing is left
+/// of it however the program ends. When the disk turns out to be full it is given back piece by
+/// piece: another program that goes on filling the disk gets little of it.
 class Reserve {
 public:
     /// @param file  whose disk it is; holds nothing yet
@@ -17,8 +17,8 @@ public:
     Reserve& operator=(const Reserve&) = delete;
     ~Reserve();
 
-    /// Holds at least `bytes` from here on. On a disk that cannot set room aside (some network disks) it only
-    /// looks whether they are free now.
+    /// Holds at least `bytes` from here on. On a disk that cannot set room aside (some network
+    /// disks) it only looks whether they are free now.
     /// @throws StoreError if the disk does not have them; what was held is held still
     void hold(std::int64_t bytes);
     /// Frees 1 MB, more than one save() writes. @return false: there was none

@@ -15,9 +15,9 @@
 
 namespace palpate::data {
 
-/// A row of a table of the catalogue, value by value with the name of its column: what is not set is the column's
-/// default, or stays as it is. Every call throws std::logic_error for a column that the catalogue does not have,
-/// StoreError where SQLite refuses.
+/// A row of a table of the catalogue, value by value with the name of its column: what is not set
+/// is the column's default, or stays as it is. Every call throws std::logic_error for a column that
+/// the catalogue does not have, StoreError where SQLite refuses.
 class Row {
 public:
     explicit Row(std::string_view table) : table_(table) {}

@@ -15,8 +15,8 @@ namespace palpate::data {
 
 namespace {
 
-/// A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name back when
-/// the process ends, however it ends.
+/// A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name
+/// back when the process ends, however it ends.
 struct Name {
     sockaddr_un address{};
     socklen_t length = 0;

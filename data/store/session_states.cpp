@@ -15,7 +15,8 @@ std::optional<SessionState> state_of(Statement& row) {
                         row.text(5)};
 }
 
-/// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or are of no use.
+/// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or
+/// are of no use.
 constexpr const char* kStates =
     "SELECT session_number, seed, finished OR withdrawn_reason IS NOT NULL OR run_code IS NOT "
     "NULL, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "

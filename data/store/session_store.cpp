@@ -218,7 +218,8 @@ void require_same(const Database& database, const Existing& there, const Session
         refuse("was begun with another version of the protocol",
                "run the version it was begun with, or begin a new session with --session");
     }
-    // The seed too: the order of a small plan can come from many seeds, the hand and the answers not.
+    // The seed too: the order of a small plan can come from many seeds, the hand and the answers
+    // not.
     if (there.plan_hash != spec.plan.hash || there.seed != std::to_string(spec.seed)) {
         refuse(fmt::format("was begun with another plan (seed {})", there.seed),
                "give the same --seed, or begin a new session with --session");
@@ -244,8 +245,9 @@ void require_same_device(Database& database, const Existing& there, const Sessio
     }
 }
 
-/// Without a trial nothing was felt and no picture was seen: where the session would now be another one (another
-/// row of the counterbalance, seed, kind or version of the protocol), it is planned anew. Its events stay.
+/// Without a trial nothing was felt and no picture was seen: where the session would now be another
+/// one (another row of the counterbalance, seed, kind or version of the protocol), it is planned
+/// anew. Its events stay.
 /// @return whether it was
 bool planned_anew(Database& database, const Existing& there, const SessionSpec& spec) {
     const bool same =

@@ -34,8 +34,9 @@ struct SessionSpec {
     bool other_device = false;  ///< it goes on also where its last trial was felt on another
 };
 
-/// Keys of session_provenance that say how a simulated session was made: kObserverKey, the text of the observer
-/// file from which its participant was drawn; kTracesKey with kNoTraces: no ticks were kept.
+/// Keys of session_provenance that say how a simulated session was made: kObserverKey, the text of
+/// the observer file from which its participant was drawn; kTracesKey with kNoTraces: no ticks were
+/// kept.
 inline constexpr std::string_view kObserverKey = "observer";
 inline constexpr std::string_view kTracesKey = "traces";
 inline constexpr std::string_view kNoTraces = "none";
@@ -89,19 +90,21 @@ struct OtherVersion {
                                                         RunKind kind);
 
 /// Makes the session with its complete plan in one transaction, or opens the one that is there.
-/// Attempts left running by a killed program are marked interrupted; what they recorded stays. A device
-/// or provenance other than before is an event: what was noted at the beginning stays too. A session of which
-/// no trial has begun is made anew where it would be another one, and an event "planned again" says so. Nobody else
-/// opens or runs the session until the returned lock is released: `next` stays true as long.
+/// Attempts left running by a killed program are marked interrupted; what they recorded stays. A
+/// device or provenance other than before is an event: what was noted at the beginning stays too. A
+/// session of which no trial has begun is made anew where it would be another one, and an event
+/// "planned again" says so. Nobody else opens or runs the session until the returned lock is
+/// released: `next` stays true as long.
 /// @throws OtherDevice unless spec.other_device says that it may
-/// @throws StoreError if the session has trials and was made from another protocol, plan, seed or kind, or if a
-///         program holds its SessionLock, this one too, or if the answers so far do not give the stored states of
-///         the protocol's rule: nothing changes
+/// @throws StoreError if the session has trials and was made from another protocol, plan, seed or
+///         kind, or if a program holds its SessionLock, this one too, or if the answers so far do
+///         not give the stored states of the protocol's rule: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
 
-/// open_session() with the plan that a session of spec.key has on this database, left in spec.plan: its
-/// counterbalanced rows are those that the session, or the participant, already has, else those that fewest
-/// others have. Of two rigs that begin at the same moment, the second sees the row that the first took.
+/// open_session() with the plan that a session of spec.key has on this database, left in spec.plan:
+/// its counterbalanced rows are those that the session, or the participant, already has, else those
+/// that fewest others have. Of two rigs that begin at the same moment, the second sees the row that
+/// the first took.
 /// @throws what protocols::make_plan() throws, too: nothing changes
 [[nodiscard]] OpenedSession plan_and_open_session(Database& database, SessionSpec& spec);
 

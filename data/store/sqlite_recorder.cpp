@@ -23,7 +23,8 @@
 namespace palpate::data {
 namespace {
 
-/// An answer, and whatever else a person waits for, waits this long for the lock of another program.
+/// An answer, and whatever else a person waits for, waits this long for the lock of another
+/// program.
 constexpr int kPatienceMs = 60'000;
 
 }  // namespace
@@ -255,7 +256,8 @@ void SqliteRecorder::write_finished() {
         .bind(1, session_)
         .bind(2, database_.utc_now())
         .run();
-    // Power may fail once the end is on the disk and before anybody is told: it ended then, and has its link.
+    // Power may fail once the end is on the disk and before anybody is told: it ended then, and has
+    // its link.
     if (database_.changes() > 0) {
         chain_session(database_, session_);
     }

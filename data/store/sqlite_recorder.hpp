@@ -13,20 +13,22 @@ namespace palpate::data {
 
 /// Writes a running session. Every commit is synced: what a call has stored survives a power cut.
 ///
-/// append() collects ticks and commits each full chunk of kChunkTicks; save() commits also the one that
-/// is not full yet, to be replaced by a longer one; end_trial() commits the rest with the result. While
-/// another program holds a write lock append() and save() leave the ticks in memory; the other calls wait
-/// for a minute.
+/// append() collects ticks and commits each full chunk of kChunkTicks; save() commits also the one
+/// that is not full yet, to be replaced by a longer one; end_trial() commits the rest with the
+/// result. While another program holds a write lock append() and save() leave the ticks in memory;
+/// the other calls wait for a minute.
 ///
-/// After an error what was appended stays in memory for another try: a stored trace may end early but never
-/// has a hole. Results need a trial that runs: an answer that went nowhere would go unnoticed.
-/// begin_trial() sets room for a whole trial aside, and refuses where the disk has none: where the disk is
-/// full, a trial that has begun is recorded to its end, and the session ends after it.
+/// After an error what was appended stays in memory for another try: a stored trace may end early
+/// but never has a hole. Results need a trial that runs: an answer that went nowhere would go
+/// unnoticed. begin_trial() sets room for a whole trial aside, and refuses where the disk has none:
+/// where the disk is full, a trial that has begun is recorded to its end, and the session ends
+/// after it.
 /// @throws StoreError, and std::logic_error for a call that breaks the order begin, append, end
 class SqliteRecorder : public protocols::Recorder {
 public:
     /// @param database, protocol  outlive the recorder
-    /// @param ticks  false: none are kept, of a simulated session whose provenance says so (kTracesKey)
+    /// @param ticks  false: none are kept, of a simulated session whose provenance says so
+    /// (kTracesKey)
     SqliteRecorder(Database& database,
                    const protocols::Protocol& protocol,
                    std::int64_t session,

@@ -10,7 +10,8 @@
 namespace palpate::data {
 namespace {
 
-/// Of what is idle on any connection: a session's recorder and its screens use one from two threads.
+/// Of what is idle on any connection: a session's recorder and its screens use one from two
+/// threads.
 std::mutex idle_guard;
 
 const char* remedy(int code) {

@@ -57,8 +57,8 @@ struct Connection {
 /// A name of a table or column as SQL takes it, whatever it holds: in ", each " twice.
 [[nodiscard]] std::string quoted_name(std::string_view name);
 
-/// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if
-/// SQLite refuses it. A NaN is stored as NULL: SQLite has none.
+/// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws
+/// StoreError if SQLite refuses it. A NaN is stored as NULL: SQLite has none.
 class Statement {
 public:
     /// @param connection  outlives the statement

@@ -37,13 +37,14 @@ struct StoredAttempt {
 [[nodiscard]] std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t session);
 
 /// What the session knows by all of its rows. @param begun  before the first trial
-/// @throws StoreError if a stored stimulus or state is not what the rule gives: nothing may run then
+/// @throws StoreError if a stored stimulus or state is not what the rule gives: nothing may run
+/// then
 [[nodiscard]] protocols::SessionProgress stored_progress(Database& database,
                                                          std::int64_t session,
                                                          protocols::SessionProgress begun);
 
-/// Begins a part again: an event says so, and every answer in it that counts is marked with the reason, and
-/// stays. Nothing happens where nothing was answered.
+/// Begins a part again: an event says so, and every answer in it that counts is marked with the
+/// reason, and stays. Nothing happens where nothing was answered.
 /// @return what the session knows then
 [[nodiscard]] protocols::SessionProgress begin_again(Database& database,
                                                      std::int64_t session,

@@ -14,11 +14,13 @@
 
 namespace palpate::data {
 
-/// Writes the trace of the running trial in chunks of codec 2. A chunk that is not full yet is a row too,
-/// replaced by a longer one at every save(): whatever ends the program, the last save() stands.
+/// Writes the trace of the running trial in chunks of codec 2. A chunk that is not full yet is a
+/// row too, replaced by a longer one at every save(): whatever ends the program, the last save()
+/// stands.
 ///
-/// What follows from the rest of a chunk is not written: the writer computes it again from what it writes
-/// and compares. Where one bit differs (another device, lost ticks) the chunk holds that part in full.
+/// What follows from the rest of a chunk is not written: the writer computes it again from what it
+/// writes and compares. Where one bit differs (another device, lost ticks) the chunk holds that
+/// part in full.
 class TraceWriter {
 public:
     /// @param machine    with which the session began; nothing: no device with encoders
@@ -34,8 +36,8 @@ public:
     /// Into memory, nothing else.
     void add(std::span<const engine::TickRecord> ticks);
 
-    /// Writes what was added, in the caller's transaction. What is said to be saved stays in memory until
-    /// saved() says that the transaction was committed.
+    /// Writes what was added, in the caller's transaction. What is said to be saved stays in memory
+    /// until saved() says that the transaction was committed.
     void write();
     void saved();
 

@@ -5,8 +5,9 @@
 
 #include "data/store/database.hpp"
 
-/// What belongs to what in a palpate database, read from the catalogue, so that files can be brought together
-/// whatever tables a later schema adds. What somebody added to a file is theirs: it goes nowhere.
+/// What belongs to what in a palpate database, read from the catalogue, so that files can be
+/// brought together whatever tables a later schema adds. What somebody added to a file is theirs:
+/// it goes nowhere.
 namespace palpate::data {
 
 /// A table whose rows belong to one session or trial.

@@ -40,7 +40,8 @@ std::string called(const SessionVersion& session) {
                        session.participant, session.number, session.uuid);
 }
 
-/// The version that all others became; none if two of them differ, which is a conflict unless one is preferred.
+/// The version that all others became; none if two of them differ, which is a conflict unless one
+/// is preferred.
 const SessionVersion* last_of(const Versions& versions,
                               const std::string& prefer,
                               std::vector<MergeConflict>& conflicts) {
@@ -104,7 +105,8 @@ bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts)
     return false;
 }
 
-/// By study, participant and number: shards of one simulation become what it is in one file, row by row.
+/// By study, participant and number: shards of one simulation become what it is in one file, row by
+/// row.
 std::vector<Merging> in_order(const std::map<std::string, Versions>& all,
                               const Database& out,
                               const std::string& prefer,

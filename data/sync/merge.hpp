@@ -18,18 +18,21 @@ struct MergeReport {
 
 /// Brings the sessions of `inputs` into `file` (made if it is not there), in one transaction.
 ///
-/// A session is known by its uuid, a participant by the code, a study by the hash of its protocol. Merging
-/// the same files again changes nothing, and the order of the files does not matter but for row ids: of a
-/// session that several files hold, the one that the others became is kept (see became()). Nothing is
-/// merged, and a conflict is listed, of
+/// A session is known by its uuid, a participant by the code, a study by the hash of its protocol.
+/// Merging the same files again changes nothing, and the order of the files does not matter but for
+/// row ids: of a session that several files hold, the one that the others became is kept (see
+/// became()). Nothing is merged, and a conflict is listed, of
 /// - a session of one uuid that two files tell differently, unless one of them is `prefer`;
-/// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by hand;
+/// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by
+///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;
-/// - all that `inputs` have of a participant of whom two files tell differently what was noted at one time, unless one is
-///   `prefer`; of notes of several times the newest is kept, and a notice says so.
-/// What a participant had destroyed in one file is destroyed in `file` too.
-/// Sessions keep the secrets with which they were drawn; of a person with two numbers for exports the lesser is
-/// kept, and two people with one number are a conflict. What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.
+/// - all that `inputs` have of a participant of whom two files tell differently what was noted at
+///   one time, unless one is `prefer`; of notes of several times the newest is kept, and a notice
+///   says so.
+/// What a participant had destroyed in one file is destroyed in `file` too. Sessions keep the
+/// secrets with which they were drawn; of a person with two numbers for exports the lesser is kept,
+/// and two people with one number are a conflict. What `file` itself holds stays in any case. The
+/// inputs are only read, also while a rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
                                       const std::vector<std::string>& inputs,

@@ -21,11 +21,12 @@ struct MergeConflict {
 
 inline constexpr const char* kPreferRemedy = "--prefer FILE takes what that one of them says";
 
-/// What the files say of participants, by code: of two notes the newest, and nothing from before the time when somebody
-/// had all destroyed.
+/// What the files say of participants, by code: of two notes the newest, and nothing from before
+/// the time when somebody had all destroyed.
 class PeopleMerge {
 public:
-    /// @param prefer  the file that is right where two notes are of one time; empty: that is a conflict
+    /// @param prefer  the file that is right where two notes are of one time; empty: that is a
+    /// conflict
     explicit PeopleMerge(std::string prefer) : prefer_(std::move(prefer)) {}
     /// @param file  how to call the database
     void read(Database& database, const std::string& file);

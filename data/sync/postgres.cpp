@@ -25,8 +25,9 @@ constexpr int kTuplesOk = 2;
 constexpr int kPipelineSync = 10;
 constexpr int kPipelineAborted = 11;
 
-/// libpq, PostgreSQL's C library (https://www.postgresql.org/docs/current/libpq.html), loaded when the first
-/// server is asked for: it brings twenty libraries, and no other command needs one of them.
+/// libpq, PostgreSQL's C library (https://www.postgresql.org/docs/current/libpq.html), loaded when
+/// the first server is asked for: it brings twenty libraries, and no other command needs one of
+/// them.
 class Libpq {
 public:
     /// @throws std::invalid_argument if it is not installed: what to install
@@ -114,7 +115,8 @@ struct ConninfoOption {
     int size;
 };
 
-/// A word of the connection as libpq has it: from the URL, a service file, a variable, or by itself.
+/// A word of the connection as libpq has it: from the URL, a service file, a variable, or by
+/// itself.
 std::string word_of(PGconn* connection, std::string_view keyword) {
     auto* all = static_cast<ConninfoOption*>(pq().conninfo(connection));
     std::string value;
@@ -325,8 +327,8 @@ std::int64_t Postgres::flush() {
     for (bool synced = false; !synced;) {
         PGresult* next = pq().get_result(of(connection_));
         if (next == nullptr) {
-            // The end of a statement's results. Twice in a row nothing is left to wait for, and the sync did
-            // not come: the server is gone, whatever PQstatus says.
+            // The end of a statement's results. Twice in a row nothing is left to wait for, and the
+            // sync did not come: the server is gone, whatever PQstatus says.
             if (ended || pq().status(of(connection_)) != kConnectionOk) {
                 fail("sending rows",
                      wrong.empty() ? pq().error_message(of(connection_)) : wrong.c_str());

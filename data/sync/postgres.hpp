@@ -39,10 +39,12 @@ private:
 /// A connection to a PostgreSQL server by libpq, the only place that knows it.
 class Postgres {
 public:
-    /// @param url  postgresql://...; TLS and all else as libpq's documentation of connection URIs says
-    /// @param insecure  beyond this machine also without sslmode=verify-full, where others can read what is sent or
-    ///                  answer in the server's place
-    /// @throws std::invalid_argument if it is no such URL, it is not secure, or libpq is not installed
+    /// @param url  postgresql://...; TLS and all else as libpq's documentation of connection URIs
+    /// says
+    /// @param insecure  beyond this machine also without sslmode=verify-full, where others can read
+    ///                  what is sent or answer in the server's place
+    /// @throws std::invalid_argument if it is no such URL, it is not secure, or libpq is not
+    /// installed
     /// @throws PostgresError if nobody answers there
     explicit Postgres(const std::string& url, bool insecure = false);
     Postgres(const Postgres&) = delete;
@@ -58,7 +60,8 @@ public:
     [[nodiscard]] std::vector<std::vector<std::optional<std::string>>> rows(
         const std::string& sql, const PostgresRow& parameters = {});
 
-    /// Notes a statement for flush(): sent at once in pipeline mode, without waiting for its answer.
+    /// Notes a statement for flush(): sent at once in pipeline mode, without waiting for its
+    /// answer.
     void send(const std::string& sql, const PostgresRow& parameters);
     /// Waits for all answers: what was sent since the last flush is one transaction.
     /// @return rows that were added @throws PostgresError if any failed: then none was added

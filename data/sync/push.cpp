@@ -125,8 +125,8 @@ private:
             return;
         }
         try {
-            // One who makes it waits for another. Made again it would wait for those who already add rows, and
-            // they for it.
+            // One who makes it waits for another. Made again it would wait for those who already
+            // add rows, and they for it.
             server_.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944)");
             server_.run((schema_is_whole() ? "" : postgres_schema(tables_)) + "COMMIT");
         } catch (const PostgresError& e) {
@@ -145,7 +145,8 @@ private:
     /// One transaction.
     void flush() { report_.rows += server_.flush(); }
 
-    /// Rows that several files have: two rigs that add them in other orders would wait for each other.
+    /// Rows that several files have: two rigs that add them in other orders would wait for each
+    /// other.
     void one_at_a_time() { server_.send("SELECT pg_advisory_xact_lock(1885432945)", {}); }
 
     void push_shared() {

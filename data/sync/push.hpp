@@ -21,18 +21,20 @@ struct PushReport {
         conflicts;  ///< what the server says differently: nothing of it was added
 };
 
-/// Adds what the server does not have yet of a file: sessions with their plans, every attempt that ended with
-/// its chunks as they are, events, ends, studies, handedness and consent. The file is only read. Of who is noted as
-/// not consenting nothing is sent, and nothing taken away that is there: only an administrator can. An attempt
-/// and all that belongs to it is one transaction, so that a push that was cut off left whole attempts behind,
-/// and the next one goes on. Pushing twice is pushing once.
+/// Adds what the server does not have yet of a file: sessions with their plans, every attempt that
+/// ended with its chunks as they are, events, ends, studies, handedness and consent. The file is
+/// only read. Of who is noted as not consenting nothing is sent, and nothing taken away that is
+/// there: only an administrator can. An attempt and all that belongs to it is one transaction, so
+/// that a push that was cut off left whole attempts behind, and the next one goes on. Pushing twice
+/// is pushing once.
 ///
-/// Makes the schema `palpate` if it is not there and the user may. In conflict are a session whose beginning, an
-/// attempt or an event that the server has otherwise, a study, participant and number that are there under
-/// another uuid, a participant's handedness or consent, and a session whose chain of hashes does not hold
-/// (data/store/chain.hpp): damaged, or edited by hand. Of who does not consent nothing but that is added; a session of
-/// theirs that is there is a conflict. The server has each session as it was run: whose it is really, and that it was
-/// withdrawn, its events say.
+/// Makes the schema `palpate` if it is not there and the user may. In conflict are a session whose
+/// beginning, an attempt or an event that the server has otherwise, a study, participant and number
+/// that are there under another uuid, a participant's handedness or consent, and a session whose
+/// chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by hand. Of who does
+/// not consent nothing but that is added; a session of theirs that is there is a conflict. The
+/// server has each session as it was run: whose it is really, and that it was withdrawn, its events
+/// say.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
 /// @throws PostgresError if the server fails: what was added stays
 [[nodiscard]] PushReport push_file(const std::string& file,

@@ -24,8 +24,8 @@ void replace_session(const SessionVersion& from,
 /// @throws StoreError where `out` says otherwise
 void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file);
 
-/// Copies the one session of `from`, with its participant, into `out`, which does not have it. In the caller's
-/// transaction, with deferred foreign keys.
+/// Copies the one session of `from`, with its participant, into `out`, which does not have it. In
+/// the caller's transaction, with deferred foreign keys.
 void append_session(Database& from, Database& out, const Layout& layout);
 
 }  // namespace palpate::data

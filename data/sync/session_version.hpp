@@ -18,7 +18,8 @@ struct TrialVersion {
     std::int64_t ticks = 0;  ///< stored
 };
 
-/// One session as a file has it. Two files can hold the same session (the same uuid) at two moments.
+/// One session as a file has it. Two files can hold the same session (the same uuid) at two
+/// moments.
 struct SessionVersion {
     std::string file;  ///< as the user named it
     Database* database = nullptr;
@@ -43,11 +44,12 @@ struct SessionVersion {
                                                            const Layout& layout,
                                                            const std::string& file);
 
-/// Whether `later` is what `earlier` was or has become: the same beginning, the same trials and events as
-/// far as `earlier` has them. Of those a running trial may have gone on, an answer may have been marked not
-/// to count, the session may have become another's or been withdrawn, and it may have finished; nothing else changes
-/// in a session that goes on. Any version may have been destroyed. A partial
-/// order: two files can hold two sessions of one uuid of which neither became the other.
+/// Whether `later` is what `earlier` was or has become: the same beginning, the same trials and
+/// events as far as `earlier` has them. Of those a running trial may have gone on, an answer may
+/// have been marked not to count, the session may have become another's or been withdrawn, and it
+/// may have finished; nothing else changes in a session that goes on. Any version may have been
+/// destroyed. A partial order: two files can hold two sessions of one uuid of which neither became
+/// the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
 
 }  // namespace palpate::data

@@ -15,11 +15,11 @@
 #include "data/trace/stored_columns.hpp"
 
 /// Codec 1. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
-/// stored_columns() without the parts that it does not hold, and then the streams. A size of 0 says that
-/// all numbers are 0. The stream of a column of whole numbers are blocks of 64 of them (the last may have
-/// fewer): a byte that says how many bits the largest needs, then the numbers in so many bits each, the
-/// lowest bit first, up to a whole byte. The stream of an exact column is a zlib stream of its values,
-/// bytes shuffled: the first byte of every value, then the second, ...
+/// stored_columns() without the parts that it does not hold, and then the streams. A size of 0 says
+/// that all numbers are 0. The stream of a column of whole numbers are blocks of 64 of them (the
+/// last may have fewer): a byte that says how many bits the largest needs, then the numbers in so
+/// many bits each, the lowest bit first, up to a whole byte. The stream of an exact column is a
+/// zlib stream of its values, bytes shuffled: the first byte of every value, then the second, ...
 namespace palpate::data {
 
 /// A stored chunk is not what was written: says which check failed.
@@ -57,8 +57,8 @@ struct EncodedChunk {
                                         std::int64_t period_ns,
                                         std::uint8_t parts);
 
-/// Reads columns of one chunk, each when it is asked for. The checksum is looked at once: no damaged bit
-/// is decoded.
+/// Reads columns of one chunk, each when it is asked for. The checksum is looked at once: no
+/// damaged bit is decoded.
 class ChunkReader {
 public:
     /// @throws TraceError if the chunk is damaged or of another codec
@@ -72,7 +72,8 @@ public:
     [[nodiscard]] bool all_zero(Stored column) const noexcept {
         return streams_[static_cast<std::size_t>(column)].empty();
     }
-    /// All exact columns that the chunk holds, into the ticks. `command` becomes bits XOR those of force.
+    /// All exact columns that the chunk holds, into the ticks. `command` becomes bits XOR those of
+    /// force.
     void read_exact(std::span<engine::TickRecord> ticks) const;
     /// The same columns, to be put into ticks later. @throws TraceError
     [[nodiscard]] std::vector<ExactColumn> exact() const;

@@ -275,7 +275,8 @@ bool ChunkReplay::work(Lock& lock) noexcept {
     return true;
 }
 
-/// The contacts of an unpacked chunk's ticks, after those of the chunk before: all that cannot be done side by side.
+/// The contacts of an unpacked chunk's ticks, after those of the chunk before: all that cannot be
+/// done side by side.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
     for (TickRecord& tick : chunk.has_gaps ? chunk.ticks : chunk.ticks.last(1)) {
         last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : tick.hip;
@@ -288,8 +289,8 @@ void ChunkReplay::follow(Chunk& chunk) noexcept {
     contacts_.contacts(chunk.ticks);
 }
 
-/// What follows from a tick's contact or is held in full, and the hash: some ticks at a time, while they are in the
-/// first cache.
+/// What follows from a tick's contact or is held in full, and the hash: some ticks at a time, while
+/// they are in the first cache.
 void ChunkReplay::finish(Chunk& chunk) noexcept {
     constexpr std::size_t kAtOnce = 64;
     DerivedHash hash;

@@ -21,19 +21,20 @@
 
 namespace palpate::data {
 
-/// Replays the chunks of one interval: who waits for one works on it, and a thread beside it works ahead.
+/// Replays the chunks of one interval: who waits for one works on it, and a thread beside it works
+/// ahead.
 ///
 ///     bytes to whole numbers to HIP    each chunk by itself
 ///     HIP to contact                   from tick to tick, so one chunk after the other
 ///     command, and hash of the ticks   each chunk by itself
 ///
-/// What is to be done of these first is done by whichever of the two is free, so that both cores are busy
-/// whatever the scene costs. The numbers do not depend on who computed them. Nothing is done for chunks more
-/// than a few beyond the last one that was asked for. One caller at a time.
+/// What is to be done of these first is done by whichever of the two is free, so that both cores
+/// are busy whatever the scene costs. The numbers do not depend on who computed them. Nothing is
+/// done for chunks more than a few beyond the last one that was asked for. One caller at a time.
 class ChunkReplay {
 public:
-    /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it; in space it is what its
-    ///                 columns say there
+    /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it; in space it is what
+    ///                 its columns say there
     /// @param scene    nothing: contacts are what the chunks hold
     /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
     /// @param helped   by a thread; not where intervals are replayed side by side
@@ -78,7 +79,8 @@ private:
     /// The columns of a chunk on their way into its ticks. Used again for later chunks.
     class Unpacking {
     public:
-        /// What the bytes tell without the scene. HIP is NaN where the linkage has no pose. @throws TraceError
+        /// What the bytes tell without the scene. HIP is NaN where the linkage has no pose. @throws
+        /// TraceError
         void unpack(Chunk& chunk, const std::optional<engine::ManyHips>& machine, bool in_space);
 
     private:

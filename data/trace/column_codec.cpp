@@ -28,7 +28,8 @@ constexpr Word unfold(Word folded) noexcept {
     return (folded >> 1U) ^ (Word{0} - (folded & 1U));
 }
 
-/// What a rule foretells of the next value: what is taken from it. All in two's complement of a Word.
+/// What a rule foretells of the next value: what is taken from it. All in two's complement of a
+/// Word.
 template <class Word>
 class Predicted {
 public:

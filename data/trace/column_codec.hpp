@@ -11,7 +11,8 @@
 /// From the values of one column of a chunk to its stream (chunk.hpp), and back.
 namespace palpate::data {
 
-/// Where a chunk begins, and how fast its clock ticks: what the rules `after` and `clock` take away.
+/// Where a chunk begins, and how fast its clock ticks: what the rules `after` and `clock` take
+/// away.
 struct ChunkClock {
     std::int64_t first_tick = 0;
     std::int64_t period_ns = 0;

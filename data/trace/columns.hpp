@@ -14,7 +14,8 @@ namespace palpate::data {
 /// What a column of a tick says. A real may be NaN: there was no number.
 using TickValue = std::variant<std::int64_t, double, std::string_view>;
 
-/// One column of a servo tick, the same by name and meaning in `sample`, fault_tick, exports and BIDS.
+/// One column of a servo tick, the same by name and meaning in `sample`, fault_tick, exports and
+/// BIDS.
 struct TraceColumn {
     std::string_view name;
     std::string_view type;  ///< integer, real, text

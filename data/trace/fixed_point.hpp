@@ -9,8 +9,8 @@ namespace palpate::data {
 /// Not a number, or infinite.
 inline constexpr std::int32_t kNotANumber = std::numeric_limits<std::int32_t>::min();
 
-/// `value` in steps of 1 / per_unit: floor(value * per_unit + 1/2), so halves go up; beyond 2^31 - 1 steps
-/// the last one on that side, +-(2^31 - 1).
+/// `value` in steps of 1 / per_unit: floor(value * per_unit + 1/2), so halves go up; beyond 2^31 -
+/// 1 steps the last one on that side, +-(2^31 - 1).
 [[nodiscard]] inline std::int32_t in_steps(double value, double per_unit) noexcept {
     constexpr double kMax = std::numeric_limits<std::int32_t>::max();
     const double steps = value * per_unit + 0.5;

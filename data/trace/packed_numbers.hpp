@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-/// Whole numbers in as few bits as the largest of their block needs: a stream of blocks of kBlock numbers
-/// (the last may have fewer), each a byte that says how many bits, 0 to 64, then the numbers in so many bits
-/// each, the lowest bit first, up to a whole byte. Reads faster than any dictionary; of what hands and
-/// encoders give it leaves as little.
+/// Whole numbers in as few bits as the largest of their block needs: a stream of blocks of kBlock
+/// numbers (the last may have fewer), each a byte that says how many bits, 0 to 64, then the
+/// numbers in so many bits each, the lowest bit first, up to a whole byte. Reads faster than any
+/// dictionary; of what hands and encoders give it leaves as little.
 namespace palpate::data {
 
 inline constexpr std::size_t kBlock = 64;

@@ -37,8 +37,9 @@ struct TraceTrial {
 
 struct Replayed {
     Ticks ticks;
-    /// The first chunk whose hash the replay does not give: from here on the columns that were not stored
-    /// are those of another palpate, compiler or machine. Nothing: every bit is as the servo had it.
+    /// The first chunk whose hash the replay does not give: from here on the columns that were not
+    /// stored are those of another palpate, compiler or machine. Nothing: every bit is as the servo
+    /// had it.
     std::optional<std::int64_t> differs_from;
 };
 
@@ -55,14 +56,14 @@ class SessionTraces {
 public:
     /// @param protocol_toml  study.protocol_toml
     /// @param calibration    the session's provenance "calibration"; empty: there is none
-    /// @throws protocols::ProtocolError if the protocol cannot be read. A calibration that cannot be read is
-    ///         none: no chunk that needs it reproduces its hash
+    /// @throws protocols::ProtocolError if the protocol cannot be read. A calibration that cannot
+    ///         be read is none: no chunk that needs it reproduces its hash
     SessionTraces(std::string_view protocol_toml, std::string_view calibration);
     explicit SessionTraces(protocols::Protocol protocol,
                            std::optional<engine::PantographSpec> machine = std::nullopt);
 
-    /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was: without
-    /// closest points, which no servo needs.
+    /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was:
+    /// without closest points, which no servo needs.
     /// @throws TraceError if a chunk is damaged, std::invalid_argument if the scene cannot be built
     [[nodiscard]] Replayed replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
 
@@ -92,20 +93,20 @@ private:
     std::map<Felt, std::shared_ptr<const engine::FeltScene>> scenes_;
 };
 
-/// The pantograph of a canonical calibration text, if it is one; of three straight axes HIP follows from its own
-/// columns.
+/// The pantograph of a canonical calibration text, if it is one; of three straight axes HIP follows
+/// from its own columns.
 [[nodiscard]] std::optional<engine::PantographSpec> machine_of(std::string_view calibration);
 
-/// Replay of one interval with a scene that is there already; no scene: only what is stored. The closest
-/// points are left out: see find_closest_points(). Chunk by chunk: ChunkReplay.
+/// Replay of one interval with a scene that is there already; no scene: only what is stored. The
+/// closest points are left out: see find_closest_points(). Chunk by chunk: ChunkReplay.
 /// @param helped  by a thread; not where intervals are replayed side by side
 [[nodiscard]] Replayed replay(const engine::SceneView& scene,
                               const std::optional<engine::PantographSpec>& machine,
                               std::span<const ChunkView> chunks,
                               bool helped = true);
 
-/// The closest point of the next ticks of an interval, from its first one on: out of contact the one that was
-/// last looked for, which is where the god-object is.
+/// The closest point of the next ticks of an interval, from its first one on: out of contact the
+/// one that was last looked for, which is where the god-object is.
 /// @param track  of these questions alone; new before the first tick
 void find_closest_points(const engine::SceneView& scene,
                          engine::FeltTrack& track,

@@ -10,7 +10,8 @@
 
 namespace palpate::data {
 
-/// HIP from encoder counts, as the device computed it: where the linkage has no pose HIP is the last one.
+/// HIP from encoder counts, as the device computed it: where the linkage has no pose HIP is the
+/// last one.
 class HipFromCounts {
 public:
     explicit HipFromCounts(const engine::PantographSpec& machine);
@@ -24,12 +25,12 @@ private:
     engine::Vec2 last_{};
 };
 
-/// Part bits of what does not follow from the rest of the tick. Recorder and replay ask the same question:
-/// what one answers, the other can rely on.
+/// Part bits of what does not follow from the rest of the tick. Recorder and replay ask the same
+/// question: what one answers, the other can rely on.
 class Retrace {
 public:
-    /// @param machine  nothing: HIP follows from nothing; in space, where there is none, from its columns where
-    ///                 it is a whole number of their steps
+    /// @param machine  nothing: HIP follows from nothing; in space, where there is none, from its
+    ///                 columns where it is a whole number of their steps
     /// @param scene    nothing: contacts follow from nothing; must outlive this
     Retrace(const std::optional<engine::PantographSpec>& machine, const engine::SceneView& scene);
 

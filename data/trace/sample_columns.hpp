@@ -5,7 +5,8 @@
 
 namespace palpate::data {
 
-/// Columns of the virtual table `sample`, in their order: whose the tick is, those of trace_columns(), velocity.
+/// Columns of the virtual table `sample`, in their order: whose the tick is, those of
+/// trace_columns(), velocity.
 enum class SampleColumn : std::uint8_t {
     trial_id,
     interval,

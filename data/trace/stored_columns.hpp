@@ -9,7 +9,8 @@
 /// so that the file explains itself.
 namespace palpate::data {
 
-/// The columns that every chunk holds, whole numbers that anyone can read, in their order in a chunk.
+/// The columns that every chunk holds, whole numbers that anyone can read, in their order in a
+/// chunk.
 enum class Stored : std::uint8_t {
     tick,
     time_ns,
@@ -32,8 +33,8 @@ inline constexpr std::size_t kStoredColumns = 16;
 /// With the exact ones.
 inline constexpr std::size_t kAllColumns = 36;
 
-/// How a value becomes the number that is written, in two's complement of the column's width. All but `plain`
-/// and `exact` are then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
+/// How a value becomes the number that is written, in two's complement of the column's width. All
+/// but `plain` and `exact` are then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
 enum class Rule : std::uint8_t {
     plain,  ///< as it is
     after,  ///< minus one more than the value before; the first: minus the chunk's first_tick
@@ -42,8 +43,8 @@ enum class Rule : std::uint8_t {
     exact,  ///< the bytes of a floating-point number, or those of `command` XOR those of `force`
 };
 
-/// Exact columns are in a chunk only where they do not follow from the others: a chunk names the parts
-/// that it holds.
+/// Exact columns are in a chunk only where they do not follow from the others: a chunk names the
+/// parts that it holds.
 enum Part : std::uint8_t {
     part_hip =
         1U

@@ -12,7 +12,8 @@
 
 namespace palpate::data {
 
-/// Allocates what is written in full before it is read: resize() sets nothing, and many ticks lie on large pages.
+/// Allocates what is written in full before it is read: resize() sets nothing, and many ticks lie
+/// on large pages.
 template <class T>
 struct Unset {
     using value_type = T;

@@ -67,7 +67,8 @@ std::optional<std::size_t> index_of(const std::vector<protocols::ObjectSpec>& ob
              : std::optional(static_cast<std::size_t>(found - objects.begin()));
 }
 
-/// A person's answer within the guard time would have been none; and what is asked to be confirmed was.
+/// A person's answer within the guard time would have been none; and what is asked to be confirmed
+/// was.
 void check_presses(const protocols::Protocol& protocol,
                    const StoredRow& response,
                    Findings& findings) {

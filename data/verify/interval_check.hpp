@@ -43,8 +43,8 @@ struct CheckedInterval {
     StoredTrace trace;
 };
 
-/// The intervals of a trial against what they should have let one feel: rows of presentation and decays. Ticks
-/// are left to check_ticks().
+/// The intervals of a trial against what they should have let one feel: rows of presentation and
+/// decays. Ticks are left to check_ticks().
 /// @param expected  what the plan and the rule say
 [[nodiscard]] std::vector<CheckedInterval> check_intervals(
     Database& database,
@@ -74,8 +74,8 @@ bool check_response(const SessionFrame& frame,
                                                 const protocols::PlannedTrial& planned,
                                                 double stimulus);
 
-/// The row of adaptive_step of a trial: none without an answer that the rule took in; else outcome, estimates
-/// and state are those of the rule.
+/// The row of adaptive_step of a trial: none without an answer that the rule took in; else outcome,
+/// estimates and state are those of the rule.
 /// @param runs  with the answer
 void check_step(Database& database,
                 std::int64_t trial,

@@ -4,8 +4,9 @@
 
 namespace palpate::data {
 
-/// Draws the plan again from protocol, participant, session, seed and the stored row of pictures, and
-/// compares it with the stored rows, plan_sha256 and shuffles. Sets the frame's plan: the one drawn.
+/// Draws the plan again from protocol, participant, session, seed and the stored row of pictures,
+/// and compares it with the stored rows, plan_sha256 and shuffles. Sets the frame's plan: the one
+/// drawn.
 /// @return false if there is no plan to check trials against
 [[nodiscard]] bool check_plan(Database& database,
                               const StoredRow& session,

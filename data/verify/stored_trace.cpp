@@ -94,7 +94,8 @@ private:
         }
     }
 
-    /// What everybody can read must be what the exact numbers say. The other columns are the ticks' own.
+    /// What everybody can read must be what the exact numbers say. The other columns are the ticks'
+    /// own.
     void check_readable(const ChunkView& chunk, std::span<const TickRecord> ticks) {
         constexpr std::array kReadable{Stored::lateness_ns, Stored::flags,    Stored::hip_x,
                                        Stored::hip_y,       Stored::hip_z,    Stored::command_x,

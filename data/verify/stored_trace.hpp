@@ -20,8 +20,9 @@ struct StoredTrace {
     bool holds_contacts = false;
 };
 
-/// Checks every chunk: codec, checksum, streams, counts, order, that the replay of what it does not hold has
-/// the hash that the recorder wrote, and that what everybody can read is what the exact numbers say.
+/// Checks every chunk: codec, checksum, streams, counts, order, that the replay of what it does not
+/// hold has the hash that the recorder wrote, and that what everybody can read is what the exact
+/// numbers say.
 /// @param chunks     of the interval, in order
 /// @param scene      as the trial's, with its decays
 /// @param period_ns  of the session

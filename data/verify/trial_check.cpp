@@ -38,8 +38,8 @@ bool is_trip(const std::string& name) {
     return false;
 }
 
-/// Columns of a trial that was cut off: nothing of it was added up. All that may be NULL, but for what was there at
-/// its begin, what is said of it later, and its seal.
+/// Columns of a trial that was cut off: nothing of it was added up. All that may be NULL, but for
+/// what was there at its begin, what is said of it later, and its seal.
 std::vector<std::string_view> columns_of_an_end() {
     constexpr std::array<std::string_view, 5> kOther{"calibration_sha256", "invalid_reason",
                                                      "started_ns", "seal", "seal_events"};

@@ -16,8 +16,8 @@
 
 namespace palpate::data {
 
-/// Checks the attempts of one session in the order in which they were made. Their rows are looked at one after
-/// the other, their ticks side by side.
+/// Checks the attempts of one session in the order in which they were made. Their rows are looked
+/// at one after the other, their ticks side by side.
 class TrialCheck {
 public:
     /// @param report  takes what is found, trial by trial, and how many ticks were replayed

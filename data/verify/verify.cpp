@@ -58,8 +58,8 @@ void check_columns(Database& database, Findings& findings) {
     }
 }
 
-/// One secret is made with the file; foreign_key_check says where a session's own is gone. The number of a
-/// person in exports was drawn with one of them.
+/// One secret is made with the file; foreign_key_check says where a session's own is gone. The
+/// number of a person in exports was drawn with one of them.
 void check_secrets(Database& database, Findings& findings) {
     const auto secrets = rows_of(database, "SELECT hex FROM secret");
     if (secrets.empty()) {

@@ -26,7 +26,8 @@ enum class Rights : std::uint8_t {
     own,    ///< its owner alone: it can tell who somebody is
 };
 
-/// What is made under another name beside its place has this and six letters behind the place's name.
+/// What is made under another name beside its place has this and six letters behind the place's
+/// name.
 inline constexpr std::string_view kPartName = ".palpate-part-";
 
 /// `wanted` without what the umask takes away.
@@ -44,22 +45,24 @@ private:
     int fd_ = -1;
 };
 
-/// Removes from a folder what a palpate of this user that was killed left half made there, and says so.
+/// Removes from a folder what a palpate of this user that was killed left half made there, and says
+/// so.
 void remove_leftovers(const std::filesystem::path& folder);
 
-/// Before long work: whether write_whole() could write it now. Removes leftovers. @throws as write_whole()
+/// Before long work: whether write_whole() could write it now. Removes leftovers. @throws as
+/// write_whole()
 /// @param text the text that will be written, or how it will begin; empty: nothing is there yet
 void require_writable(const std::filesystem::path& file, std::string_view text);
 
-/// Writes the text so that the file is either whole or as it was: to a new file beside it, synced, then
-/// renamed: no link is followed. An empty path means standard output.
+/// Writes the text so that the file is either whole or as it was: to a new file beside it, synced,
+/// then renamed: no link is followed. An empty path means standard output.
 ///
 /// What is there is written over only if it is empty or of the text's own kind, as the same command
 /// wrote it before: it begins with the same tag (<svg, <!DOCTYPE), the same head of a CSV, or the
 /// same first three lines of a TOML file. Anything else stays: a database, somebody's table, a
 /// protocol. Pipes and terminals have no kind.
-/// @throws std::invalid_argument if a file of another kind is there, std::runtime_error if it cannot
-///         be written; both with file, why and remedy
+/// @throws std::invalid_argument if a file of another kind is there, std::runtime_error if it
+///         cannot be written; both with file, why and remedy
 void write_whole(const std::filesystem::path& file, std::string_view text, Rights rights);
 void write_whole(const std::filesystem::path& file, std::string_view text);  ///< Rights::usual
 

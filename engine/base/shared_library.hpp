@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// A library that is looked for when it is needed, and stays until the process ends: its threads may
-/// outlive whoever loaded it.
+/// A library that is looked for when it is needed, and stays until the process ends: its threads
+/// may outlive whoever loaded it.
 class SharedLibrary {
 public:
     /// @param name  a path, or a name where the system keeps libraries

@@ -11,8 +11,9 @@
 
 namespace palpate {
 
-/// Work that is done side by side: by a thread for each further core, and by whoever waits for some of it.
-/// Tasks begin in the order in which they were added, and must not depend on one another. One owner.
+/// Work that is done side by side: by a thread for each further core, and by whoever waits for some
+/// of it. Tasks begin in the order in which they were added, and must not depend on one another.
+/// One owner.
 class SideBySide {
 public:
     /// @param cores  of which one is the owner's; 1: who waits does it all

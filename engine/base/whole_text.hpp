@@ -8,11 +8,12 @@
 
 namespace palpate {
 
-/// write_whole() bit by bit, for what is longer than the memory: the file is there once it is finished. Standard output
-/// gets each bit at once.
+/// write_whole() bit by bit, for what is longer than the memory: the file is there once it is
+/// finished. Standard output gets each bit at once.
 class WholeText {
 public:
-    /// @param head  how the text begins: what is there is written over only if it is of this kind; it is not written
+    /// @param head  how the text begins: what is there is written over only if it is of this kind;
+    /// it is not written
     /// @throws as write_whole()
     WholeText(const std::filesystem::path& file,
               std::string_view head,

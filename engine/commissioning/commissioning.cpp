@@ -272,7 +272,8 @@ void fill_record(RigRecord& record,
     record.stiffness = record.damping / min_damping(1.0, kTick, traits.delay_ticks);
 }
 
-/// Pulses at all places, the last one first: the handle is there. Straight axes are the same everywhere.
+/// Pulses at all places, the last one first: the handle is there. Straight axes are the same
+/// everywhere.
 std::string prove_pushes(PulseRunner& runner,
                          const Device& device,
                          const Calibration& machine,

@@ -7,9 +7,9 @@
 
 #include "engine/commissioning/pulse_fit.hpp"
 
-/// A rig is proved from nothing: first its encoders, by places to which a person brings the handle and
-/// while no motor turns; then its motors, by weak pulses on a handle that nobody holds. Whatever is
-/// wrong is found before a force is more than 0.3 N, on three straight axes 1 N.
+/// A rig is proved from nothing: first its encoders, by places to which a person brings the handle
+/// and while no motor turns; then its motors, by weak pulses on a handle that nobody holds.
+/// Whatever is wrong is found before a force is more than 0.3 N, on three straight axes 1 N.
 namespace palpate::engine {
 
 /// What the procedure needs of the world.
@@ -37,16 +37,16 @@ struct Commissioned {
 
 /// @param places  those of places_to_commission(), or others that tell the encoders, home first
 /// @param mass    kg: what the handle of a pantograph weighs, or what each of three motors moves
-/// @throws std::invalid_argument for places that do not tell how encoders are connected, and for a mass that
-///         cannot be
+/// @throws std::invalid_argument for places that do not tell how encoders are connected, and for a
+///         mass that cannot be
 [[nodiscard]] Commissioned commission(Device& device,
                                       const Calibration& machine,
                                       const std::vector<Vec3>& places,
                                       const Vec3& mass,
                                       const CommissioningDesk& desk);
 
-/// The short form that opens each session, and is given again in its breaks: a pulse in each direction where
-/// the handle rests, until one says that something is wrong.
+/// The short form that opens each session, and is given again in its breaks: a pulse in each
+/// direction where the handle rests, until one says that something is wrong.
 struct ShortForm {
     std::string refused;  ///< as above
     std::string found;    ///< shares and directions of those that were right, for the record

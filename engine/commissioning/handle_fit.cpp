@@ -41,10 +41,10 @@ FittedHandle handle_of(const Numbers& x) {
             .ratio = x[9]};
 }
 
-/// (I + m J^T J) v' = tau - (B + b J^T J + m J^T C(v)) v - f sgn v - g J^T w / |w|, w = J v, from rest,
-/// damping and friction taken implicitly; J and C are those of the measured way. Without C, which
-/// says how J changes, the mass comes out a tenth too low. Appends the counts of both joints at every
-/// kEvery-th tick.
+/// (I + m J^T J) v' = tau - (B + b J^T J + m J^T C(v)) v - f sgn v - g J^T w / |w|, w = J v, from
+/// rest, damping and friction taken implicitly; J and C are those of the measured way. Without C,
+/// which says how J changes, the mass comes out a tenth too low. Appends the counts of both joints
+/// at every kEvery-th tick.
 void predict(const Track& track, const Numbers& x, std::vector<double>& counts) {
     const double h = track.period / kSubSteps;
     Vec2 rate{};
@@ -135,7 +135,8 @@ std::vector<double> predicted(std::span<const Track> tracks, const Numbers& x) {
     return counts;
 }
 
-/// Of the pulse that the numbers explain worst, so that one which somebody held is not lost among many.
+/// Of the pulse that the numbers explain worst, so that one which somebody held is not lost among
+/// many.
 double unexplained(std::span<const Track> tracks, const Numbers& x) {
     double worst = 0.0;
     for (const Track& track : tracks) {
@@ -144,8 +145,8 @@ double unexplained(std::span<const Track> tracks, const Numbers& x) {
     return worst;
 }
 
-/// Gains of both motors and friction, as numbers of a handle: a motion does not change if torques and
-/// all that withstands them become as much stronger.
+/// Gains of both motors and friction, as numbers of a handle: a motion does not change if torques
+/// and all that withstands them become as much stronger.
 Numbers changed(const HandleDynamics& before, const Numbers& by) {
     Numbers x = numbers_of({.dynamics = before});
     for (std::size_t i = 0; i < 9; ++i) {

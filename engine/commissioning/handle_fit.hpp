@@ -7,8 +7,8 @@
 #include "engine/commissioning/pulses.hpp"
 #include "engine/commissioning/rig_record.hpp"
 
-/// How a free handle moves, found from pulses by the motion itself: the numbers whose predicted motion
-/// is nearest to the counts (Levenberg and Marquardt's method).
+/// How a free handle moves, found from pulses by the motion itself: the numbers whose predicted
+/// motion is nearest to the counts (Levenberg and Marquardt's method).
 namespace palpate::engine {
 
 /// A pulse as the fit needs it.
@@ -37,8 +37,8 @@ struct Track {
 struct FittedHandle {
     HandleDynamics dynamics{};
     double ratio = 1.0;
-    /// Of the pulse that the numbers explain worst: what is left over of its counts by their size, root
-    /// mean square, beyond the rounding of whole counts.
+    /// Of the pulse that the numbers explain worst: what is left over of its counts by their size,
+    /// root mean square, beyond the rounding of whole counts.
     double unexplained = 0.0;
 };
 
@@ -47,14 +47,16 @@ struct FittedHandle {
                                       const FittedHandle& start,
                                       bool free_ratio);
 
-/// What has become of a handle since its numbers were found: torques and friction by what they were.
+/// What has become of a handle since its numbers were found: torques and friction by what they
+/// were.
 struct HandleChange {
     Vec2 gain{1.0, 1.0};       ///< of each motor
     double friction = 1.0;     ///< of all that rubs, damping and dry alike
     double unexplained = 0.0;  ///< as above
 };
 
-/// A push out and back tells strength from friction: friction takes of both, and a weak motor gives less.
+/// A push out and back tells strength from friction: friction takes of both, and a weak motor gives
+/// less.
 /// @param tracks  of four directions at one place
 [[nodiscard]] HandleChange fit_change(std::span<const Track> tracks, const HandleDynamics& before);
 

@@ -114,8 +114,8 @@ template <class Predict>
     return x;
 }
 
-/// What is left of a motion by its size, root mean square, beyond the rounding of both its ends to whole
-/// counts; 0 for a motion of no size.
+/// What is left of a motion by its size, root mean square, beyond the rounding of both its ends to
+/// whole counts; 0 for a motion of no size.
 /// @param measured  as above   @param count  in its unit
 [[nodiscard]] inline double left_over(std::span<const double> measured,
                                       std::span<const double> predicted,

@@ -15,8 +15,8 @@ inline constexpr int kAstray = 5;
 
 /// The device takes the pose in which it is opened for home.
 [[nodiscard]] bool starts_at_home(const Calibration& calibration);
-/// m, where the handle rests when the device is switched on: the calibration's home, or where its counts are 0 on a
-/// Haply or open board, or a place in the middle of the workspace.
+/// m, where the handle rests when the device is switched on: the calibration's home, or where its
+/// counts are 0 on a Haply or open board, or a place in the middle of the workspace.
 [[nodiscard]] Vec3 home_of(const Calibration& calibration);
 
 /// A handle at a place where it should be, as its encoders say.
@@ -32,12 +32,13 @@ struct Sight {
 };
 [[nodiscard]] Sight look_for(PulseRunner& runner, const Calibration& calibration, const Vec3& aim);
 
-/// The handle rests at home. Encoders that slipped since show here; counts of a device that does not begin at home
-/// are its own, and believed.
+/// The handle rests at home. Encoders that slipped since show here; counts of a device that does
+/// not begin at home are its own, and believed.
 [[nodiscard]] ShortForm prove_home(PulseRunner& runner, const Calibration& calibration);
 
-/// The handle rests at the second mark, after a pose was taken for home that nobody saw to. One that rests at neither
-/// for some looks is where the person was told to bring it: home was elsewhere, and is asked for again.
+/// The handle rests at the second mark, after a pose was taken for home that nobody saw to. One
+/// that rests at neither for some looks is where the person was told to bring it: home was
+/// elsewhere, and is asked for again.
 class MarkProof {
 public:
     /// @param mark  m

@@ -11,20 +11,20 @@
 namespace palpate::engine {
 
 /// How the joints turned, against how they should have. Joints and not the handle: near a singular
-/// pose, where a machine may well be at home, a count is a large step of the handle. Of straight axes
-/// their ways.
+/// pose, where a machine may well be at home, a count is a large step of the handle. Of straight
+/// axes their ways.
 struct PulseMatch {
     double share = 0.0;   ///< size of the turn of all, by the predicted one
     double angle = 0.0;   ///< rad between them, in the plane of both turns
     double counts = 0.0;  ///< the most that one of them is off
 };
 
-/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within 20
-/// degrees.
+/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within
+/// 20 degrees.
 inline constexpr double kMaxGainError = 0.3;
 inline constexpr double kMaxTurn = 20.0 * kPi / 180.0;
-/// A push that hardly overcomes friction moves by a count or none, and its share and angle say nothing: start and end
-/// are whole counts.
+/// A push that hardly overcomes friction moves by a count or none, and its share and angle say
+/// nothing: start and end are whole counts.
 inline constexpr double kMaxRounding = 1.5;
 /// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
 inline constexpr double kMaxUnexplained = 0.2;
@@ -37,8 +37,8 @@ inline constexpr double kMaxUnexplained = 0.2;
                                const RigRecord& record,
                                double delay);
 
-/// What speaks at once against a rig whose handle should move as `record` says, be its friction what it
-/// may: a sentence without a full stop, empty if nothing does.
+/// What speaks at once against a rig whose handle should move as `record` says, be its friction
+/// what it may: a sentence without a full stop, empty if nothing does.
 [[nodiscard]] std::string wrong_with(const Machine& machine,
                                      const Pulse& pulse,
                                      const RigRecord& record,

@@ -135,7 +135,8 @@ bool PulseRunner::answers_again() {
     return back;
 }
 
-/// A machine that is busy may keep the board's answers back: the zeros are out, and it is asked again.
+/// A machine that is busy may keep the board's answers back: the zeros are out, and it is asked
+/// again.
 Pulse PulseRunner::give(const Vec3& direction, const PulsePlan& plan) {
     Pulse pulse = give_once(direction, plan);
     const auto is_worth_another = [&] {

@@ -56,7 +56,8 @@ struct PulsePlan {
 /// Gives pulses to a device, one at a time.
 class PulseRunner {
 public:
-    /// Waits for the next tick; a device on a virtual clock needs no waiting. @return it came in time
+    /// Waits for the next tick; a device on a virtual clock needs no waiting. @return it came in
+    /// time
     using Wait = std::function<bool()>;
 
     /// @param device  outlives this   @param machine  as its calibration says   @param period  s
@@ -66,18 +67,18 @@ public:
     /// Zero force is the last thing written.
     ~PulseRunner();
 
-    /// Waits for the handle to rest, pushes it along `direction` until it has moved or the time is up,
-    /// then as long the other way, so that it ends near where it was and at rest. At most a second and
-    /// a half. A pulse in which several ticks or answers came late tells nothing of the machine: it
-    /// is given again, and refused in the end with Trip::late.
+    /// Waits for the handle to rest, pushes it along `direction` until it has moved or the time is
+    /// up, then as long the other way, so that it ends near where it was and at rest. At most a
+    /// second and a half. A pulse in which several ticks or answers came late tells nothing of the
+    /// machine: it is given again, and refused in the end with Trip::late.
     /// @param direction  of length 1
     [[nodiscard]] Pulse give(const Vec3& direction, const PulsePlan& plan);
 
     /// Reads for `seconds` without a force.
     [[nodiscard]] Rest watch(double seconds);
 
-    /// The device fell silent and answers again: it may have been opened anew, and have taken the pose
-    /// of that moment for home.
+    /// The device fell silent and answers again: it may have been opened anew, and have taken the
+    /// pose of that moment for home.
     [[nodiscard]] bool reconnected() const noexcept { return reconnected_; }
 
 private:
@@ -109,7 +110,8 @@ private:
 /// The directions of the pulses at a place: to the right, left, away, near; in space also up, down.
 [[nodiscard]] std::span<const Vec3> pulse_directions(std::size_t axes) noexcept;
 
-/// The torque that acts until sample k > 0 from the one before, N m, if each takes `delay` s to act: its mean.
+/// The torque that acts until sample k > 0 from the one before, N m, if each takes `delay` s to
+/// act: its mean.
 [[nodiscard]] Vec3 acting_torque(std::span<const PulseSample> samples,
                                  std::size_t k,
                                  double delay) noexcept;

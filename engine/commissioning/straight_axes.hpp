@@ -8,18 +8,19 @@
 #include "engine/commissioning/pulses.hpp"
 #include "engine/commissioning/rig_record.hpp"
 
-/// What marks and pulses say of three straight axes. Each is alone: a count is a way, a torque a force, and
-/// no linkage has to be reckoned with.
+/// What marks and pulses say of three straight axes. Each is alone: a count is a way, a torque a
+/// force, and no linkage has to be reckoned with.
 namespace palpate::engine {
 
 /// Home, then a place along each axis alone, towards its further end.
 /// @throws std::invalid_argument for an axis whose way is too short, and for a home at an end
 [[nodiscard]] std::vector<Vec3> straight_places(const GantrySpec& spec);
-/// @throws std::invalid_argument for other places than home and one along each axis, 20 mm from it or more
+/// @throws std::invalid_argument for other places than home and one along each axis, 20 mm from it
+/// or more
 void check_straight_places(const GantrySpec& spec, std::span<const Vec3> places);
 
-/// Each encoder that does not say where the handle is, by name, with what to do: a sentence without a full
-/// stop, empty if all do.
+/// Each encoder that does not say where the handle is, by name, with what to do: a sentence without
+/// a full stop, empty if all do.
 /// @param places  as above   @param rests  what was read at each
 [[nodiscard]] std::string wrong_encoders(const Calibration& machine,
                                          std::span<const Vec3> places,
@@ -66,8 +67,8 @@ struct FittedAxes {
                                   const Vec3& mass,
                                   double delay);
 
-/// Each motor that is too strong or too weak for the mass that it moves, as above; and before that a
-/// motion that mass and friction do not explain.
+/// Each motor that is too strong or too weak for the mass that it moves, as above; and before that
+/// a motion that mass and friction do not explain.
 [[nodiscard]] std::string wrong_strength(const FittedAxes& found, const Vec3& mass);
 
 /// What each motor gives by what it gave when `axes` were found, friction being what it may.

@@ -27,12 +27,12 @@ struct TrackState {
 /// A search at h0 finds the global foot and a window of the outline around it in which the distance
 /// has a single minimum for every h with |h - h0| < slack (WindowTracker). Where another stretch
 /// comes close, as beside the medial axis, the nearest foot of that stretch gets a window too.
-/// Everything else is at least `others` away from h0, by the boxes and capsules of the pieces.
-/// For a later h the nearer of the followed feet, at distance d, is global if d + |h - h0| < others
-/// (the triangle inequality), and no search runs. Otherwise a new search does. By the same inequality the
-/// rival is followed only where it may have come nearer since it was followed last. Every answer is
-/// therefore the global closest point, to rounding; the error of the distance is that of one curve
-/// evaluation.
+/// Everything else is at least `others` away from h0, by the boxes and capsules of the pieces. For
+/// a later h the nearer of the followed feet, at distance d, is global if d + |h - h0| < others
+/// (the triangle inequality), and no search runs. Otherwise a new search does. By the same
+/// inequality the rival is followed only where it may have come nearer since it was followed last.
+/// Every answer is therefore the global closest point, to rounding; the error of the distance is
+/// that of one curve evaluation.
 class CertifiedTracker {
 public:
     /// @param outline  must live as long as the tracker

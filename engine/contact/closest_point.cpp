@@ -35,8 +35,8 @@ bool on_vertex(const Seam& vertex, const Vec2& h, const Foot<2>& foot) noexcept 
            as_near(vertex.point, h, foot);
 }
 
-/// h lies past the open end of a curve, where all is outside. Without rounding, as a foot beside the
-/// end is found to more than the last digit of h.
+/// h lies past the open end of a curve, where all is outside. Without rounding, as a foot beside
+/// the end is found to more than the last digit of h.
 bool beyond_end(const RationalBezier<2>& span, bool at_last, const Vec2& h) noexcept {
     const auto last = static_cast<std::size_t>(span.degree());
     const Vec2& end = span.local_point(at_last ? last : 0);
@@ -80,8 +80,8 @@ ClosestPoint OutlineFeet::at_seam(std::size_t seam, const Vec2& h) const noexcep
     return result;
 }
 
-/// The end of the span is no further from h than the foot is, but for rounding: at an end whose control points
-/// repeat the foot may be anywhere that is as near.
+/// The end of the span is no further from h than the foot is, but for rounding: at an end whose
+/// control points repeat the foot may be anywhere that is as near.
 ClosestPoint OutlineFeet::near_end(const Vec2& h,
                                    const Foot<2>& foot,
                                    const Vec2& tangent) const noexcept {

@@ -14,8 +14,8 @@ constexpr double kTaylorError = 1e-17;
 /// And no longer than this: Newton's own error after the step is of the order of its square.
 constexpr double kLongestTaylor = 0x1p-19;
 
-/// Weights that differ by more make all of a curve in a millionth of u: there only the jet tells how long a
-/// last step may be.
+/// Weights that differ by more make all of a curve in a millionth of u: there only the jet tells
+/// how long a last step may be.
 constexpr double kHeavy = 1e3;
 
 /// The longest such step, from C_uuu step^3 / 6 with C_uuu seen at a few places. Only the
@@ -58,9 +58,10 @@ constexpr double kWanted = 0.005;
 /// tangents are rounded, and so is the curve's own derivative there.
 constexpr double kVertexMargin = 1e-12;
 
-/// How far h is from seeing a maximum at the vertex, m: from being past it for the curve before it and not yet at
-/// it for the curve after. As h moves it shrinks by no more than h moves. < 0: a maximum, or within rounding of one.
-/// Straight below the end of one curve, the foot of the other would be missed.
+/// How far h is from seeing a maximum at the vertex, m: from being past it for the curve before it
+/// and not yet at it for the curve after. As h moves it shrinks by no more than h moves. < 0: a
+/// maximum, or within rounding of one. Straight below the end of one curve, the foot of the other
+/// would be missed.
 double clearance(const Seam& seam, const Vec2& h) noexcept {
     const Vec2 gap = seam.point - h;
     const double margin =

@@ -55,8 +55,8 @@ public:
                               const Vec2& h,
                               const PieceRange& taken) const noexcept;
 
-    /// On an arc or a line the foot itself, elsewhere Newton's iteration on g(u) = (C - h) . C' from
-    /// the last one, its first step along a parabola; across spans, within the window.
+    /// On an arc or a line the foot itself, elsewhere Newton's iteration on g(u) = (C - h) . C'
+    /// from the last one, its first step along a parabola; across spans, within the window.
     /// @pre h has moved less than the window's slack
     [[nodiscard]] Followed follow(TrackWindow& window, const Vec2& h) const noexcept {
         if (window.vertex_count != 0 && !one_minimum(window, h)) {
@@ -110,8 +110,8 @@ private:
     return 9.0 * bent * (step2 * step2) <= kSharp2 * (slope * slope);
 }
 
-/// What nearly every tick needs: two steps amid a span. Here, so that its numbers stay in registers. False: it needs
-/// more; what was walked stays.
+/// What nearly every tick needs: two steps amid a span. Here, so that its numbers stay in
+/// registers. False: it needs more; what was walked stays.
 inline bool WindowTracker::glide(TrackWindow& s, const Vec2& h, Foot<2>& foot) const noexcept {
     const Outline& outline = feet_->outline();
     if (outline.arc(s.span) != nullptr) {

@@ -13,7 +13,8 @@
 namespace palpate::engine {
 namespace {
 
-/// Gauss points of a rational curve, doubled until no entry changes by more than this share of the largest one.
+/// Gauss points of a rational curve, doubled until no entry changes by more than this share of the
+/// largest one.
 constexpr std::size_t kFirstPoints = 16;
 constexpr std::size_t kLastPoints = 256;
 constexpr double kSettled = 1e-13;
@@ -30,8 +31,8 @@ struct GaussPoint {
     double weight = 0.0;
 };
 
-/// Gauss-Legendre points: Newton's method on P_n from Tricomi's estimate of its roots (Abramowitz & Stegun 22.16.6,
-/// 25.4.29). To 2 ulp.
+/// Gauss-Legendre points: Newton's method on P_n from Tricomi's estimate of its roots (Abramowitz &
+/// Stegun 22.16.6, 25.4.29). To 2 ulp.
 std::vector<GaussPoint> gauss_legendre(std::size_t n) {
     std::vector<GaussPoint> points(n);
     const auto count = static_cast<double>(n);
@@ -65,7 +66,8 @@ bool not_negative(double value) {
     return std::isfinite(value) && value >= 0.0;
 }
 
-/// Checked: knots, points and weights as a curve asks for them, densities, and the points that are fixed.
+/// Checked: knots, points and weights as a curve asks for them, densities, and the points that are
+/// fixed.
 DnurbsSpec checked(DnurbsSpec spec) {
     static_cast<void>(NurbsCurve<2>(spec.degree, spec.knots, spec.points, spec.weights));
     const std::size_t n = spec.points.size();
@@ -196,7 +198,8 @@ BasisAt Dnurbs::basis(double u) const {
     const auto p = static_cast<std::size_t>(spec_.degree);
     const std::vector<double>& t = knots_.values();
     const KnotVector::Interval& piece = knots_.intervals()[knots_.interval_of(u)];
-    // B-splines of all degrees up to p on this piece: spline[d][j] belongs to control point knot - d + j.
+    // B-splines of all degrees up to p on this piece: spline[d][j] belongs to control point knot -
+    // d + j.
     std::vector<std::vector<double>> spline{{1.0}};
     for (std::size_t d = 1; d <= p; ++d) {
         std::vector<double> next(d + 1);
@@ -296,7 +299,8 @@ double Dnurbs::slowest_motion() const {
     if (!(factor.vectorD().minCoeff() > kFree * k.diagonal().maxCoeff())) {
         return 0.0;
     }
-    // Inverse iteration, from what no symmetry makes orthogonal to a mode. Rayleigh's quotient errs by the square of x.
+    // Inverse iteration, from what no symmetry makes orthogonal to a mode. Rayleigh's quotient errs
+    // by the square of x.
     Columns x(index(moving_.size()), 2);
     for (Eigen::Index i = 0; i < x.rows(); ++i) {
         x(i, 0) = x(i, 1) = 1.0 / static_cast<double>(i + 1);

@@ -10,23 +10,25 @@
 
 /// Dynamic NURBS (D-NURBS): a curve with mass, damping, tension and rigidity that a force deforms.
 ///
-///     M q'' + D q' + K q = R(u)^T F,    q = p - p_rest                    thesis eq. 4.5 to 4.9; Terzopoulos &
-///     M = int mu R^T R du,  D = int gamma R^T R du                        Qin 1994, ACM Trans. Graphics 13(2)
+///     M q'' + D q' + K q = R(u)^T F,    q = p - p_rest        thesis eq. 4.5 to 4.9; Terzopoulos &
+///     M = int mu R^T R du,  D = int gamma R^T R du            Qin 1994, ACM Trans. Graphics 13(2)
 ///     K = int alpha R'^T R' + beta R''^T R'' du
 ///
-/// R(u) are the rational basis functions of fixed weights, so that the matrices are constant and the two axes do
-/// not see one another. Departures from the thesis: its K p pulls the curve together to a point, so the rest shape
-/// is subtracted; nothing holds its curve, so control points can be fixed. Weights stay as they are: as generalised
-/// coordinates they would make M singular along their common scale (all weights times the same factor are the same
-/// curve).
+/// R(u) are the rational basis functions of fixed weights, so that the matrices are constant and
+/// the two axes do not see one another. Departures from the thesis: its K p pulls the curve
+/// together to a point, so the rest shape is subtracted; nothing holds its curve, so control points
+/// can be fixed. Weights stay as they are: as generalised coordinates they would make M singular
+/// along their common scale (all weights times the same factor are the same curve).
 ///
-/// Integrals are sums over the knot intervals with Gauss-Legendre points: degree + 1 where all weights are equal,
-/// which is exact; else 16, and twice as many until nothing changes any more (16 alone leave a relative error of 3e-8
-/// in the rigidity of weights 1, 2, 0.5, 1, and more where weights differ more). Where an inner knot makes a kink,
-/// nothing resists its bending: intervals know nothing of one another's second derivatives.
+/// Integrals are sums over the knot intervals with Gauss-Legendre points: degree + 1 where all
+/// weights are equal, which is exact; else 16, and twice as many until nothing changes any more (16
+/// alone leave a relative error of 3e-8 in the rigidity of weights 1, 2, 0.5, 1, and more where
+/// weights differ more). Where an inner knot makes a kink, nothing resists its bending: intervals
+/// know nothing of one another's second derivatives.
 namespace palpate::engine {
 
-/// What a deformable curve is made of. Densities are per unit of u, the same everywhere on the curve.
+/// What a deformable curve is made of. Densities are per unit of u, the same everywhere on the
+/// curve.
 struct DnurbsSpec {
     int degree = 3;
     std::vector<double> knots{};
@@ -58,9 +60,11 @@ public:
     [[nodiscard]] double front() const noexcept { return knots_.front(); }
     [[nodiscard]] double back() const noexcept { return knots_.back(); }
 
-    /// R and its derivatives at u, Piegl & Tiller, The NURBS Book, eq. 2.5, 2.9 and 4.8. @param u  in [front, back]
+    /// R and its derivatives at u, Piegl & Tiller, The NURBS Book, eq. 2.5, 2.9 and 4.8. @param u
+    /// in [front, back]
     [[nodiscard]] BasisAt basis(double u) const;
-    /// The point C(u) when the control points are displaced. @param displacements  as many as points, m
+    /// The point C(u) when the control points are displaced. @param displacements as many as
+    /// points, m
     [[nodiscard]] Vec2 point(double u, std::span<const Vec2> displacements) const;
 
     /// Entries of M, D and K for the control points i and j; kg, N s/m and N/m.
@@ -77,14 +81,14 @@ public:
     /// The control points that move, in their order.
     [[nodiscard]] const std::vector<std::size_t>& moving() const noexcept { return moving_; }
 
-    /// Displacements at rest under a force, m: K q = R(u)^T F by Cholesky. Relative accuracy: that of the integrals,
-    /// or 1e-16 times the condition of K if that is more.
+    /// Displacements at rest under a force, m: K q = R(u)^T F by Cholesky. Relative accuracy: that
+    /// of the integrals, or 1e-16 times the condition of K if that is more.
     /// @param force  N, finite
     /// @throws std::invalid_argument if K leaves a motion free: then no force has an equilibrium
     [[nodiscard]] std::vector<Vec2> equilibrium(double u, const Vec2& force) const;
 
-    /// omega_1, rad/s, of the slowest motion without its damping: the least omega of K x = omega^2 M x. 0 if nothing
-    /// moves, or if K leaves a motion free. Relative accuracy 1e-4.
+    /// omega_1, rad/s, of the slowest motion without its damping: the least omega of K x = omega^2
+    /// M x. 0 if nothing moves, or if K leaves a motion free. Relative accuracy 1e-4.
     /// @pre mu > 0
     [[nodiscard]] double slowest_motion() const;
 
@@ -102,9 +106,10 @@ private:
     std::vector<double> stiffness_;  ///< K, N/m
 };
 
-/// Its motion in steps of one length by the trapezoid rule, factored once: second order, stable at any step, and
-/// without numerical damping. Energy is 1/2 v^T M v + 1/2 q^T K q; a step loses h v_m^T D v_m of it, v_m the mean of
-/// the two velocities, and gains the force times the way of its point.
+/// Its motion in steps of one length by the trapezoid rule, factored once: second order, stable at
+/// any step, and without numerical damping. Energy is 1/2 v^T M v + 1/2 q^T K q; a step loses h
+/// v_m^T D v_m of it, v_m the mean of the two velocities, and gains the force times the way of its
+/// point.
 class DnurbsMotion {
 public:
     /// At rest. @param step  s, > 0

@@ -29,7 +29,8 @@ DnurbsSpec displacements(double compliance) {
     for (std::size_t i = 0; i < SoftState::kPoints; ++i) {
         spec.points.push_back({static_cast<double>(i), 0.0});  // any: equal weights do not ask
     }
-    // A force at V bends nothing: what it makes is a hat of two straight lines, of energy alpha y^2.
+    // A force at V bends nothing: what it makes is a hat of two straight lines, of energy alpha
+    // y^2.
     spec.alpha = 1.0 / (2.0 * compliance);
     spec.beta = kRigidity * spec.alpha;
     const double wave = 0.5 * kPi;  // of half a sine from u = 0 to 2
@@ -265,7 +266,8 @@ void SoftShape::push(Velocities& mean, const Splines& at, const Vec2& force) con
     }
 }
 
-/// To the end of the tick; false, and all stays but the velocities, which are lost, where that were too deep.
+/// To the end of the tick; false, and all stays but the velocities, which are lost, where that were
+/// too deep.
 bool SoftShape::move(SoftState& state, const Velocities& mean) const noexcept {
     const SoftState before = state;
     bool fits = true;

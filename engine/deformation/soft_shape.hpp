@@ -10,30 +10,33 @@
 
 /// An object of two curves that yield to a force, compiled for one tick period.
 ///
-/// Each of the curves A-V and V-B moves by a cubic B-spline of 8 control points over its own u; they share the one of
-/// V, those of A and B do not move, and the base line B-A stands firm. So the curve at rest may be of any kind, an arc
-/// stays an exact one, and what moves is the D-NURBS of the displacements (engine/deformation/dnurbs.hpp):
+/// Each of the curves A-V and V-B moves by a cubic B-spline of 8 control points over its own u;
+/// they share the one of V, those of A and B do not move, and the base line B-A stands firm. So the
+/// curve at rest may be of any kind, an arc stays an exact one, and what moves is the D-NURBS of
+/// the displacements (engine/deformation/dnurbs.hpp):
 ///
 ///     C(u) = C_rest(u) + R(u) q,      M q'' + D q' + K q = R(u)^T F
 ///
-/// One number says how soft the object is: its compliance c, m/N, is how far the vertex gives way to a force at rest
-/// there, in any direction. Everything else follows from it by fixed rules:
+/// One number says how soft the object is: its compliance c, m/N, is how far the vertex gives way
+/// to a force at rest there, in any direction. Everything else follows from it by fixed rules:
 ///
-///     tension   alpha: R(V) K^-1 R(V)^T = c                  the vertex is the softest place; see compliance_at()
-///     rigidity  beta = alpha / 400                           a dent is about 1/20 of a curve wide
-///     mass      mu: the slowest mode has 200 rad/s (32 Hz)   of two strings alpha and two beams beta, in closed form
-///     damping   gamma = 2 mu 200 rad/s                       the slowest mode is critically damped
+///     tension   alpha: R(V) K^-1 R(V)^T = c          the vertex is softest; see compliance_at()
+///     rigidity  beta = alpha / 400                   a dent is about 1/20 of a curve wide
+///     mass      mu: slowest mode 200 rad/s (32 Hz)   of two strings and two beams, in closed form
+///     damping   gamma = 2 mu 200 rad/s               the slowest mode is critically damped
 ///
-/// so that a surface that is let go is back in some 30 ms whatever its compliance, and a hand that explores feels a
-/// spring. A contact of stiffness K gives way by the spring and the surface in series: 1 / (1 / K + c) in all.
+/// so that a surface that is let go is back in some 30 ms whatever its compliance, and a hand that
+/// explores feels a spring. A contact of stiffness K gives way by the spring and the surface in
+/// series: 1 / (1 / K + c) in all.
 ///
-/// A step is the trapezoid rule with the force at the middle of the tick, and the spring of the contact is part of it:
-/// F = K (h - C(u)) at the middle depends on the step by one number, the compliance c_1 of a single tick, so that
+/// A step is the trapezoid rule with the force at the middle of the tick, and the spring of the
+/// contact is part of it: F = K (h - C(u)) at the middle depends on the step by one number, the
+/// compliance c_1 of a single tick, so that
 ///
 ///     F = K (h - C_free(u)) / (1 + K c_1)
 ///
-/// solves the coupled step exactly. Curve and spring together lose gamma times the squared velocities and gain nothing,
-/// whatever K, c and T: no condition ties them together.
+/// solves the coupled step exactly. Curve and spring together lose gamma times the squared
+/// velocities and gain nothing, whatever K, c and T: no condition ties them together.
 namespace palpate::engine {
 
 /// Softest object, m/N: at 2 N it gives way by the 10 mm that a curve of 40 mm can bear.
@@ -74,8 +77,8 @@ public:
     SoftShape(std::shared_ptr<const Outline> outline, double compliance, double period);
 
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
-    /// A control point moves no farther than this, m: a quarter of the shorter chord. There the surface stops, and
-    /// stays as it is until it may go back.
+    /// A control point moves no farther than this, m: a quarter of the shorter chord. There the
+    /// surface stops, and stays as it is until it may go back.
     [[nodiscard]] double deepest() const noexcept { return deepest_; }
     /// How far a point gives way to a force at rest on itself, m/N; 0 on the base line.
     [[nodiscard]] double compliance_at(const Material& at) const noexcept;
@@ -103,13 +106,14 @@ public:
         double depth = 0.0;  ///< of HIP below the surface, m, < 0 outside
         Vec2 point{};        ///< of the surface, the nearest to HIP
     };
-    /// One tick with nothing on the surface but a hand that may be in its way: where the surface would run over HIP it
-    /// pushes it instead, by a spring that takes from the surface what it stores: F = (E_1 - E_0) / (x_1 - x_0).
+    /// One tick with nothing on the surface but a hand that may be in its way: where the surface
+    /// would run over HIP it pushes it instead, by a spring that takes from the surface what it
+    /// stores: F = (E_1 - E_0) / (x_1 - x_0).
     /// @pre HIP is outside of the shape as it is
     Met advance_to(SoftState& state, const Vec2& hip, double stiffness) const noexcept;
 
-    /// The point of the shape that is nearest to HIP, and how deep HIP is below it: by 21 points of each curve, then by
-    /// Newton's iteration.
+    /// The point of the shape that is nearest to HIP, and how deep HIP is below it: by 21 points of
+    /// each curve, then by Newton's iteration.
     [[nodiscard]] Met nearest(const SoftState& state, const Vec2& hip) const noexcept;
 
     /// All but at rest: below 10 nm and 10 um/s.

@@ -46,7 +46,8 @@ struct StraightAxis {
     double high = 0.060;
 };
 
-/// A machine of three straight axes, a gantry: x to the right, y away, z up, as the object frame has them.
+/// A machine of three straight axes, a gantry: x to the right, y away, z up, as the object frame
+/// has them.
 struct GantrySpec {
     std::string name = "gantry";
     std::array<StraightAxis, 3> axes{};  ///< x, y, z

@@ -24,7 +24,8 @@ enum class DeviceFault : std::uint8_t {
 /// Whether the participant holds the handle, where a device can tell.
 enum class Grip : std::uint8_t { unknown, held, released };
 
-/// What a device said when read. Of a machine of three axes hip_z and count_3 are the third; else 0.
+/// What a device said when read. Of a machine of three axes hip_z and count_3 are the third; else
+/// 0.
 struct Reading {
     Vec2 hip{};  ///< object frame, m
     std::array<std::int32_t, 2> counts{};
@@ -93,22 +94,23 @@ public:
         static_cast<void>(hip);
         return std::nullopt;
     }
-    /// Force off, proved: after a trip, whoever caused it, and before nobody reads it any more. Takes what
-    /// it takes, at most a second; a device that answers has proved it within 50 ms.
+    /// Force off, proved: after a trip, whoever caused it, and before nobody reads it any more.
+    /// Takes what it takes, at most a second; a device that answers has proved it within 50 ms.
     /// @return false: nothing says that the motors are off; read() has a fault from then on
     virtual bool prove_zero() noexcept {
         write(Vec2{});
         return true;
     }
-    /// Every millisecond from prove_zero() on, while nobody reads: what was proved stays true. Others may
-    /// speak to a port as well.
+    /// Every millisecond from prove_zero() on, while nobody reads: what was proved stays true.
+    /// Others may speak to a port as well.
     virtual void keep_off() noexcept {}
     /// Between trials, never while a servo ticks: makes a device that failed work again. Returns at
     /// once or after little more than a second. @return false while it is still away
     [[nodiscard]] virtual bool reconnect() { return true; }
     /// How often a pose of the handle was taken for home since the device was opened.
     [[nodiscard]] virtual std::size_t homings() const noexcept { return 0; }
-    /// The handle was not at home when its pose was taken for it: reconnect() waits for it there again.
+    /// The handle was not at home when its pose was taken for it: reconnect() waits for it there
+    /// again.
     virtual void forget_home() {}
     /// What is wrong and what to do about it, as a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }

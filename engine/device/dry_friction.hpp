@@ -34,9 +34,9 @@ struct StepFriction {
 ///
 ///     A q' = right + lambda - handle J^T v / |v|
 ///
-/// For a given |v| that is damping by handle / |v|, so that one number is looked for: the speed that
-/// its own damping leaves. Three rounds find it to 1e-3; below a thousandth of the speed without it
-/// the handle stands still.
+/// For a given |v| that is damping by handle / |v|, so that one number is looked for: the speed
+/// that its own damping leaves. Three rounds find it to 1e-3; below a thousandth of the speed
+/// without it the handle stands still.
 [[nodiscard]] Vec2 after_dry_friction(const Vec2& row_1,
                                       const Vec2& row_2,
                                       const Vec2& right,

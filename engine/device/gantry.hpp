@@ -8,9 +8,10 @@
 
 namespace palpate::engine {
 
-/// The arithmetic between the motors and encoders of three straight axes and the object frame. A plain value.
+/// The arithmetic between the motors and encoders of three straight axes and the object frame. A
+/// plain value.
 ///
-///     HIP_i = home_i + r_i q_i,   torque_i = r_i F_i        r: m by rad, q: rad since the set-up at home
+///   HIP_i = home_i + r_i q_i,   torque_i = r_i F_i    r: m by rad, q: rad since the set-up at home
 class Gantry {
 public:
     using Counts = std::array<std::int32_t, 3>;
@@ -31,11 +32,11 @@ public:
     /// All torques scaled alike into the limits: the force keeps its direction.
     /// @param force  finite, N
     [[nodiscard]] Drive drive(const Vec3& force) const noexcept;
-    /// The force that the motors can give in every direction at `hip`, N: the least of torque_limit / r. None:
-    /// outside the workspace.
+    /// The force that the motors can give in every direction at `hip`, N: the least of torque_limit
+    /// / r. None: outside the workspace.
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept;
-    /// The most that a reading lies off a handle at `hip`, m: half a count of each axis and half of 100 nm.
-    /// None: outside the workspace.
+    /// The most that a reading lies off a handle at `hip`, m: half a count of each axis and half of
+    /// 100 nm. None: outside the workspace.
     [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept;
     /// m of way by one count of each axis.
     [[nodiscard]] Vec3 quantum() const noexcept;

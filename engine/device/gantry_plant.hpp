@@ -5,8 +5,8 @@
 
 namespace palpate::engine {
 
-/// How a simulated hand means to explore a patch of a surface about the origin. It knows where the patch
-/// is and how large, never how it is curved.
+/// How a simulated hand means to explore a patch of a surface about the origin. It knows where the
+/// patch is and how large, never how it is curved.
 struct SurfaceExploration {
     Vec3 start{0.0, 0.0, 0.030};  ///< m
     double radius = 0.025;        ///< m, of the strokes about the middle
@@ -33,8 +33,9 @@ struct GantryModel {
 
 /// The motion of three straight axes x, y, z and of the hand that holds their handle.
 ///
-/// On each axis a mass with damping and dry friction, pulled by motor, weight and hand: the kick of a step
-/// takes both dampers by the trapezoidal rule, the friction implicitly, in steps of at most 250 us; deterministic to the bit.
+/// On each axis a mass with damping and dry friction, pulled by motor, weight and hand: the kick of
+/// a step takes both dampers by the trapezoidal rule, the friction implicitly, in steps of at most
+/// 250 us; deterministic to the bit.
 class GantryPlant {
 public:
     /// @throws std::invalid_argument for a number outside its range
@@ -44,7 +45,8 @@ public:
     void begin(const SurfaceExploration& plan);
     /// What the motors are told to give from now on, N.
     void set_force(const Vec3& force) noexcept { command_ = force; }
-    /// From now on it rubs and weighs so much. @throws std::invalid_argument for a number outside its range
+    /// From now on it rubs and weighs so much. @throws std::invalid_argument for a number outside
+    /// its range
     void burden(double friction, double weight);
     /// @param seconds  > 0
     void advance(double seconds) noexcept;

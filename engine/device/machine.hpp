@@ -10,8 +10,9 @@
 
 namespace palpate::engine {
 
-/// Whatever hangs on a board, between its motors and encoders and the object frame: a pantograph in the plane,
-/// whose third count, torque and coordinate are 0, or three straight axes. A plain value.
+/// Whatever hangs on a board, between its motors and encoders and the object frame: a pantograph in
+/// the plane, whose third count, torque and coordinate are 0, or three straight axes. A plain
+/// value.
 class Machine {
 public:
     using Counts = std::array<std::int32_t, kMaxAxes>;

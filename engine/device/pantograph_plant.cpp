@@ -11,8 +11,8 @@
 namespace palpate::engine {
 namespace {
 
-/// s. A whole part of the periods at 1, 2 and 4 kHz; the error of a step is that of a hand of 10 Hz,
-/// (2 pi 10 Hz 250 us)^2 / 12 = 2e-5 of the motion.
+/// s. A whole part of the periods at 1, 2 and 4 kHz; the error of a step is that of a hand of 10
+/// Hz, (2 pi 10 Hz 250 us)^2 / 12 = 2e-5 of the motion.
 constexpr double kSubStep = 250e-6;
 constexpr double kLongestAdvance = 1.0;  ///< s
 

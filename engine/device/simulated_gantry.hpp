@@ -5,10 +5,11 @@
 
 namespace palpate::engine {
 
-/// Three straight axes x, y, z and the hand that holds their handle, as one device on a virtual clock.
+/// Three straight axes x, y, z and the hand that holds their handle, as one device on a virtual
+/// clock.
 ///
-/// A GantryPlant whose encoders count micrometres; motors take codes of 1 mN, and what is commanded at one
-/// tick acts from the next one on, held over it.
+/// A GantryPlant whose encoders count micrometres; motors take codes of 1 mN, and what is commanded
+/// at one tick acts from the next one on, held over it.
 class SimulatedGantry : public Device {
 public:
     /// @param period  s between ticks, > 0

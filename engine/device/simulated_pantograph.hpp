@@ -58,7 +58,8 @@ private:
 };
 
 /// The least damping at the handle that its own and that of the joints give, N s/m: the smallest
-/// eigenvalue of b + J^-T B J^-1 on a grid of 5 mm over the study's 80 x 60 mm, as far as they can be reached.
+/// eigenvalue of b + J^-T B J^-1 on a grid of 5 mm over the study's 80 x 60 mm, as far as they can
+/// be reached.
 [[nodiscard]] double min_handle_damping(const PlantModel& model);
 
 }  // namespace palpate::engine

@@ -20,8 +20,8 @@ constexpr int kMaxNudges = 10;
 /// Halvings of the way to where a budget ends.
 constexpr int kBudgetHalvings = 40;
 
-/// Whether the square of a slope is that of a sharp root among these lengths, m. Mostly without the root of
-/// `far2`: (chord + far)^2 <= 2 (chord^2 + far^2), with room for rounding.
+/// Whether the square of a slope is that of a sharp root among these lengths, m. Mostly without the
+/// root of `far2`: (chord + far)^2 <= 2 (chord^2 + far^2), with room for rounding.
 bool is_sharp(double slope2, double chord, double far2) noexcept {
     constexpr double kAmple = 2.0 * (1.0 + 1e-9) * kSharp * kSharp;
     if (slope2 >= kAmple * (chord * chord + far2)) {

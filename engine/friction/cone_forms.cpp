@@ -72,8 +72,8 @@ Bernstein size_of_hodograph(const Bernstein& p, const Bernstein& w, bool polynom
                       : sum(product(derivative_size(p), w), product(p, derivative_size(w)));
 }
 
-/// What fall_slack() needs of two neighbours: how far HIP moves while the margin between them falls by
-/// one, and rounding of the margin, by itself and per m of HIP.
+/// What fall_slack() needs of two neighbours: how far HIP moves while the margin between them falls
+/// by one, and rounding of the margin, by itself and per m of HIP.
 template <class Part>
 void store_fall(const Part& part, double mu, std::vector<double>& store) {
     const std::size_t n = part.a.size();

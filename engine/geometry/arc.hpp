@@ -29,8 +29,8 @@ inline constexpr double kMaxArcSine = 0.99;
 /// With the chord's middle O, its direction e and length l, n = perp(e), half the sweep a
 /// (sin a = curvature l / 2), d = 2 u - 1 and
 ///
-///     W = 1 - 2 u (1 - u) (1 - cos a)
-///     C(u) = O + (l / W) (e d / 2 + n u (1 - u) sin a),    t(u) = (e (1 + cos a - W) - n d sin a) / W
+///   W = 1 - 2 u (1 - u) (1 - cos a)
+///   C(u) = O + (l / W) (e d / 2 + n u (1 - u) sin a),   t(u) = (e (1 + cos a - W) - n d sin a) / W
 ///
 /// is the rational quadratic of make_arc(), and its unit tangent. Neither centre nor radius is
 /// read, so that nothing is lost where an arc is nearly straight. Error below 1e-15 of the size.
@@ -82,8 +82,8 @@ public:
         [[nodiscard]] double value(double d) const noexcept { return c0 + d * (c1 + d * c2); }
     };
 
-    /// W (dir r . t - mu nu) of r = h - C(u) with the load nu = -r . perp(t): how far outside of its
-    /// cone a god-object is that is driven in direction dir, +1 or -1.
+    /// W (dir r . t - mu nu) of r = h - C(u) with the load nu = -r . perp(t): how far outside of
+    /// its cone a god-object is that is driven in direction dir, +1 or -1.
     [[nodiscard]] Form excess(const Vec2& h, double mu, double dir) const noexcept {
         const Vec2 r = local(h);
         const double along = dir * r.x + mu * r.y;

@@ -11,8 +11,8 @@
 namespace palpate::engine {
 namespace {
 
-/// r of balanced() as a power of two, and what weight i is multiplied by: r^(n-i), shifted so that those at the ends
-/// stay in their range.
+/// r of balanced() as a power of two, and what weight i is multiplied by: r^(n-i), shifted so that
+/// those at the ends stay in their range.
 template <int D>
 int balance_step(const RationalBezier<D>& curve) {
     const int n = curve.degree();

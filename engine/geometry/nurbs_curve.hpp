@@ -27,7 +27,8 @@ public:
     /// @param degree   1 to 9
     /// @param knots    as KnotVector asks
     /// @param points   control points, m, finite; they may repeat
-    /// @param weights  as many, finite and > 0; empty: all 1; so near to each other that every span can be balanced()
+    /// @param weights  as many, finite and > 0; empty: all 1; so near to each other that every span
+    /// can be balanced()
     /// @throws std::invalid_argument with what, the value and the remedy
     NurbsCurve(int degree,
                std::vector<double> knots,

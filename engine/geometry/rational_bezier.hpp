@@ -44,8 +44,8 @@ template <int D>
     return glm::dot(jet.first, jet.first) <= kStill2 * glm::dot(jet.second, jet.second);
 }
 
-/// Whether a step of u from this jet turns the tangent by less than 2^-27, which Taylor's series of second order then
-/// gives to 1e-16.
+/// Whether a step of u from this jet turns the tangent by less than 2^-27, which Taylor's series of
+/// second order then gives to 1e-16.
 template <int D>
 [[nodiscard]] bool is_straight_step(const Jet<D>& jet, double step) noexcept {
     constexpr double kTurn2 = 0x1p-54;

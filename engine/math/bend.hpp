@@ -4,8 +4,9 @@
 
 namespace palpate::engine {
 
-/// How the slope of a function changes, as one search for its root saw it, for the next search near by: the
-/// first step of Newton's then goes along a parabola, and its error is of third order in the step.
+/// How the slope of a function changes, as one search for its root saw it, for the next search near
+/// by: the first step of Newton's then goes along a parabola, and its error is of third order in
+/// the step.
 class Bend {
 public:
     /// Newton's step, bent; as it is where more than a half of it would be bent.

@@ -10,7 +10,8 @@
 
 namespace palpate::engine {
 
-/// What a trial renders: an outline in the plane, or surfaces in space. Which, is decided once a trial.
+/// What a trial renders: an outline in the plane, or surfaces in space. Which, is decided once a
+/// trial.
 class FeltScene {
 public:
     /// @throws std::invalid_argument as Scene

@@ -102,8 +102,8 @@ public:
     [[nodiscard]] std::int64_t period_ns() const noexcept { return period_ns_; }
     [[nodiscard]] std::int64_t ramp_ticks() const noexcept { return ramp_ticks_; }
 
-    /// Any thread: the dead-man key went down or up (from the start it counts as held). On the wall's
-    /// clock that it is held holds for kHeldNs; beat() says it again.
+    /// Any thread: the dead-man key went down or up (from the start it counts as held). On the
+    /// wall's clock that it is held holds for kHeldNs; beat() says it again.
     void hold(bool held) noexcept;
     /// Any thread: whoever could end the force is alive. On the wall's clock a trial with
     /// SafetyLimits::screen_silence needs this again and again; its begin counts as one.

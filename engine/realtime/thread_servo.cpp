@@ -15,8 +15,8 @@
 namespace palpate::engine {
 namespace {
 
-/// How often a parked thread looks for an order: a trial may begin that much later, which nobody feels, and the
-/// processor rests while people read.
+/// How often a parked thread looks for an order: a trial may begin that much later, which nobody
+/// feels, and the processor rests while people read.
 constexpr std::int64_t kParkedNs = 4'000'000;
 constexpr std::int64_t kLeftNs = 1'000'000;  ///< the same where it keeps the force off meanwhile
 /// How often who gave an order looks whether it was carried out.

@@ -16,7 +16,7 @@ namespace palpate::engine {
 /// the device makes. begin(), end(), park() and unpark() hand it one order at a time, in one atomic
 /// word that it looks at once a tick; they return when it has carried the order out.
 ///
-///     parked   the device is not touched. At the start and after park(); after a fault it is kept off
+///     parked   the device is not touched. At the start, after park(); after a fault it is kept off
 ///     resting  read every tick, zero force: latest() moves with the hand
 ///     running  a trial
 ///

@@ -7,7 +7,8 @@
 namespace palpate::engine {
 namespace {
 
-/// A hand goes no farther in a tick, m, and no law needs more load, N: so that products stay finite.
+/// A hand goes no farther in a tick, m, and no law needs more load, N: so that products stay
+/// finite.
 constexpr double kFarTravel = 1e3;
 constexpr double kHardLoad = 1e9;
 

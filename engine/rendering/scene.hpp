@@ -23,8 +23,8 @@ struct SceneSpec {
     /// Of friction from the literature, with mu_s and mu_d of `friction`; kind none: the god-object
     /// spring law.
     LawSpec law{};
-    /// c, m/N, of an object of two curves that yields (engine/deformation/soft_shape.hpp): 0, none does, to
-    /// kMaxCompliance. Without damper, slew and law from the literature.
+    /// c, m/N, of an object of two curves that yields (engine/deformation/soft_shape.hpp): 0, none
+    /// does, to kMaxCompliance. Without damper, slew and law from the literature.
     double compliance = 0.0;
 };
 
@@ -35,8 +35,8 @@ const SceneSpec& checked(const SceneSpec& spec);
 /// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
 inline constexpr double kRelaxed = 1e-3;
 
-/// What a tick in contact did: `slipped`, the GO moved; theta, the Stribeck state before the tick. Without friction
-/// nothing sticks: a god-object that rests under a resting hand slips at speed 0.
+/// What a tick in contact did: `slipped`, the GO moved; theta, the Stribeck state before the tick.
+/// Without friction nothing sticks: a god-object that rests under a resting hand slips at speed 0.
 template <bool HasFriction>
 [[nodiscard]] Mode mode_of(bool slipped, double theta, const Friction& friction) noexcept {
     return !slipped && friction.mu_s > 0.0                                  ? Mode::stuck
@@ -57,8 +57,8 @@ struct Contact {
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
-    /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone. Out of contact: the
-    /// object still goes back to its rest.
+    /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
+    /// Out of contact: the object still goes back to its rest.
     bool outside_cone = false;
     bool unproven = false;  ///< the walk was broken off: never seen
     bool refused = false;   ///< HIP was not finite: force zero, contact ended
@@ -70,8 +70,8 @@ struct Contact {
     }
 };
 
-/// A tick as it is written and drawn: out of contact the god-object is the closest point. A tick out of reach does not
-/// look for it, so that what it answers is that of the last look.
+/// A tick as it is written and drawn: out of contact the god-object is the closest point. A tick
+/// out of reach does not look for it, so that what it answers is that of the last look.
 /// @param closest  of the same HIP: Scene::closest()
 [[nodiscard]] inline Contact shown(Contact contact, const ClosestPoint& closest) noexcept {
     if (contact.mode == Mode::free) {
@@ -119,13 +119,14 @@ struct ContactState {
 /// 1.1).
 ///
 /// A law of friction from the literature (engine/friction/laws) is felt on the frictionless
-/// god-object: F = F_N n + F_T t there, F_T by the law from the load F_N and the travel of HIP along
-/// the tangent t along which friction was held. So the held force works on just the travel that the
-/// law is told of, and what the law gives on a line it gives on any curve. Unlike with GOS the
-/// god-object is then the local closest point, and a stuck contact follows it around corners.
+/// god-object: F = F_N n + F_T t there, F_T by the law from the load F_N and the travel of HIP
+/// along the tangent t along which friction was held. So the held force works on just the travel
+/// that the law is told of, and what the law gives on a line it gives on any curve. Unlike with GOS
+/// the god-object is then the local closest point, and a stuck contact follows it around corners.
 ///
-/// An object that yields moves under the spring of its contact, and the god-object stays on its material
-/// (engine/rendering/soft_scene.cpp). The outline, and the closest point of closest(), are those at rest.
+/// An object that yields moves under the spring of its contact, and the god-object stays on its
+/// material (engine/rendering/soft_scene.cpp). The outline, and the closest point of closest(), are
+/// those at rest.
 class Scene {
 public:
     /// @throws std::invalid_argument for values out of range: which one, the value, what to give
@@ -148,8 +149,8 @@ public:
         return tracker_.track(track, hip);
     }
 
-    /// GO - HIP as the energy observer counts it: of an object that yields as long as a spring K alone would be that
-    /// stores what spring and curves do. 0 out of contact with what is at rest.
+    /// GO - HIP as the energy observer counts it: of an object that yields as long as a spring K
+    /// alone would be that stores what spring and curves do. 0 out of contact with what is at rest.
     [[nodiscard]] Vec2 spring(const ContactState& state,
                               const Contact& contact,
                               const Vec2& hip) const noexcept {

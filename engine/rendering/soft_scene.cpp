@@ -4,13 +4,16 @@
 #include "engine/deformation/soft_walk.hpp"
 #include "engine/rendering/scene.hpp"
 
-/// The ticks of objects that yield, apart from the others: what rigid scenes are compiled to must not depend on these.
+/// The ticks of objects that yield, apart from the others: what rigid scenes are compiled to must
+/// not depend on these.
 ///
-/// Each tick the shape makes its step under the spring of the contact, the god-object keeps its place on the material,
-/// and then goes on along the new shape to where its stretch fits the cone. With E = K/2 |GO - HIP|^2 and what the
-/// curves store and move with, a tick begins with F_k . (h_k+1 - h_k) = E_k - E' + K/2 |h_k+1 - h_k|^2 as on a rigid
-/// object; the step of the curves and the walk only lower the sum, and so does whatever ends a contact. So from rest to
-/// rest the user gets no more than the leak of the ledger (engine/rendering/energy_ledger.hpp), for any K, c and T.
+/// Each tick the shape makes its step under the spring of the contact, the god-object keeps its
+/// place on the material, and then goes on along the new shape to where its stretch fits the cone.
+/// With E = K/2 |GO - HIP|^2 and what the curves store and move with, a tick begins with F_k .
+/// (h_k+1 - h_k) = E_k - E' + K/2 |h_k+1 - h_k|^2 as on a rigid object; the step of the curves and
+/// the walk only lower the sum, and so does whatever ends a contact. So from rest to rest the user
+/// gets no more than the leak of the ledger (engine/rendering/energy_ledger.hpp), for any K, c and
+/// T.
 namespace palpate::engine {
 
 void Scene::add_softness() {
@@ -31,7 +34,8 @@ Contact Scene::waning(ContactState& state) const noexcept {
     return contact;
 }
 
-/// Whether HIP has met the surface, which then holds the god-object; else `contact` is the tick's answer.
+/// Whether HIP has met the surface, which then holds the god-object; else `contact` is the tick's
+/// answer.
 bool Scene::meets(ContactState& state, const Vec2& from, Contact& contact) const noexcept {
     SoftState& soft = state.soft;
     const Vec2& hip = state.last_hip;

@@ -2,8 +2,8 @@
 
 namespace palpate::engine {
 
-/// Readings are judged by their mean age over so long, s: what a busy machine keeps back for 10 ms is
-/// no delay of the device.
+/// Readings are judged by their mean age over so long, s: what a busy machine keeps back for 10 ms
+/// is no delay of the device.
 inline constexpr double kDelayWindow = 0.25;
 
 /// How much older than promised the readings were, ticks, in the mean of the last kDelayWindow. A

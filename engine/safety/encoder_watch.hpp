@@ -11,7 +11,8 @@ namespace palpate::engine {
 /// and fro on a spot adds up to a stuck encoder.
 inline constexpr double kStroke = 0.010;
 
-/// A motor that pushes less says nothing of its axis, N: a straight axis may rest while others move.
+/// A motor that pushes less says nothing of its axis, N: a straight axis may rest while others
+/// move.
 inline constexpr double kPush = 0.5;
 
 /// For each axis: what HIP did since its count last changed. A plain value.
@@ -38,12 +39,14 @@ struct EncoderWatch {
 /// count in between: the longest that 17 hours of simulated hands made is 25 mm
 /// (tests/engine/safety_encoder_test.cpp, with 3,000 seeds).
 ///
-/// Three straight axes are each alone, and one may well rest. It does not while its motor pushes by more than
-/// kPush: a hand that strokes to the side holds against it by its own force, which is never as steady as the
-/// 0.02 N of a count of 26 um at 800 N/m. So only strokes under such a push count, and those before and after a
-/// rest add up: over a hill the force comes and goes with every stroke.
+/// Three straight axes are each alone, and one may well rest. It does not while its motor pushes by
+/// more than kPush: a hand that strokes to the side holds against it by its own force, which is
+/// never as steady as the 0.02 N of a count of 26 um at 800 N/m. So only strokes under such a push
+/// count, and those before and after a rest add up: over a hill the force comes and goes with every
+/// stroke.
 /// @param counts  of `axes` encoders, 2 or 3   @param hip  m
-/// @param push    force of each motor's axis at the tick before, N; of two axes no heed is taken of it
+/// @param push    force of each motor's axis at the tick before, N; of two axes no heed is taken of
+/// it
 [[nodiscard]] bool encoder_stuck(EncoderWatch& watch,
                                  const EncoderWatch::Counts& counts,
                                  const Vec3& hip,
@@ -66,13 +69,14 @@ struct StillWatch {
     bool eases = false;
 };
 
-/// All encoders together, which their common supply or a hung board stops at once: EncoderWatch needs one that
-/// still moves, and a frozen place keeps the force as it was for ever.
+/// All encoders together, which their common supply or a hung board stops at once: EncoderWatch
+/// needs one that still moves, and a frozen place keeps the force as it was for ever.
 ///
-/// A held handle may rest within one count under a force that rests. The force itself tells the two apart: `eases`
-/// asks for it to go out within kStillTrip - kStillEase, and a hand that bore it follows. The stiffest fingers and
-/// wrists give way by 1 mm a newton (A. Z. Hajian and R. D. Howe, J. Biomech. Eng. 119, 1997: up to 1 kN/m), which
-/// for kStillForce is three counts of the coarsest encoders. One count, and the force comes back at the ramp's pace.
+/// A held handle may rest within one count under a force that rests. The force itself tells the two
+/// apart: `eases` asks for it to go out within kStillTrip - kStillEase, and a hand that bore it
+/// follows. The stiffest fingers and wrists give way by 1 mm a newton (A. Z. Hajian and R. D. Howe,
+/// J. Biomech. Eng. 119, 1997: up to 1 kN/m), which for kStillForce is three counts of the coarsest
+/// encoders. One count, and the force comes back at the ramp's pace.
 /// @param force  |command| at the tick before, N   @param now  s, never less than before
 [[nodiscard]] StillWatch::State stillness(StillWatch& watch,
                                           const EncoderWatch::Counts& counts,

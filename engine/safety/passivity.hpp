@@ -20,8 +20,8 @@ namespace palpate::engine {
     return stiffness * period * (0.5 + delay_ticks) + std::fabs(damping);
 }
 
-/// By how many ticks the delay may grow until min_damping() is all that the device damps: below 0 it
-/// does not damp enough as it is.
+/// By how many ticks the delay may grow until min_damping() is all that the device damps: below 0
+/// it does not damp enough as it is.
 /// @param stiffness  K, N/m, > 0   @param device  b of the device, N s/m   Others as there.
 [[nodiscard]] inline double spare_delay(
     double stiffness, double period, double delay_ticks, double damping, double device) noexcept {
@@ -34,9 +34,10 @@ namespace palpate::engine {
 ///     f >= (K + 2 |B| / T) e            Abbott & Okamura 2005 for B = 0: K <= 2 f / step
 ///
 /// Over one tick the held force K (x + e_k) gives the handle at most K T/2 int v^2 + K e int |v|
-/// beyond what its spring had stored; damping takes b int v^2 of it, dry friction f int |v|. With
-/// b >= min_damping() and this f no motion can last. Less may do, as the place of rest lies in a step; for the worst place
-/// the simulated machine needs 0.92 to 0.98 of it (`palpate bench passivity`).
+/// beyond what its spring had stored; damping takes b int v^2 of it, dry friction f int |v|. With b
+/// >= min_damping() and this f no motion can last. Less may do, as the place of rest lies in a
+/// step; for the worst place the simulated machine needs 0.92 to 0.98 of it (`palpate bench
+/// passivity`).
 ///
 /// @param error  e, the most that a reading lies off the handle, m: half a step
 [[nodiscard]] inline double resting_friction(double stiffness,

@@ -14,8 +14,8 @@ inline constexpr double kRunawayStretch = 0.015;  ///< s
 inline constexpr int kRunawayStretches = 2;
 /// Depth that grows more slowly is let be.
 inline constexpr double kRunawaySpeed = 0.1;  ///< m/s
-/// How much faster than it came and moved before the handle has to go deeper. Simulated hands that are
-/// stronger than the limit go through it at 0.3 to 1.0 times the speed of their way.
+/// How much faster than it came and moved before the handle has to go deeper. Simulated hands that
+/// are stronger than the limit go through it at 0.3 to 1.0 times the speed of their way.
 inline constexpr double kRunawayShare = 1.4;
 
 /// How fast HIP moved before, and how fast it goes deeper under a full command. A plain value.
@@ -36,12 +36,12 @@ struct RunawayWatch {
 /// True when the depth grew under a full command for 30 ms, by 0.1 m/s or more and clearly faster
 /// than HIP had come to the object, and had moved until 75 ms before.
 ///
-/// A hand that means to go on at its pace is slowed down by a force against it, and at its limit the
-/// force lets it have its pace again, no more. Motors of the wrong sign add twice the limit to what
-/// the hand does: it is let in faster the deeper it gets. A motor with the wrong sign alone, or both
-/// swapped, do so on one side of an object. What this cannot see: a motor that is too strong or too
-/// weak, and wrong signs under a hand so firm that it does not give way. And a hand that is slow,
-/// then jabs, looks like a runaway; it is told what to do about either.
+/// A hand that means to go on at its pace is slowed down by a force against it, and at its limit
+/// the force lets it have its pace again, no more. Motors of the wrong sign add twice the limit to
+/// what the hand does: it is let in faster the deeper it gets. A motor with the wrong sign alone,
+/// or both swapped, do so on one side of an object. What this cannot see: a motor that is too
+/// strong or too weak, and wrong signs under a hand so firm that it does not give way. And a hand
+/// that is slow, then jabs, looks like a runaway; it is told what to do about either.
 ///
 /// @param full   the command since the last reading was as strong as it may be
 /// @param depth  along the normal, m; 0 out of contact: friction along the surface takes no part

@@ -78,9 +78,9 @@ struct Command {
 /// For any input at all, finite or not: the command is finite, |F| <= max_force, and |F[k] -
 /// F[k-1]| <= slew but for the step to zero at a trip or where the device is quiet (both to
 /// rounding); after quiet_run ticks without a new reading it is zero until there is one, and ramps
-/// in again; |F[k]| <= (k + 1)
-/// ramp_step max_force for tick k of a trial; from the tick of a trip on it is zero and keeps the
-/// first cause. While no encoder counts under a force it eases off, see StillWatch. When one tick has several, the order above decides. The slew limit comes last since
+/// in again; |F[k]| <= (k + 1) ramp_step max_force for tick k of a trial; from the tick of a trip
+/// on it is zero and keeps the first cause. While no encoder counts under a force it eases off, see
+/// StillWatch. When one tick has several, the order above decides. The slew limit comes last since
 /// it bounds what the hand feels, the ramp included.
 [[nodiscard]] Command make_safe(SafetyState& state,
                                 const SafetyLimits& limits,

@@ -235,8 +235,9 @@ private:
     }
 
     /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its
-    /// tangent plane, whose slope is that of the distance where W does not vary or g is 0. Elsewhere it is more by
-    /// (D - beta) d(W^2), which takes away less than g = (D - beta) W^2 has, while W^2 bends little.
+    /// tangent plane, whose slope is that of the distance where W does not vary or g is 0.
+    /// Elsewhere it is more by (D - beta) d(W^2), which takes away less than g = (D - beta) W^2
+    /// has, while W^2 bends little.
     bool is_bottom(const SurfaceFoot& foot, const PatchPart& part) noexcept {
         const FootSlope slope(foot.jet, foot.jet.point - h_);
         const SurfacePlace& p = foot.place;

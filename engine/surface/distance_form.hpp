@@ -35,15 +35,15 @@ public:
         return static_cast<Work>((n_ + 1) * (m_ + 1) * ((n_ + m_) / 2 + 12));
     }
     [[nodiscard]] double largest_ww() const noexcept { return largest_ww_; }
-    /// By how much W^2 can change from one end of the part to the other at the slope of any place, as a
-    /// share of its smallest value.
+    /// By how much W^2 can change from one end of the part to the other at the slope of any place,
+    /// as a share of its smallest value.
     [[nodiscard]] double tilt_u() const noexcept { return tilt_u_; }
     [[nodiscard]] double tilt_v() const noexcept { return tilt_v_; }
 
     /// g of the whole part.
     [[nodiscard]] BernsteinNet net(const Vec3& h, double beta) const noexcept;
-    /// Sum of the sizes of the terms of each coefficient of g, with what the control values lost when they were
-    /// brought to the centre: what its rounding is relative to.
+    /// Sum of the sizes of the terms of each coefficient of g, with what the control values lost
+    /// when they were brought to the centre: what its rounding is relative to.
     [[nodiscard]] BernsteinNet terms(const Vec3& h, double beta) const noexcept;
 
 private:

@@ -8,8 +8,9 @@ namespace palpate::engine {
 ///
 ///     dg/ds = t / |t|,   t = r + nu n,  r = HIP - g,  nu = -r . n       s: way on the surface, m
 ///
-/// With M the metric, f = M^-1 (r . Su, r . Sv) / |t|, C = Suu fu^2 + 2 Suv fu fv + Svv fv^2 and the second form
-/// L = n . Suu and so on, its derivative along itself is (do Carmo, Differential Geometry, 4-4; Weingarten's equations)
+/// With M the metric, f = M^-1 (r . Su, r . Sv) / |t|, C = Suu fu^2 + 2 Suv fu fv + Svv fv^2 and
+/// the second form L = n . Suu and so on, its derivative along itself is (do Carmo, Differential
+/// Geometry, 4-4; Weingarten's equations)
 ///
 ///     f' = nu/|t| ((n . C) f - M^-1 L f) - M^-1 (Su . C, Sv . C)
 ///     |t|' = -1 - nu (n . C),   nu' = |t| (n . C)
@@ -40,8 +41,8 @@ struct FlowSpot {
                                  const Vec3& h,
                                  double mu) noexcept;
 
-/// One step of length h along the flow and the quintic through its ends, their directions and bends; relative error
-/// of a smooth flow h^6 y''''''/46080.
+/// One step of length h along the flow and the quintic through its ends, their directions and
+/// bends; relative error of a smooth flow h^6 y''''''/46080.
 class FlowArc {
 public:
     FlowArc(const FlowSpot& from, const FlowSpot& to, const Vec2& end, double h) noexcept;

@@ -97,8 +97,8 @@ bool one_point(std::span<const Quad> row, double size) {
 /// A patch that is nowhere wider than this share of the size has no normal but rounding.
 constexpr double kNoWidth = 1e-12;
 
-/// Whether du x dv vanishes all over the patch. Numerator and denominator of du x dv are of at most thrice the degree
-/// each way: so many places speak for all.
+/// Whether du x dv vanishes all over the patch. Numerator and denominator of du x dv are of at most
+/// thrice the degree each way: so many places speak for all.
 bool has_no_width(const BezierPatch& patch, double size) {
     const int rows = 3 * patch.degree_u() + 1;
     const int columns = 3 * patch.degree_v() + 1;
@@ -114,8 +114,8 @@ bool has_no_width(const BezierPatch& patch, double size) {
     return true;
 }
 
-/// A patch of which a curve is left, or a point. Weights alone may gather most of a patch at a heavy point: without
-/// them it is still wide.
+/// A patch of which a curve is left, or a point. Weights alone may gather most of a patch at a
+/// heavy point: without them it is still wide.
 bool is_mere_curve(const BezierPatch& patch, double size) {
     if (!has_no_width(patch, size)) {
         return false;

@@ -35,8 +35,9 @@ public:
     /// @param knots_u   clamped, any spacing, as KnotVector asks; also knots_v
     /// @param points    points[u][v], m, finite; all rows of the same length; they may repeat
     /// @param weights   as many, finite and > 0; empty: all 1
-    /// @throws std::invalid_argument with what, the value and the remedy; also for a patch that is a mere curve (two
-    ///     equal rows of control points at degree 1 or between full knots): its normal would be rounding
+    /// @throws std::invalid_argument with what, the value and the remedy; also for a patch that is
+    ///     a mere curve (two equal rows of control points at degree 1 or between full knots): its
+    ///     normal would be rounding
     NurbsSurface(int degree_u,
                  int degree_v,
                  std::vector<double> knots_u,

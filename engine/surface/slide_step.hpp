@@ -2,8 +2,8 @@
 
 #include "engine/surface/surface_step.hpp"
 
-/// The steps of a god-object that does not follow the flow: without friction, along an edge, where the flow has no
-/// direction.
+/// The steps of a god-object that does not follow the flow: without friction, along an edge, where
+/// the flow has no direction.
 namespace palpate::engine {
 
 /// The step of this length: into the patch, or along its edge.

@@ -43,8 +43,8 @@ private:
     std::vector<std::vector<Quad>> spans_;
 };
 
-/// Borders about the same origin: whether b(s), or b(1 - s), is nowhere farther than `tolerance` m from a(s): a proof by the
-/// Bernstein coefficients of A w_b - B w_a, on halves of halves.
+/// Borders about the same origin: whether b(s), or b(1 - s), is nowhere farther than `tolerance` m
+/// from a(s): a proof by the Bernstein coefficients of A w_b - B w_a, on halves of halves.
 [[nodiscard]] bool same_curve(const SurfaceBorder& a,
                               const SurfaceBorder& b,
                               bool reversed,

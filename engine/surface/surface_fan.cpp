@@ -109,7 +109,8 @@ bool step_along(SurfaceGround& ground,
         fan.angle = share * Normals(ground.look(place).normal, ground.look(beyond).normal).turn;
         return true;
     }
-    // The second derivative of |r|^2 / 2 along the edge, per m^2, with the friction that comes along.
+    // The second derivative of |r|^2 / 2 along the edge, per m^2, with the friction that comes
+    // along.
     const double rate = std::max(1.0 - glm::dot(s.r, bend) / speed2, 0.25);
     const double step = std::min(excess / rate, slew.budget - slew.used);
     SurfacePlace next = place;

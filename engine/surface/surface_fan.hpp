@@ -41,9 +41,9 @@ struct FanTurn {
 [[nodiscard]] bool falls_away(const SurfaceSpot& a, const SurfaceSpot& b) noexcept;
 
 /// Lets the god-object slide along a convex edge, and turns its normal through the fan there while
-/// HIP drives it on: by `radius` of budget per radian, beginning at the moment of the tick at which HIP, on
-/// its straight way, began to. Along the edge it goes on as fast, over the ends of patches; a corner of several
-/// edges holds it until the fan is left.
+/// HIP drives it on: by `radius` of budget per radian, beginning at the moment of the tick at which
+/// HIP, on its straight way, began to. Along the edge it goes on as fast, over the ends of patches;
+/// a corner of several edges holds it until the fan is left.
 [[nodiscard]] FanTurn turn_in_fan(SurfaceGround& ground,
                                   const SurfacePlace& place,
                                   SurfaceFan& fan,

@@ -8,7 +8,8 @@ namespace {
 
 /// Of a step, as a share of the stretch.
 constexpr double kFlowError = 2e-11;
-/// A flow that asks for steps that are shorter than this, of the size, has no direction to speak of.
+/// A flow that asks for steps that are shorter than this, of the size, has no direction to speak
+/// of.
 constexpr double kLeast = 1e-8;
 constexpr Work kStageWork = 150;  ///< besides the evaluation
 constexpr double kBorder = 8.0 * kEpsilon;
@@ -138,8 +139,8 @@ bool SurfaceFlow::long_step(const FlowSpot& a, double h, Step& step) noexcept {
     return step.error <= tolerance_;
 }
 
-/// Closes in on the cone between a share of the step that lies outside of it and one within. False if there is no place
-/// within after all; then `spot` is the last one.
+/// Closes in on the cone between a share of the step that lies outside of it and one within. False
+/// if there is no place within after all; then `spot` is the last one.
 bool SurfaceFlow::into_cone(
     const FlowArc& arc, Node low, Node high, SurfaceSpot& spot, double& x) noexcept {
     const Cubic model(low, high);
@@ -217,7 +218,8 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) no
     double way = 0.0;
     int last_bits = 0;
     while (a.regular) {
-        // Where no cone to speak of is left the steps of Newton's kind take over: there all ways lead to the foot.
+        // Where no cone to speak of is left the steps of Newton's kind take over: there all ways
+        // lead to the foot.
         const double aside = std::fabs(a.load);
         if ((a.load <= 0.0 && a.length < 1e-2 * aside) ||
             (a.length < 1e-6 * aside && a.excess > 0.999 * a.length)) {
@@ -232,7 +234,8 @@ SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) no
         }
         const double bend = a.measure(a.bend);
         double h = std::min({newton, longest, max - way, longest < 1e299 ? 1e300 : 0.2 / bend});
-        // What is beside the way falls as |t| does: a step to a small part of it would not be stable.
+        // What is beside the way falls as |t| does: a step to a small part of it would not be
+        // stable.
         h = a.excess > 0.7 * a.length ? std::min(h, 0.7 * a.length) : h;
         h = std::max(h, 4.0 * from.noise);
         Step step;

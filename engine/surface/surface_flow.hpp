@@ -4,15 +4,17 @@
 
 namespace palpate::engine {
 
-/// Follows the flow of a sliding god-object inside one patch (FlowSpot has its equations) to the first place within the
-/// cone, or to the edge of the patch.
+/// Follows the flow of a sliding god-object inside one patch (FlowSpot has its equations) to the
+/// first place within the cone, or to the edge of the patch.
 ///
-/// Since the second derivative along the flow is known, y'' = g(y) with y' = f(y0) at the start of each step:
-/// Nystroem's method of order 5 with three evaluations (Hairer, Norsett & Wanner, Solving Ordinary Differential
-/// Equations I, II.14), its error measured by how far the direction at its end is from the sum of the bends on the way;
-/// a short step by one evaluation and the corrector y0 + h/2 (f0 + f1) + h^2/12 (g0 - g1) of order 4. The error of a
-/// step is below kFlowError of the stretch. Where the excess over the cone changes sign along a step, at its
-/// ends, its stages or between them, the first such place is closed in on the quintic through the step.
+/// Since the second derivative along the flow is known, y'' = g(y) with y' = f(y0) at the start of
+/// each step: Nystroem's method of order 5 with three evaluations (Hairer, Norsett & Wanner,
+/// Solving Ordinary Differential Equations I, II.14), its error measured by how far the direction
+/// at its end is from the sum of the bends on the way; a short step by one evaluation and the
+/// corrector y0 + h/2 (f0 + f1) + h^2/12 (g0 - g1) of order 4. The error of a step is below
+/// kFlowError of the stretch. Where the excess over the cone changes sign along a step, at its
+/// ends, its stages or between them, the first such place is closed in on the quintic through the
+/// step.
 class SurfaceFlow {
 public:
     struct Arrival {

@@ -97,10 +97,11 @@ Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
     return {s, by_u > by_v ? Footing::Way::along_u : Footing::Way::along_v, excess};
 }
 
-/// Which of two patches decides: the one in whose cone the GO is, then the one into which its drive leads, then the one
-/// that leads on along their edge, then the one that carries; of two in which it rests that on which it is, or a sheet
-/// that lies on itself would turn over. Without friction there is no cone to rest in while another leads on, by
-/// more than a foot looks different from the other side.
+/// Which of two patches decides: the one in whose cone the GO is, then the one into which its drive
+/// leads, then the one that leads on along their edge, then the one that carries; of two in which
+/// it rests that on which it is, or a sheet that lies on itself would turn over. Without friction
+/// there is no cone to rest in while another leads on, by more than a foot looks different from the
+/// other side.
 int SurfaceGround::rank(const Footing& f) const noexcept {
     if (f.way == Footing::Way::held) {
         return 0;
@@ -130,7 +131,8 @@ Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
     const bool on_one_edge = at_end(p.u) != at_end(p.v);
     for (std::size_t k = 1; k < all.count; ++k) {
         const Footing next = on_patch(look(all.places[k]));
-        // Both barred: along their edge both are driven alike, and the one that carries more brakes.
+        // Both barred: along their edge both are driven alike, and the one that carries more
+        // brakes.
         const bool brakes = on_one_edge && barred(next) && barred(best);
         const bool takes = brakes ? next.spot.load > best.spot.load : better(next, best);
         best = takes ? next : best;

@@ -49,7 +49,8 @@ public:
     [[nodiscard]] Work work() const noexcept { return work_; }
 
     [[nodiscard]] SurfaceSpot look(SurfacePlace place) noexcept;
-    /// Point and derivatives alone; u and v may lie outside of the patch. @param besides  work that it is for
+    /// Point and derivatives alone; u and v may lie outside of the patch. @param besides work that
+    /// it is for
     [[nodiscard]] SurfaceJet jet(const SurfacePlace& place, Work besides) noexcept {
         work_ += surface_.patch(place).work() + besides;
         return surface_.local_jet(place);
@@ -72,8 +73,8 @@ public:
 
     /// What the patch of `s` alone has to offer: the projection of the stretch on it.
     [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
-    /// Held at the end of a way along an edge, by the patch there that carries most: which of two sides that way was
-    /// measured on is a matter of last bits.
+    /// Held at the end of a way along an edge, by the patch there that carries most: which of two
+    /// sides that way was measured on is a matter of last bits.
     [[nodiscard]] Footing carrier(const SurfaceSpot& s) noexcept;
 
     /// The place is on an edge between two patches or on a point that patches surround, not on an

@@ -155,7 +155,8 @@ void SurfaceLeaf::scale(Bend& bend, double by) const noexcept {
     bend.ww_high *= by;
 }
 
-/// Axes along the leaf and across it, so that the box is as thin as the leaf. @return the form about its middle
+/// Axes along the leaf and across it, so that the box is as thin as the leaf. @return the form
+/// about its middle
 DistanceForm SurfaceLeaf::set_box(int degree_u, int degree_v, std::span<const Quad> net) {
     const auto p = static_cast<std::size_t>(degree_u);
     const auto q = static_cast<std::size_t>(degree_v);

@@ -17,12 +17,12 @@ struct SurfaceHeading {
 
 /// One NURBS surface or several that are joined into one object.
 ///
-/// Two open borders of different surfaces are joined when they are the same curve in one of the two directions: in equal
-/// shares of their knot ranges they are nowhere farther apart than kJoined of the object's size,
-/// shown by the Bernstein coefficients of their difference. A joined border is an edge like those
-/// between the patches of one surface; a border without a neighbour is open. A border that is one
-/// point (a pole) is joined to nothing. At a corner up to kMaxAround patches may meet, reached one
-/// from the next over their edges.
+/// Two open borders of different surfaces are joined when they are the same curve in one of the two
+/// directions: in equal shares of their knot ranges they are nowhere farther apart than kJoined of
+/// the object's size, shown by the Bernstein coefficients of their difference. A joined border is
+/// an edge like those between the patches of one surface; a border without a neighbour is open. A
+/// border that is one point (a pole) is joined to nothing. At a corner up to kMaxAround patches may
+/// meet, reached one from the next over their edges.
 ///
 /// All surfaces are kept about the middle of the whole object. A place on an edge or a corner is
 /// many places, one on each patch that meets there: around().
@@ -32,10 +32,11 @@ public:
     static constexpr double kJoined = 1e-9;
     static constexpr std::size_t kMaxAround = 24;
 
-    /// @throws std::invalid_argument  for no or a null surface; for borders that are nearly the same (within
-    ///     1e-3 of the size), or that run along each other in part or with other parameters; for a
-    ///     border of three surfaces; for neighbours whose outward normals lie on different sides;
-    ///     for more than kMaxAround patches round a corner: which, how much, what to give
+    /// @throws std::invalid_argument for no or a null surface; for borders that are nearly the same
+    ///     (within 1e-3 of the size), or that run along each other in part or with other
+    ///     parameters; for a border of three surfaces; for neighbours whose outward normals lie on
+    ///     different sides; for more than kMaxAround patches round a corner: which, how much, what
+    ///     to give
     explicit SurfaceObject(std::vector<std::shared_ptr<const NurbsSurface>> surfaces);
 
     [[nodiscard]] std::size_t count() const noexcept { return surfaces_.size(); }
@@ -86,9 +87,9 @@ public:
     };
     [[nodiscard]] Around around(const SurfacePlace& p) const noexcept;
 
-    /// A HIP beside an edge or a corner of the object, whose foot it is, lies behind the surface: by the normals
-    /// of the patches round it, each weighed with its angle there (Baerentzen & Aanaes 2005). False
-    /// at an open border.
+    /// A HIP beside an edge or a corner of the object, whose foot it is, lies behind the surface:
+    /// by the normals of the patches round it, each weighed with its angle there (Baerentzen &
+    /// Aanaes 2005). False at an open border.
     /// @param r  HIP - foot, m
     [[nodiscard]] bool behind_edge(const SurfacePlace& p, const Vec3& r) const noexcept;
 

@@ -68,12 +68,12 @@ struct SurfaceContact {
 /// A surface compiled once into the tick it needs: with or without friction.
 ///
 /// The law is Scene's: F = K (GO - HIP); friction decides only where the GO may stay
-/// (slide_on_surface). Moving the GO along the surface never raises K/2 |GO - HIP|^2, so that
-/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border
-/// the tangential part is cut to mu times the normal force, which is outside of that proof; in a
-/// concave crease both sides carry, and nothing is cut. With a damper B the device must give b > K T / 2 + B, as
-/// for Scene; with a vertex slew a convex edge is the fan of its normals (turn_in_fan), and what it
-/// cuts is outside of the proof as well.
+/// (slide_on_surface). Moving the GO along the surface never raises K/2 |GO - HIP|^2, so that F_k .
+/// (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border the
+/// tangential part is cut to mu times the normal force, which is outside of that proof; in a
+/// concave crease both sides carry, and nothing is cut. With a damper B the device must give b > K
+/// T / 2 + B, as for Scene; with a vertex slew a convex edge is the fan of its normals
+/// (turn_in_fan), and what it cuts is outside of the proof as well.
 class SurfaceScene {
 public:
     /// @throws std::invalid_argument for a null surface or values out of range: which one, the

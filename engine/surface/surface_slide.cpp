@@ -14,7 +14,8 @@ using Way = Footing::Way;
 /// Way beside the flow that is told, of the size.
 constexpr double kAstray = 1e-8;
 
-/// Sine of the angle between tangents, and their length by the size, below which a place is singular.
+/// Sine of the angle between tangents, and their length by the size, below which a place is
+/// singular.
 constexpr double kSingular = 1e-7;
 
 /// The walk of one tick.
@@ -66,7 +67,8 @@ public:
     }
 
 private:
-    /// Along the flow to the cone, or over an edge of the patch. False where it has to go on in steps.
+    /// Along the flow to the cone, or over an edge of the patch. False where it has to go on in
+    /// steps.
     bool flows(Footing& at, double& slid) noexcept {
         using End = SurfaceFlow::Arrival::End;
         const Vec3 from = at.spot.jet.point;
@@ -130,8 +132,8 @@ private:
         return {turn.spot, rests ? Way::rests : Way::held, turn.spot.excess};
     }
 
-    /// The next spot; `done_` when there is nothing left to gain: where a walk that begins here would end
-    /// at once, so that a hand at rest finds nothing to do.
+    /// The next spot; `done_` when there is nothing left to gain: where a walk that begins here
+    /// would end at once, so that a hand at rest finds nothing to do.
     SurfaceSpot advance(const Footing& at) noexcept {
         const SurfaceSpot next = step_on(at);
         if (!done_ || last_ == 0.0) {

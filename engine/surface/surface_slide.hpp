@@ -29,10 +29,10 @@ inline constexpr Work kSlideWork = 150'000;
 ///
 ///     dg/ds = t / |t|   to the first g where |t| <= mu max(nu, 0);   r = t - nu n
 ///
-/// Along this flow |r| falls at the rate |t| / |r|, which is what passivity rests on. Inside a patch it is followed by
-/// SurfaceFlow. Without friction it ends at a foot of HIP; there, along edges, and where the flow has no direction,
-/// the walk goes in steps (SurfaceSteps) that begin along t, each inside one patch, as long as Newton's on
-/// |t| - mu nu,
+/// Along this flow |r| falls at the rate |t| / |r|, which is what passivity rests on. Inside a
+/// patch it is followed by SurfaceFlow. Without friction it ends at a foot of HIP; there, along
+/// edges, and where the flow has no direction, the walk goes in steps (SurfaceSteps) that begin
+/// along t, each inside one patch, as long as Newton's on |t| - mu nu,
 ///
 ///     ds = (|t| - mu nu) / (1 - kappa (nu + mu |t|))    with kappa the normal curvature along t,
 ///
@@ -53,8 +53,8 @@ template <bool HasFriction>
                                             double mu,
                                             Work work = kSlideWork) noexcept;
 
-/// The same with a vertex slew: way and turns are paid from its budget, and a convex edge is gone over through
-/// the fan of its normals (turn_in_fan).
+/// The same with a vertex slew: way and turns are paid from its budget, and a convex edge is gone
+/// over through the fan of its normals (turn_in_fan).
 /// @param fan  where in one the god-object is; carried from tick to tick
 template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,

@@ -118,7 +118,8 @@ void SurfaceTracker::move_to(SurfaceTrackerState& s, const SurfacePlace& p) cons
     s.v = object_->v_of(p);
 }
 
-/// The controller of the active feature: (u, v) of a face, one of them on an edge, none in a corner.
+/// The controller of the active feature: (u, v) of a face, one of them on an edge, none in a
+/// corner.
 void SurfaceTracker::control(SurfaceTrackerState& s,
                              const Vec3& h,
                              const Vec3& speed,

@@ -8,8 +8,8 @@
 
 namespace palpate::engine {
 
-/// Where a tracked point is: within a patch, on a border of one, or in a corner. The features of the
-/// thesis' connectivity graph.
+/// Where a tracked point is: within a patch, on a border of one, or in a corner. The features of
+/// the thesis' connectivity graph.
 enum class SurfaceFeature : std::uint8_t { face, edge, corner };
 
 /// What lives on from tick to tick. A plain value.
@@ -33,7 +33,8 @@ struct TrackedSpot {
         0.0;  ///< length of the part of h - point along the surface, m: the error left over
 };
 
-/// Follows the closest point of HIP over surfaces that are joined, as the thesis does (2.1.2 and 2.1.4):
+/// Follows the closest point of HIP over surfaces that are joined, as the thesis does (2.1.2 and
+/// 2.1.4):
 ///
 ///     u' = -K (S - h) . S_u,   v' = -K (S - h) . S_v                 feedback
 ///     ... + G^-1 (S_u . hip', S_v . hip'),  G the metric             feed_forward
@@ -42,12 +43,13 @@ struct TrackedSpot {
 /// with a controller of (u, v), and a finite-state machine of features for the borders: a face is
 /// left for an edge when its controller drives it out there, an edge for the face on whose side HIP
 /// lies (past the plane that is square to the surface at the edge: the border of their Voronoi
-/// regions), an edge for a corner at its end, and a corner for the edge or face along which HIP lies.
-/// Neighbours are those of the object; it goes from one feature to the next in a step, and knows nothing
-/// of nearer ones elsewhere.
+/// regions), an edge for a corner at its end, and a corner for the edge or face along which HIP
+/// lies. Neighbours are those of the object; it goes from one feature to the next in a step, and
+/// knows nothing of nearer ones elsewhere.
 ///
-/// K is in 1/(m^2 s) as in CurveTracker; a step is stable below K T = 2 over the larger eigenvalue of the second
-/// derivatives of |S - h|^2 / 2. Where u and v run at different speeds, the slower one lags.
+/// K is in 1/(m^2 s) as in CurveTracker; a step is stable below K T = 2 over the larger eigenvalue
+/// of the second derivatives of |S - h|^2 / 2. Where u and v run at different speeds, the slower
+/// one lags.
 class SurfaceTracker {
 public:
     /// @param spec  feedback, feed_forward or newton; sub_steps and iterations as for a curve
@@ -57,7 +59,8 @@ public:
     /// A state at the nearest of 17 x 17 samples a surface. No allocation.
     [[nodiscard]] SurfaceTrackerState start(const Vec3& hip) const noexcept;
 
-    /// One tick: HIP is now at `hip`, `dt` s after the last one. Input that is not finite changes nothing.
+    /// One tick: HIP is now at `hip`, `dt` s after the last one. Input that is not finite changes
+    /// nothing.
     TrackedSpot step(SurfaceTrackerState& state, const Vec3& hip, double dt) const noexcept;
 
     [[nodiscard]] const SurfaceObject& object() const noexcept { return *object_; }
@@ -82,7 +85,8 @@ private:
 
 /// Gain K, 1/(m^2 s), of loop gain `kappa` = K T max(largest eigenvalue of the metric) over 17 x 17
 /// samples a surface; 2 is the limit on a plane.
-/// @throws std::invalid_argument unless kappa and period are finite and > 0 and the object has an area
+/// @throws std::invalid_argument unless kappa and period are finite and > 0 and the object has an
+/// area
 [[nodiscard]] double feedback_gain(const SurfaceObject& object, double kappa, double period);
 
 }  // namespace palpate::engine

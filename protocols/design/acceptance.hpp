@@ -16,9 +16,9 @@ struct Acceptance {
     std::uint64_t draws = 0;  ///< of an estimate: proposals drawn
 };
 
-/// Exact for one limit, wherever it can be counted, and for two where OrderCounter takes both at once.
-/// Else the exact share of what OrderSampler counts, times the share of its proposals that are kept,
-/// drawn with a fixed seed: two calls agree.
+/// Exact for one limit, wherever it can be counted, and for two where OrderCounter takes both at
+/// once. Else the exact share of what OrderSampler counts, times the share of its proposals that
+/// are kept, drawn with a fixed seed: two calls agree.
 /// @throws OrderError if the limits cannot be kept
 [[nodiscard]] Acceptance acceptance_of(std::span<const Condition> trials, const RunLimits& limits);
 

@@ -24,11 +24,12 @@ namespace palpate::protocols {
 
 /// The trials of such a session, the practice first.
 ///
-/// Every run has as many trials as its rule needs, one half with the comparison in the first interval, one
-/// half in the second; of an odd number the stream order.main, block 1, draws which has one more. Their order
-/// is uniform over all that keep max_run and max_run_interval (OrderSampler, stream order.main). Practice
-/// goes through the runs in turn; in which interval its comparisons come is drawn (stream order.practice),
-/// with practice_balanced one half of every run's in each, in any order. Breaks as in other sessions.
+/// Every run has as many trials as its rule needs, one half with the comparison in the first
+/// interval, one half in the second; of an odd number the stream order.main, block 1, draws which
+/// has one more. Their order is uniform over all that keep max_run and max_run_interval
+/// (OrderSampler, stream order.main). Practice goes through the runs in turn; in which interval its
+/// comparisons come is drawn (stream order.practice), with practice_balanced one half of every
+/// run's in each, in any order. Breaks as in other sessions.
 ///
 /// @param key  of the session, purpose and block are set here
 /// @throws OrderError if no order keeps the limits

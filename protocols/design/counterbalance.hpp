@@ -21,26 +21,27 @@ struct RowHistory {
 
 /// The row for a participant: their own if they have one, else the one used least.
 ///
-/// Among rows that are used equally little the stream decides, not the lowest number: else the row would
-/// tell when somebody came, and two databases of one study, begun on two rigs, would both begin with
-/// row 1. With nobody there yet, every row is as likely as every other. After n participants no row
-/// is used more than once more than another, whatever the draws were.
+/// Among rows that are used equally little the stream decides, not the lowest number: else the row
+/// would tell when somebody came, and two databases of one study, begun on two rigs, would both
+/// begin with row 1. With nobody there yet, every row is as likely as every other. After n
+/// participants no row is used more than once more than another, whatever the draws were.
 ///
 /// @pre rows >= 1
 [[nodiscard]] std::size_t choose_row(std::size_t rows, const RowHistory& history, Pcg32& random);
 
-/// The orders of pictures that the study uses: the rows of the Williams design for its pictured objects,
-/// each from left to right, as indices into Protocol::objects. One empty row where no pictures are shown.
+/// The orders of pictures that the study uses: the rows of the Williams design for its pictured
+/// objects, each from left to right, as indices into Protocol::objects. One empty row where no
+/// pictures are shown.
 [[nodiscard]] std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol);
 
-/// Finds recorded orders, as names of levels, among `rows`. An order that is none of them counts for
-/// nothing.
+/// Finds recorded orders, as names of levels, among `rows`. An order that is none of them counts
+/// for nothing.
 [[nodiscard]] RowHistory row_history(std::span<const std::vector<std::string>> rows,
                                      std::span<const std::vector<std::string>> others,
                                      const std::vector<std::string>& own);
 
-/// Finds recorded orders, as names from left to right, among picture_rows(). An order that is none of
-/// them belongs to another version of the protocol and counts for nothing.
+/// Finds recorded orders, as names from left to right, among picture_rows(). An order that is none
+/// of them belongs to another version of the protocol and counts for nothing.
 [[nodiscard]] RowHistory picture_history(const Protocol& protocol,
                                          std::span<const std::vector<std::string>> others,
                                          const std::vector<std::string>& own);

@@ -5,7 +5,8 @@
 
 namespace palpate::protocols {
 
-/// What a protocol cannot say of a trial: how quick a person is. Guesses, to be named with the result.
+/// What a protocol cannot say of a trial: how quick a person is. Guesses, to be named with the
+/// result.
 inline constexpr double kReadySeconds = 2.0;   ///< to bring the handle to the start pose
 inline constexpr double kChoiceSeconds = 3.0;  ///< to choose among the pictures
 

@@ -10,11 +10,11 @@
 #include "protocols/order/constrained_order.hpp"
 #include "protocols/protocol/protocol.hpp"
 
-/// Designs in which the friction stays the same for a block of main trials. `blocks` of the protocol is
-/// then a number of rounds, in each of which every friction has one block; each block holds every
-/// pictured object repetitions / blocks times. With "abba" every second round goes backwards, so that two
-/// rounds of two frictions are A B B A: what grows or fades in a straight line over the session then
-/// weighs alike on both.
+/// Designs in which the friction stays the same for a block of main trials. `blocks` of the
+/// protocol is then a number of rounds, in each of which every friction has one block; each block
+/// holds every pictured object repetitions / blocks times. With "abba" every second round goes
+/// backwards, so that two rounds of two frictions are A B B A: what grows or fades in a straight
+/// line over the session then weighs alike on both.
 namespace palpate::protocols {
 
 [[nodiscard]] bool in_friction_blocks(const DesignSpec& design) noexcept;
@@ -28,8 +28,8 @@ namespace palpate::protocols {
 [[nodiscard]] std::vector<Condition> block_trials(const Protocol& protocol, std::size_t friction);
 [[nodiscard]] RunLimits block_limits(const DesignSpec& design) noexcept;
 
-/// The orders of frictions in the first round that the study uses: the rows of their Williams design,
-/// as indices into Protocol::frictions. Two frictions: off on, and on off.
+/// The orders of frictions in the first round that the study uses: the rows of their Williams
+/// design, as indices into Protocol::frictions. Two frictions: off on, and on off.
 [[nodiscard]] std::vector<std::vector<std::size_t>> friction_rows(const Protocol& protocol);
 
 /// Finds recorded first rounds, as names of frictions, among friction_rows(). Where frictions are
@@ -57,9 +57,9 @@ struct MainTrial {
     friend bool operator==(const MainTrial&, const MainTrial&) = default;
 };
 
-/// Puts catch trials among the main ones of their own friction. The catch trials of a friction are dealt
-/// round its blocks in a random order, so that these hold equally many or one more; within
-/// a block their places are uniform over all but the first.
+/// Puts catch trials among the main ones of their own friction. The catch trials of a friction are
+/// dealt round its blocks in a random order, so that these hold equally many or one more; within a
+/// block their places are uniform over all but the first.
 /// @param main     block by block, each of `of_block` trials, frictions[b] the one of block b
 /// @param catches  of any of these frictions, in random order
 [[nodiscard]] std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,

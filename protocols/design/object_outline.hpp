@@ -9,7 +9,8 @@
 #include "stimuli/two_curve.hpp"
 #include "protocols/protocol/protocol.hpp"
 
-/// The geometry of a protocol's objects: one outline for what is felt, what is shown and what is hashed.
+/// The geometry of a protocol's objects: one outline for what is felt, what is shown and what is
+/// hashed.
 namespace palpate::protocols {
 
 /// The object as two curves, placed. @pre it is one: without segments
@@ -34,12 +35,12 @@ namespace palpate::protocols {
 /// Where it is felt, seen from above: its picture, or of a surface the border of its patch, m.
 [[nodiscard]] std::vector<engine::Vec2> plan_of(const Protocol& protocol, std::size_t object);
 
-/// Signed curvature of both curves as they are felt, 1/m: of the file, by the size; of a patch the one along x.
-/// A free form has none.
+/// Signed curvature of both curves as they are felt, 1/m: of the file, by the size; of a patch the
+/// one along x. A free form has none.
 [[nodiscard]] std::optional<double> curvature_of(const ObjectSpec& object) noexcept;
 
-/// All objects are two curves between the chords of [outline], as they stand there: what is felt differs
-/// in curvature alone.
+/// All objects are two curves between the chords of [outline], as they stand there: what is felt
+/// differs in curvature alone.
 [[nodiscard]] bool differ_in_curvature_alone(const Protocol& protocol) noexcept;
 
 }  // namespace palpate::protocols

@@ -19,7 +19,8 @@ struct PlanPart {
 
 struct PlanSummary {
     std::map<PlanPart, std::map<Condition, std::size_t>> counts;
-    /// Longest runs among the main trials of a block, catch trials left out, as the limits count them.
+    /// Longest runs among the main trials of a block, catch trials left out, as the limits count
+    /// them.
     std::size_t longest_object_run = 0, longest_friction_run = 0;
     /// [from][to]: how often a level follows another among the main trials, catch trials left out.
     std::map<std::size_t, std::map<std::size_t, std::size_t>> object_steps, friction_steps;

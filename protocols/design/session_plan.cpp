@@ -19,8 +19,9 @@
 namespace palpate::protocols {
 namespace {
 
-/// The first `count` of catch objects x frictions, over and over. Going down the diagonals of the table
-/// keeps every beginning of the list balanced in both factors; shuffled labels make the beginning fair.
+/// The first `count` of catch objects x frictions, over and over. Going down the diagonals of the
+/// table keeps every beginning of the list balanced in both factors; shuffled labels make the
+/// beginning fair.
 std::vector<Condition> catch_conditions(const Protocol& protocol,
                                         std::size_t count,
                                         Pcg32& random) {
@@ -171,7 +172,8 @@ private:
     std::size_t main_ = 0;
 };
 
-/// Main and catch trials, after a break if there was practice: before the trial that leads in, if any.
+/// Main and catch trials, after a break if there was practice: before the trial that leads in, if
+/// any.
 void write_main(Writer& writer,
                 const std::optional<Condition>& lead_in,
                 std::span<const MainTrial> trials,

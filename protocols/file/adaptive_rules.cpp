@@ -69,8 +69,8 @@ void note_places(const Table& table, const std::string& path, Places& places) {
     }
 }
 
-/// Every object that the rule can make of the procedure's, at the ends of what it may choose: what holds for
-/// both ends holds between them. Without curvature to vary: none.
+/// Every object that the rule can make of the procedure's, at the ends of what it may choose: what
+/// holds for both ends holds between them. Without curvature to vary: none.
 std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
     std::vector<ObjectSpec> objects;
     const ObjectSpec* base =

@@ -9,12 +9,12 @@
 #include "engine/device/calibration.hpp"
 #include "protocols/file/schema.hpp"
 
-/// Calibration files: TOML text <-> engine::Calibration. protocols/library/pantographs.toml shows every
-/// key. Lengths in mm, angles in degrees, torques in mN m.
+/// Calibration files: TOML text <-> engine::Calibration. protocols/library/pantographs.toml shows
+/// every key. Lengths in mm, angles in degrees, torques in mN m.
 namespace palpate::protocols {
 
-/// Reads every [[pantograph]] of a file. Past this door check() of engine/device/calibration.hpp holds
-/// for each, and no two have one name.
+/// Reads every [[pantograph]] of a file. Past this door check() of engine/device/calibration.hpp
+/// holds for each, and no two have one name.
 /// @param file_name  for messages only
 /// @throws ProtocolError with a line for every problem: file:line:column: what, value, remedy
 [[nodiscard]] std::vector<engine::Calibration> parse_calibrations(std::string_view text,
@@ -38,10 +38,10 @@ struct RigFile {
 [[nodiscard]] std::string to_toml(const engine::Calibration& calibration,
                                   const engine::RigRecord& record);
 
-/// The canonical text, a file with one machine: every key that is not left out for "none", in a fixed
-/// order, numbers as short as they can be without changing the value. Read and written again it is
-/// the same text. Of the doubles in SI, a few are no quotient of a double by 1000 or 180 / pi, and are
-/// written as the nearest one that is.
+/// The canonical text, a file with one machine: every key that is not left out for "none", in a
+/// fixed order, numbers as short as they can be without changing the value. Read and written again
+/// it is the same text. Of the doubles in SI, a few are no quotient of a double by 1000 or 180 /
+/// pi, and are written as the nearest one that is.
 [[nodiscard]] std::string to_toml(const engine::Calibration& calibration);
 
 /// What a calibration file may say.

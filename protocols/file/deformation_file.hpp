@@ -7,8 +7,8 @@
 #include "engine/deformation/dnurbs.hpp"
 #include "protocols/file/schema.hpp"
 
-/// Cases of `palpate deform`: TOML text -> a deformable curve and the force on it. Problems are reported like those
-/// of a protocol.
+/// Cases of `palpate deform`: TOML text -> a deformable curve and the force on it. Problems are
+/// reported like those of a protocol.
 namespace palpate::protocols {
 
 struct DeformationCase {

@@ -58,9 +58,9 @@ Value value_of(const toml::node& node) {
     return value;
 }
 
-/// How deep a text goes, found without the library, whose trees are taken down level by level. As far as the
-/// text is TOML this sees strings, keys and brackets as the library does, and the library stops at the first
-/// place where it is not.
+/// How deep a text goes, found without the library, whose trees are taken down level by level. As
+/// far as the text is TOML this sees strings, keys and brackets as the library does, and the
+/// library stops at the first place where it is not.
 class DepthScan {
 public:
     explicit DepthScan(std::string_view text) : text_(text) {}

@@ -56,8 +56,8 @@ struct Entry {
 
 /// The largest text that is parsed, bytes: hundreds of times what a protocol says.
 inline constexpr std::size_t kMaxDocument = 4U << 20U;
-/// The most parts of a dotted key or table's name, and the most arrays and tables in one another. TOML has
-/// no bound, and a tree of 15,000 levels would use up the stack.
+/// The most parts of a dotted key or table's name, and the most arrays and tables in one another.
+/// TOML has no bound, and a tree of 15,000 levels would use up the stack.
 inline constexpr std::size_t kMaxLevels = 16;
 
 /// Parses TOML; everything that is TOML enters here. @param file_name  for messages
@@ -67,8 +67,8 @@ inline constexpr std::size_t kMaxLevels = 16;
 /// The longest text that is read, bytes: some hours of a trajectory at 1 kHz.
 inline constexpr std::size_t kMaxText = std::size_t{1} << 30U;
 
-/// The whole text of a file, a pipe or a terminal. No name makes it wait for ever or fill the memory: a pipe
-/// has to give something every 10 s.
+/// The whole text of a file, a pipe or a terminal. No name makes it wait for ever or fill the
+/// memory: a pipe has to give something every 10 s.
 /// @param most  bytes; a longer text is refused
 /// @throws ProtocolError "file:1:1: cannot be read: why; check the path"
 [[nodiscard]] std::string read_text(const std::filesystem::path& file, std::size_t max = kMaxText);

@@ -3,7 +3,8 @@
 namespace palpate::protocols {
 namespace {
 
-/// N/ms: at 10 kHz this lets the largest force come in one tick; a higher limit would limit nothing.
+/// N/ms: at 10 kHz this lets the largest force come in one tick; a higher limit would limit
+/// nothing.
 constexpr double kMaxSlew = 500;
 /// m/s: a hand throws a ball like this. Faster, and the next reading counts as a jump anyway.
 constexpr double kMaxSpeed = 10;

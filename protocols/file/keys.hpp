@@ -129,7 +129,8 @@ inline constexpr std::size_t kMaxPictures = 9;  ///< answered by the keys 1-9
 inline constexpr std::size_t kMaxObjects = 18;
 inline constexpr std::size_t kMaxFrictions = 9;
 inline constexpr std::size_t kMaxRuns = 9;
-/// Of a session: a week at 15 s each. Planned in 20 ms, where the run limits leave an order to be found.
+/// Of a session: a week at 15 s each. Planned in 20 ms, where the run limits leave an order to be
+/// found.
 inline constexpr std::size_t kMaxTrials = 10'000;
 
 /// What a protocol file may say, for people: one line a key, tables as headings.

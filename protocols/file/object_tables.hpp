@@ -7,15 +7,15 @@
 #include "protocols/file/schema.hpp"
 #include "protocols/protocol/protocol.hpp"
 
-/// Private to protocols/file: [[object]] tables, which say more than one key after the other can: free
-/// forms by [[object.segment]] tables, and named sets that stand for several objects. A [[segment]] of a
-/// scene says the same with the same keys.
+/// Private to protocols/file: [[object]] tables, which say more than one key after the other can:
+/// free forms by [[object.segment]] tables, and named sets that stand for several objects. A
+/// [[segment]] of a scene says the same with the same keys.
 namespace palpate::protocols {
 
 inline constexpr std::size_t kMaxSegments = 64;  ///< of one object
 
-/// Reads one [[object]]: appends one object, or those of a set. Each is noted in `places` as object.N with
-/// N its number among all objects.
+/// Reads one [[object]]: appends one object, or those of a set. Each is noted in `places` as
+/// object.N with N its number among all objects.
 void read_object(const Table& table,
                  const Position& at,
                  Problems& problems,

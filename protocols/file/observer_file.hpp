@@ -22,8 +22,8 @@ namespace palpate::protocols {
 /// The canonical text, every key; parse_observer() of it gives the same model.
 [[nodiscard]] std::string observer_text(const ObserverModel& model);
 
-/// The model to begin with: people who differ by some 0.8 logit in how often they are right, learn a little, and whom
-/// friction does nothing but what its force does.
+/// The model to begin with: people who differ by some 0.8 logit in how often they are right, learn
+/// a little, and whom friction does nothing but what its force does.
 [[nodiscard]] ObserverModel typical_observer();
 /// Its text, what each key means beside it.
 [[nodiscard]] std::string observer_example();

@@ -14,8 +14,8 @@ namespace {
 constexpr double kFlatness = 20e-6;
 constexpr double kFlatShare = 2e-4;
 
-/// An open outline whose ends are nearer than this share of its size was meant to be closed, as borders of surfaces
-/// that are so near were meant to be one.
+/// An open outline whose ends are nearer than this share of its size was meant to be closed, as
+/// borders of surfaces that are so near were meant to be one.
 constexpr double kNearlyClosed = 1e-3;
 
 /// Diagonal of the box of all control points, m.

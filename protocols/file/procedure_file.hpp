@@ -12,8 +12,8 @@
 #include "protocols/file/schema.hpp"
 #include "protocols/procedure/procedure.hpp"
 
-/// Procedure files (`palpate procedure`): TOML text -> a procedure at its start. What a file may say, key
-/// by key: procedure_key_reference(). Problems are reported like those of a protocol.
+/// Procedure files (`palpate procedure`): TOML text -> a procedure at its start. What a file may
+/// say, key by key: procedure_key_reference(). Problems are reported like those of a protocol.
 namespace palpate::protocols {
 
 struct ProcedureFile {
@@ -22,8 +22,8 @@ struct ProcedureFile {
     Procedure procedure;  ///< of both
 };
 
-/// Reads a procedure file. Past this door the grids fit the model, the tables fit into memory and the
-/// procedure is ready for its first trial.
+/// Reads a procedure file. Past this door the grids fit the model, the tables fit into memory and
+/// the procedure is ready for its first trial.
 /// @param file_name  for messages only
 /// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
 [[nodiscard]] ProcedureFile parse_procedure(std::string_view text, std::string_view file_name);
@@ -34,7 +34,7 @@ struct ProcedureFile {
 /// All keys for people: table, key, range, default, meaning; one line a key, tables as headings.
 [[nodiscard]] std::string procedure_key_reference();
 
-// ------------------------------------------------------------------------- private to protocols/file
+// ----------------------------------------------------------------------- private to protocols/file
 
 inline constexpr std::int64_t kProcedureFormat = 1;
 
@@ -108,12 +108,12 @@ struct ProcedureTable {
 /// Of this table; of [prior] those of [parameters].
 [[nodiscard]] Keys procedure_keys(std::string_view table);
 
-/// The rule in the tables of a procedure file, wherever they stand; [stream] is not looked at. Nothing if
-/// there are problems.
+/// The rule in the tables of a procedure file, wherever they stand; [stream] is not looked at.
+/// Nothing if there are problems.
 [[nodiscard]] std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems);
 
-/// The tables as a procedure file: keys in the order of their rows, numbers as short as they can be. Read
-/// and written again it is the same text. [stream] is left out.
+/// The tables as a procedure file: keys in the order of their rows, numbers as short as they can
+/// be. Read and written again it is the same text. [stream] is left out.
 /// @pre read_procedure() finds no problem
 [[nodiscard]] std::string procedure_text(const Table& file);
 

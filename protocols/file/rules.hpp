@@ -3,31 +3,34 @@
 #include "protocols/file/schema.hpp"
 #include "protocols/protocol/protocol.hpp"
 
-/// Private to protocols/file: the table [procedure], and what must hold across keys once every value by itself
-/// is right.
+/// Private to protocols/file: the table [procedure], and what must hold across keys once every
+/// value by itself is right.
 namespace palpate::protocols {
 
-/// Names are unique, the times are in order, the run limits are feasible; and all that follows here.
+/// Names are unique, the times are in order, the run limits are feasible; and all that follows
+/// here.
 void check_rules(const Protocol& protocol, const Places& places, Problems& problems);
 
-/// Pictures differ; two curves fit their chords and leave room for the object; a free form is closed, runs
-/// clockwise and does not meet itself; each is of a size to feel, within 1 m of the origin, and leaves the
-/// start of a trial outside.
+/// Pictures differ; two curves fit their chords and leave room for the object; a free form is
+/// closed, runs clockwise and does not meet itself; each is of a size to feel, within 1 m of the
+/// origin, and leaves the start of a trial outside.
 void check_objects(const Protocol& protocol, const Places& places, Problems& problems);
 
-/// Largest |curvature| * chord / 2: the sine of an arc's half sweep. 0.95 is a sweep of 144 degrees;
-/// beyond it the two curves look like circles, and the arc comes near what one curve can hold.
+/// Largest |curvature| * chord / 2: the sine of an arc's half sweep. 0.95 is a sweep of 144
+/// degrees; beyond it the two curves look like circles, and the arc comes near what one curve can
+/// hold.
 inline constexpr double kMaxHalfSine = 0.95;
 
-/// Reads the table [procedure]: the keys of AdaptiveSpec and those of a procedure file. What follows from
-/// the rule is filled in, and where every key stands. @param entry  of the table, in the protocol's file
+/// Reads the table [procedure]: the keys of AdaptiveSpec and those of a procedure file. What
+/// follows from the rule is filled in, and where every key stands. @param entry of the table, in
+/// the protocol's file
 void read_adaptive(const Entry& entry, Problems& problems, Places& places, Protocol& protocol);
 
 /// What [procedure], [[run]], [response], [design], objects and frictions need of each other.
 void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems);
 
-/// Of two intervals the greater one is asked for: a rule that takes the comparison for it must not choose the
-/// standard, or less.
+/// Of two intervals the greater one is asked for: a rule that takes the comparison for it must not
+/// choose the standard, or less.
 void check_standards(const Protocol& protocol, const Places& places, Problems& problems);
 
 }  // namespace palpate::protocols

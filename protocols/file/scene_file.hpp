@@ -17,8 +17,8 @@
 /// surface, and how they are to be felt. Problems are reported like those of a protocol.
 namespace palpate::protocols {
 
-/// The laws by which the contact force can be computed. The thesis_ ones are the thesis' Algorithm 1,
-/// those after them the laws of engine/friction/laws, in their order.
+/// The laws by which the contact force can be computed. The thesis_ ones are the thesis' Algorithm
+/// 1, those after them the laws of engine/friction/laws, in their order.
 enum class Law : std::uint8_t {
     frictionless,
     gos,
@@ -50,7 +50,8 @@ inline constexpr std::array<std::string_view, 18> kLaws{
     return kLaws;
 }
 
-/// The largest coordinate, m: the squares of distances to farther places would overflow or round away.
+/// The largest coordinate, m: the squares of distances to farther places would overflow or round
+/// away.
 inline constexpr double kFarthest = 1e6;
 
 /// How the contact of a scene is computed.
@@ -85,8 +86,8 @@ struct SceneFile {
     [[nodiscard]] int dimension() const noexcept { return curves.empty() ? 3 : 2; }
 };
 
-/// Whether a closed outline may cross itself. The engine renders it, by the side of the nearest curve, and tests of the
-/// engine try it; inside and outside are then nobody's.
+/// Whether a closed outline may cross itself. The engine renders it, by the side of the nearest
+/// curve, and tests of the engine try it; inside and outside are then nobody's.
 enum class Crossings : std::uint8_t { refused, taken };
 
 /// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do

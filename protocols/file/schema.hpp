@@ -19,9 +19,9 @@
 #include "engine/math/elementary.hpp"
 #include "protocols/file/document.hpp"
 
-/// What a file may say: one row a key, for protocols, procedures, scenes and calibrations alike. Reading,
-/// checks of type and range, canonical texts and the reference for people are driven by these rows, so that
-/// they cannot disagree.
+/// What a file may say: one row a key, for protocols, procedures, scenes and calibrations alike.
+/// Reading, checks of type and range, canonical texts and the reference for people are driven by
+/// these rows, so that they cannot disagree.
 namespace palpate::protocols {
 
 /// Numbers that a key takes, in the file's unit; never one that is not finite.
@@ -180,7 +180,7 @@ template <class Record>
 /// The same of any kind of key: "letters a-z, digits and _", ...
 [[nodiscard]] std::string range_of(const Key& key);
 
-// ------------------------------------------------------------------------------------------- reading
+// ----------------------------------------------------------------------------------------- reading
 
 /// Everything that is wrong with one file.
 class Problems {
@@ -214,7 +214,8 @@ private:
                                  std::string_view sentence,
                                  const Position& otherwise);
 
-/// One table of a file. Whatever is wrong becomes a problem at its place, and the value stays as it was.
+/// One table of a file. Whatever is wrong becomes a problem at its place, and the value stays as it
+/// was.
 class TableReader {
 public:
     /// @param path  of the table, as in Places
@@ -226,7 +227,8 @@ public:
                 Places& places,
                 std::string name = {});
 
-    /// Reads these keys into the record that their slots know. @param complete  required ones must be there
+    /// Reads these keys into the record that their slots know. @param complete required ones must
+    /// be there
     void read(Keys keys, void* record, bool complete = true);
     template <class Record>
     void fill(Record& record, bool complete = true) {
@@ -250,8 +252,8 @@ public:
 
     /// A problem of this key, or of the table if the key is not there.
     void refuse(std::string_view key, std::string what);
-    /// Runs `make`; a std::invalid_argument becomes a problem of the key that it begins with, else of this
-    /// table. Only if all keys were good.
+    /// Runs `make`; a std::invalid_argument becomes a problem of the key that it begins with, else
+    /// of this table. Only if all keys were good.
     template <class Make>
     void attempt(Make&& make) {
         if (broken_) {
@@ -281,7 +283,7 @@ private:
 /// Reads the value of one key into its slot; what is wrong is said to the table.
 void read_value(const Key& key, const Value& value, const Slot& slot, TableReader& table);
 
-// ------------------------------------------------------------------------------------------- writing
+// ----------------------------------------------------------------------------------------- writing
 
 /// The shortest number y, in the file's unit, that a reader turns into `si` by y / per_si. A few
 /// doubles are no such quotient; then y of the nearest one that is. Written, read and written again
@@ -292,7 +294,7 @@ void read_value(const Key& key, const Value& value, const Slot& slot, TableReade
 /// "key = value" lines in the order of the rows, without late keys that are as the struct begins.
 [[nodiscard]] std::string toml_lines(Keys keys, const void* record);
 
-// ----------------------------------------------------------------------------------------- reference
+// --------------------------------------------------------------------------------------- reference
 
 /// A table as people read of it.
 struct TableText {

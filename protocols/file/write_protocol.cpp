@@ -84,8 +84,8 @@ void append_given(std::string& text, std::string_view name, const Table& table) 
     }
 }
 
-/// The text of a procedure file as a part of a protocol: the keys of its [procedure] first, without that
-/// heading, then its other tables as [procedure.model], [[procedure.staircase]], ...
+/// The text of a procedure file as a part of a protocol: the keys of its [procedure] first, without
+/// that heading, then its other tables as [procedure.model], [[procedure.staircase]], ...
 std::string nested_in_protocol(std::string_view procedure_text) {
     std::istringstream lines{std::string(procedure_text)};
     std::string text;

@@ -22,22 +22,24 @@ struct Cues {
 
 /// Adds up the strokes of one trial; keeps sums, no ticks.
 ///
-/// It knows the chords A-V and V-B, as people know them from the pictures, and never the curvature. A
-/// tick counts when the object is pressed with 0.05 N or more, the contact slides, the hand has kept
-/// its direction for 3 mm, and it is within the middle 80 % of a chord. x is the hand's place along the
-/// chord and y its height above it, in half chords.
+/// It knows the chords A-V and V-B, as people know them from the pictures, and never the curvature.
+/// A tick counts when the object is pressed with 0.05 N or more, the contact slides, the hand has
+/// kept its direction for 3 mm, and it is within the middle 80 % of a chord. x is the hand's place
+/// along the chord and y its height above it, in half chords.
 ///
 ///     force cue       a, the angle of the force from the chord's normal: da/dx = curvature
 ///     position cue    y = c0 + c1 x + c2 x^2: curvature = -2 c2
 ///
-/// Both are least squares with an intercept (and tilt c1) for each chord and direction of motion. In the
-/// force cue this is what removes friction: it turns the force by atan(mu) against the motion, one way up
-/// and the other way down. In the position cue it removes how deep and how askew the hand presses.
+/// Both are least squares with an intercept (and tilt c1) for each chord and direction of motion.
+/// In the force cue this is what removes friction: it turns the force by atan(mu) against the
+/// motion, one way up and the other way down. In the position cue it removes how deep and how askew
+/// the hand presses.
 ///
-/// Both use the hand (HIP), not the surface: where the surface is below a pressed hand, nobody is told.
-/// So the force cue is stretched by 1 / (1 - curvature * depth), 3 % at 3 mm on 10 1/m, and the position
-/// cue shrinks by K / (K + hand stiffness), since a hand yields less than the surface would ask: .77 for
-/// 1000 N/m and a hand of 300 N/m. Arc and chord differ by below 1 % for |curvature| <= 10 1/m.
+/// Both use the hand (HIP), not the surface: where the surface is below a pressed hand, nobody is
+/// told. So the force cue is stretched by 1 / (1 - curvature * depth), 3 % at 3 mm on 10 1/m, and
+/// the position cue shrinks by K / (K + hand stiffness), since a hand yields less than the surface
+/// would ask: .77 for 1000 N/m and a hand of 300 N/m. Arc and chord differ by below 1 % for
+/// |curvature| <= 10 1/m.
 class CurvatureCues {
 public:
     explicit CurvatureCues(const OutlineSpec& outline);

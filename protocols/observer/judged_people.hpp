@@ -8,7 +8,8 @@
 #include "engine/base/pcg32.hpp"
 #include "protocols/observer/person.hpp"
 
-/// Simulated people who judge, again and again, what hands once felt: hands are the slow part of a simulation.
+/// Simulated people who judge, again and again, what hands once felt: hands are the slow part of a
+/// simulation.
 namespace palpate::protocols {
 
 /// What a hand felt of one object of one friction.
@@ -28,9 +29,9 @@ struct FrictionPair {
 struct LogitEffect {
     double mean = 0.0;  ///< of the log odds of a right answer, with less without
     double sd = 0.0;    ///< over people, normal
-    /// People differ by sd p (1 - p) N(0, 1) in the share p of right answers itself, cut to the lesser of p and
-    /// 1 - p on both sides: with a mean of 0 the mean difference of shares is then 0 too, which an effect that is
-    /// symmetric in log odds does not give.
+    /// People differ by sd p (1 - p) N(0, 1) in the share p of right answers itself, cut to the
+    /// lesser of p and 1 - p on both sides: with a mean of 0 the mean difference of shares is then
+    /// 0 too, which an effect that is symmetric in log odds does not give.
     bool in_shares = false;
 };
 
@@ -43,19 +44,20 @@ struct JudgedPerson {
     double share_with = 0.0;
 };
 
-/// Before hands are simulated. @throws std::invalid_argument if answers are no names of objects, if these differ in
+/// Before hands are simulated. @throws std::invalid_argument if answers are no names of objects, if
+/// these differ in
 ///         more than curvature, or if a rule chooses
 void require_judged(const Protocol& protocol);
 
-/// People of an observer file who feel every pictured object equally often under both frictions, and name one. Each
-/// trial is a hand, drawn from those that felt this object under this friction, and a percept of its own; the order of
-/// the trials is drawn anew for each person.
+/// People of an observer file who feel every pictured object equally often under both frictions,
+/// and name one. Each trial is a hand, drawn from those that felt this object under this friction,
+/// and a percept of its own; the order of the trials is drawn anew for each person.
 class JudgedPeople {
 public:
     /// @param hands   of every pictured object under both frictions
-    /// @param effect  none: friction does what the observer file says. Else each person loses some right answers
-    ///                under friction, or some wrong ones, so that over all hands the log odds differ by
-    ///                mean + sd N(0, 1)
+    /// @param effect  none: friction does what the observer file says. Else each person loses some
+    ///                right answers under friction, or some wrong ones, so that over all hands the
+    ///                log odds differ by mean + sd N(0, 1)
     /// @throws as require_judged(); std::invalid_argument if no hand felt one of the objects
     JudgedPeople(const Protocol& protocol,
                  const ObserverModel& model,
@@ -63,7 +65,8 @@ public:
                  const FrictionPair& pair,
                  std::optional<LogitEffect> effect);
 
-    /// The person of a number in a study of a number: always the same one, whoever else was asked for.
+    /// The person of a number in a study of a number: always the same one, whoever else was asked
+    /// for.
     [[nodiscard]] JudgedPerson person(std::uint64_t seed,
                                       std::size_t study,
                                       std::size_t number) const;

@@ -11,18 +11,19 @@
 
 namespace palpate::protocols {
 
-/// How well each picture fits what a hand felt, from the ticks alone: for objects that differ in more than
-/// curvature.
+/// How well each picture fits what a hand felt, from the ticks alone: for objects that differ in
+/// more than curvature.
 ///
-/// A hand that is pressed back by a force F on an object of stiffness K knows to be |F| / K below the
-/// surface, where the force comes from. That is where the surface was felt:
+/// A hand that is pressed back by a force F on an object of stiffness K knows to be |F| / K below
+/// the surface, where the force comes from. That is where the surface was felt:
 ///
 ///     s = HIP + F / K
 ///
-/// Friction turns the force by atan(mu), and so moves s along the surface by mu |F_n| / K, 1 mm at 2 N, 0.5
-/// and 1000 N/m. Every kEach-th tick with 0.05 N or more counts. The misfit of a picture is the root of the
-/// mean square of the distances from s to its outline, in space to its surface. Ticks say neither which object it was nor where its
-/// closest points were: those columns are not read.
+/// Friction turns the force by atan(mu), and so moves s along the surface by mu |F_n| / K, 1 mm at
+/// 2 N, 0.5 and 1000 N/m. Every kEach-th tick with 0.05 N or more counts. The misfit of a picture
+/// is the root of the mean square of the distances from s to its outline, in space to its surface.
+/// Ticks say neither which object it was nor where its closest points were: those columns are not
+/// read.
 class OutlineCues {
 public:
     static constexpr int kEach =

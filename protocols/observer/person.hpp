@@ -21,13 +21,13 @@ struct Person {
     friend bool operator==(const Person&, const Person&) = default;
 };
 
-/// The participant of an observer file that belongs to a participant's code, from the stream `person`, whose key
-/// leaves the session out: the same in all sessions.
+/// The participant of an observer file that belongs to a participant's code, from the stream
+/// `person`, whose key leaves the session out: the same in all sessions.
 /// @param key  of a session; session, block and purpose are set here
 [[nodiscard]] Person drawn_person(const ObserverModel& model, StreamKey key);
 
-/// What a person makes of cues before any noise, 1/m: w force + (1 - w) position + bias_per_mu * friction + bias.
-/// With one cue missing the other has all the weight; nothing without any.
+/// What a person makes of cues before any noise, 1/m: w force + (1 - w) position + bias_per_mu *
+/// friction + bias. With one cue missing the other has all the weight; nothing without any.
 [[nodiscard]] std::optional<double> percept_mean(const Person& person, const Cues& felt) noexcept;
 
 /// What practice leaves of the noise, as a factor. @param done  trials of the session before

@@ -15,37 +15,39 @@
 
 namespace palpate::protocols {
 
-/// An observer made of numbers: it answers from the ticks that it felt, never from the trial's label.
+/// An observer made of numbers: it answers from the ticks that it felt, never from the trial's
+/// label.
 ///
 ///     percept = w * force cue + (1 - w) * position cue + bias * felt friction + noise * N(0, 1)
 ///
 /// with the weights of [observer] in the protocol. The answer is the pictured object of the nearest
-/// curvature (criteria midway between neighbours), or any picture with the probability `lapse`. With one
-/// cue missing the other has all the weight; an observer who felt nothing guesses.
+/// curvature (criteria midway between neighbours), or any picture with the probability `lapse`.
+/// With one cue missing the other has all the weight; an observer who felt nothing guesses.
 ///
-/// That is for objects that differ in curvature alone. Where one of them is a free form, or is placed
-/// elsewhere, the observer compares what it felt with every picture (OutlineCues) and takes the one of the
-/// least misfit, each with an error of its own:
+/// That is for objects that differ in curvature alone. Where one of them is a free form, or is
+/// placed elsewhere, the observer compares what it felt with every picture (OutlineCues) and takes
+/// the one of the least misfit, each with an error of its own:
 ///
 ///     misfit + noise c^2 / 8 * N(0, 1)        c = |V - A| of [outline]
 ///
-/// as an error of curvature is one of sagitta on such a chord: 1 mm by default. Cues are not weighted then,
-/// and friction has no bias.
+/// as an error of curvature is one of sagitta on such a chord: 1 mm by default. Cues are not
+/// weighted then, and friction has no bias.
 ///
-/// A Person of an observer file has a bias of its own, noise that learning takes away and felt friction
-/// multiplies (percept_noise; misfits and noise_mu are only learned), and reaction times (ReactionSpec). Without
-/// one reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
-/// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
+/// A Person of an observer file has a bias of its own, noise that learning takes away and felt
+/// friction multiplies (percept_noise; misfits and noise_mu are only learned), and reaction times
+/// (ReactionSpec). Without one reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986):
+/// 0.8 s + 0.15 s N(0, 1) + an exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
 ///
-/// Two intervals: each is a percept with a noise of its own, and the larger one is named. Where a rule varies
-/// mu, the percept is the felt friction, mean |F_t| / F_n of the strokes, with the noise noise_mu; where it varies the
-/// compliance, the decadic logarithm of the felt softness in mm/N (SoftnessCues), with noise_softness. Yes is
-/// said above 0 1/m, above a friction of 0.05, or above 1 mm/N; a rating spreads its levels evenly over the
-/// curvatures of the objects (frictions: 0 to the largest mu_d; softness: 1 to 10 mm/N). Confidence follows the distance of the
-/// percept from what divides the answers, in noises: 1 below 0.5, 2 below 1, 3 below 2, else 4; a guess: 1.
+/// Two intervals: each is a percept with a noise of its own, and the larger one is named. Where a
+/// rule varies mu, the percept is the felt friction, mean |F_t| / F_n of the strokes, with the
+/// noise noise_mu; where it varies the compliance, the decadic logarithm of the felt softness in
+/// mm/N (SoftnessCues), with noise_softness. Yes is said above 0 1/m, above a friction of 0.05, or
+/// above 1 mm/N; a rating spreads its levels evenly over the curvatures of the objects (frictions:
+/// 0 to the largest mu_d; softness: 1 to 10 mm/N). Confidence follows the distance of the percept
+/// from what divides the answers, in noises: 1 below 0.5, 2 below 1, 3 below 2, else 4; a guess: 1.
 ///
-/// Every trial draws from a stream of its own, keyed by its number: a resumed session, or a trial that
-/// was aborted and is run again, answers as the unbroken one.
+/// Every trial draws from a stream of its own, keyed by its number: a resumed session, or a trial
+/// that was aborted and is run again, answers as the unbroken one.
 class SimulatedObserver : public Observer {
 public:
     /// @param key            of the session; block and purpose are set here, trial by trial
@@ -71,7 +73,8 @@ public:
     [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
     void finish(const SessionView& session) override;
 
-    /// Of the last answer, 1/m (or as the question has it); none if nothing was felt, or if shapes were compared.
+    /// Of the last answer, 1/m (or as the question has it); none if nothing was felt, or if shapes
+    /// were compared.
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
     /// How long all so far would have taken a person: explorations, answers, gaps and breaks; s.
     [[nodiscard]] double time_s() const noexcept { return time_s_; }

@@ -33,9 +33,10 @@ public:
 
 /// Why no order of `trials` can keep the limits, where that is cheap to see; nothing otherwise.
 ///
-/// A level that occurs n times among m others needs ceil(n / (m + 1)) in a row somewhere: pigeons and
-/// holes. Exact for one factor. For both together only the one case is added where each factor has two
-/// levels and both limits are 1: both alternate, and two of the four conditions can never come.
+/// A level that occurs n times among m others needs ceil(n / (m + 1)) in a row somewhere: pigeons
+/// and holes. Exact for one factor. For both together only the one case is added where each factor
+/// has two levels and both limits are 1: both alternate, and two of the four conditions can never
+/// come.
 struct Infeasible {
     enum class Factor : std::uint8_t { object, friction } factor = Factor::object;
     std::string reason;
@@ -60,8 +61,8 @@ struct ConstrainedOrder {
     OrderWay way = OrderWay::shuffles;
 };
 
-/// `trials` in an order that keeps the run limits, uniform over all such orders: OrderSampler draws it.
-/// Repairing a bad shuffle by swaps would not give that.
+/// `trials` in an order that keeps the run limits, uniform over all such orders: OrderSampler draws
+/// it. Repairing a bad shuffle by swaps would not give that.
 ///
 /// @throws OrderError if the limits cannot be kept (why_infeasible), or no way finds an order
 [[nodiscard]] ConstrainedOrder constrained_order(std::vector<Condition> trials,

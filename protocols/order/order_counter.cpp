@@ -55,7 +55,8 @@ std::optional<OrderCounter> OrderCounter::build(std::span<const Condition> trial
     return counter;
 }
 
-/// The last object's row first, the other rows sorted, then the runs as far as a limit asks for them.
+/// The last object's row first, the other rows sorted, then the runs as far as a limit asks for
+/// them.
 OrderCounter::Key OrderCounter::key_of(const Place& at) const {
     Key key;
     key.reserve(at.left.size() + 3);

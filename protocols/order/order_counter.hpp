@@ -15,20 +15,21 @@
 
 namespace palpate::protocols {
 
-/// Counts the orders of some trials that keep the run limits, one by one in effect, and so can draw one
-/// of them uniformly.
+/// Counts the orders of some trials that keep the run limits, one by one in effect, and so can draw
+/// one of them uniformly.
 ///
-/// W(s) is the number of ways to go on from state s: what is left of each condition, the last trial, and
-/// how long its runs of object and of friction already are. W = 1 when nothing is left, else the sum of
-/// W over every next trial that the limits allow. A next trial is chosen with probability W(after it) /
-/// W(s); along a whole order these factors cancel to 1 / W(start), the same for every admissible order.
-/// All W are whole numbers, and each choice is a whole number drawn below W(s): exact, not nearly so.
+/// W(s) is the number of ways to go on from state s: what is left of each condition, the last
+/// trial, and how long its runs of object and of friction already are. W = 1 when nothing is left,
+/// else the sum of W over every next trial that the limits allow. A next trial is chosen with
+/// probability W(after it) / W(s); along a whole order these factors cancel to 1 / W(start), the
+/// same for every admissible order. All W are whole numbers, and each choice is a whole number
+/// drawn below W(s): exact, not nearly so.
 ///
-/// Objects that have the same left in every friction can stand for each other, so that W depends on the
-/// rows of the table "object x friction" as a heap, not on which object has which row. One factor alone
-/// is counted by giving all trials the same friction; then the states are few: 5,097 for 50 + 50 trials
-/// with runs of at most 3, 9,463 for five levels ten times each without repeats, 202,097 for twenty times
-/// each. Two crossed factors are counted at once only for small designs.
+/// Objects that have the same left in every friction can stand for each other, so that W depends on
+/// the rows of the table "object x friction" as a heap, not on which object has which row. One
+/// factor alone is counted by giving all trials the same friction; then the states are few: 5,097
+/// for 50 + 50 trials with runs of at most 3, 9,463 for five levels ten times each without repeats,
+/// 202,097 for twenty times each. Two crossed factors are counted at once only for small designs.
 class OrderCounter {
 public:
     /// @param limits       0: no limit. Both may bind.
@@ -73,8 +74,8 @@ private:
     Natural total_;
 };
 
-/// One admissible order, dealt trial by trial; uniform over all of them. Whoever does not like how it
-/// begins may drop it.
+/// One admissible order, dealt trial by trial; uniform over all of them. Whoever does not like how
+/// it begins may drop it.
 class OrderWalk {
 public:
     /// @pre counter.total() > 0; the counter outlives the walk

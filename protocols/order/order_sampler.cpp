@@ -23,7 +23,8 @@ std::size_t limit_of(const RunLimits& limits, Level factor) {
     return factor == &Condition::object ? limits.object : limits.friction;
 }
 
-/// Bits of one over the share of pairs that have the asked table, object and friction each in any order.
+/// Bits of one over the share of pairs that have the asked table, object and friction each in any
+/// order.
 std::size_t rarity_of_table(std::span<const Condition> trials) {
     std::map<Condition, std::size_t> cells;
     for (const Condition& condition : trials) {
@@ -66,8 +67,9 @@ double max_places(std::span<const Condition> trials, const RunLimits& limits) {
            static_cast<double>(limits.object * limits.friction);
 }
 
-/// Whether counting a factor is hopeless, before a second is lost on it. With runs of 2 an order gets to
-/// a good part of all remainders (limit 1 is another matter); an eighth of them is too many already.
+/// Whether counting a factor is hopeless, before a second is lost on it. With runs of 2 an order
+/// gets to a good part of all remainders (limit 1 is another matter); an eighth of them is too many
+/// already.
 bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, std::size_t max) {
     if (counts.empty()) {
         return false;
@@ -216,8 +218,9 @@ OrderSampler::Proposal OrderSampler::propose(OrderWay way, Pcg32& random) {
     return std::nullopt;
 }
 
-/// shuffle(), but given up as soon as the trials that already have their place, the last ones, break a
-/// limit: dealing on could not mend it. What is not given up is as uniform as whole shuffles are.
+/// shuffle(), but given up as soon as the trials that already have their place, the last ones,
+/// break a limit: dealing on could not mend it. What is not given up is as uniform as whole
+/// shuffles are.
 OrderSampler::Proposal OrderSampler::deal_both(Pcg32& random) {
     std::vector<Condition>& trials = trials_;
     Run object(&Condition::object, limits_.object);

@@ -17,35 +17,38 @@ class OrderCounter;
 /// Draws orders that keep the run limits, each uniform over ALL such orders, also where hardly any
 /// shuffle keeps them.
 ///
-/// An order is a sequence of objects and a sequence of frictions, side by side. A factor is either DEALT
-/// (a shuffle, whatever its limit) or COUNTED (drawn by an OrderCounter of its own, so that its limit
-/// holds). Every way below proposes orders out of a set that holds all admissible ones, each of the set
-/// equally likely, and drops a proposal that is not admissible. What is kept is therefore uniform over
-/// the admissible orders, whichever way it came:
+/// An order is a sequence of objects and a sequence of frictions, side by side. A factor is either
+/// DEALT (a shuffle, whatever its limit) or COUNTED (drawn by an OrderCounter of its own, so that
+/// its limit holds). Every way below proposes orders out of a set that holds all admissible ones,
+/// each of the set equally likely, and drops a proposal that is not admissible. What is kept is
+/// therefore uniform over the admissible orders, whichever way it came:
 ///
 ///   shuffles      both dealt: all orders.
-///   one counted   the sequence of factor A is counted, uniform over those that keep A's limit. Then the
-///                 levels of B are dealt: for every level of A its own B's are shuffled over its places.
-///                 How many ways there are to do that depends on the table "A x B" alone and not on the
-///                 sequence, so that the pairs are uniform. Dropped: what breaks B's limit.
-///   both counted  object and friction each by itself, neither knowing of the other. Dropped: pairs whose
-///                 table of conditions is not the asked one. Rarely right (for k objects, f frictions
-///                 and n trials about once in n^((k-1)(f-1)/2)), but however tight the limits are.
-///   together      the OrderCounter of both factors at once: nothing is dropped. Small designs only.
+///   one counted   the sequence of factor A is counted, uniform over those that keep A's limit.
+///                 Then the levels of B are dealt: for every level of A its own B's are shuffled
+///                 over its places. How many ways there are to do that depends on the table "A x B"
+///                 alone and not on the sequence, so that the pairs are uniform. Dropped: what
+///                 breaks B's limit.
+///   both counted  object and friction each by itself, neither knowing of the other. Dropped: pairs
+///                 whose table of conditions is not the asked one. Rarely right (for k objects, f
+///                 frictions and n trials about once in n^((k-1)(f-1)/2)), but however tight the
+///                 limits are.
+///   together      the OrderCounter of both factors at once: nothing is dropped. Small designs.
 ///
-/// A proposal is given up at its first fault, so that one in a million is still quick. For the default
-/// study one shuffle in 50,000 passes; with friction counted, one proposal in 22.
+/// A proposal is given up at its first fault, so that one in a million is still quick. For the
+/// default study one shuffle in 50,000 passes; with friction counted, one proposal in 22.
 ///
-/// The ways are tried from the one that seems to need the fewest proposals (rarity_of); one that cannot
-/// be counted is skipped, and one that finds nothing in kDeals trials dealt is left for the next. What a
-/// way finds is uniform, whichever way it is, so that leaving one does no harm.
+/// The ways are tried from the one that seems to need the fewest proposals (rarity_of); one that
+/// cannot be counted is skipped, and one that finds nothing in kDeals trials dealt is left for the
+/// next. What a way finds is uniform, whichever way it is, so that leaving one does no harm.
 ///
-/// How far that goes, measured: blocks of five objects x two frictions up to 400 trials with limits (2, 2)
-/// and (2, 3) for object and friction, 500 with (3, 3), 400 with (3, 4), 100 with (1, 2) and (1, 3); three x
-/// two up to 240 with (1, 2), 180 with (2, 3); two x two with (2, 2) up to 400. Of one factor: two levels with
-/// limit 2 up to 400 trials, five levels 250, without repeats 100. Beyond, draw() gives up after seconds:
-/// what is dealt keeps its limit ever more rarely, and counters grow with a power of the trials. Blocks
-/// have no such limit together, only each by itself.
+/// How far that goes, measured: blocks of five objects x two frictions up to 400 trials with limits
+/// (2, 2) and (2, 3) for object and friction, 500 with (3, 3), 400 with (3, 4), 100 with (1, 2) and
+/// (1, 3); three x two up to 240 with (1, 2), 180 with (2, 3); two x two with (2, 2) up to 400. Of
+/// one factor: two levels with limit 2 up to 400 trials, five levels 250, without repeats 100.
+/// Beyond, draw() gives up after seconds: what is dealt keeps its limit ever more rarely, and
+/// counters grow with a power of the trials. Blocks have no such limit together, only each by
+/// itself.
 class OrderSampler {
 public:
     /// @throws OrderError if no order keeps the limits
@@ -63,7 +66,8 @@ public:
     [[nodiscard]] OrderWay first_way();
     /// One proposal, or nothing if it was dropped. @pre the way can be counted
     [[nodiscard]] std::optional<std::vector<Condition>> propose(OrderWay way, Pcg32& random);
-    /// Counter of one factor, as Condition::object of its trials; null if there are too many states.
+    /// Counter of one factor, as Condition::object of its trials; null if there are too many
+    /// states.
     [[nodiscard]] const OrderCounter* counter_of(std::size_t Condition::*factor);
     /// Null if there are too many states. @throws OrderError if it counts none
     [[nodiscard]] const OrderCounter* counter_of_both();

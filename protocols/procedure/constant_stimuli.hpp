@@ -19,18 +19,19 @@ struct ConstantStimuliSpec {
     friend bool operator==(const ConstantStimuliSpec&, const ConstantStimuliSpec&) = default;
 };
 
-/// The method of constant stimuli: every value equally often in random order, whatever the responses.
-/// All orders (with in_blocks: of each block) are equally likely. What was shown is taken to be what the
-/// list says; the function is fitted afterwards.
+/// The method of constant stimuli: every value equally often in random order, whatever the
+/// responses. All orders (with in_blocks: of each block) are equally likely. What was shown is
+/// taken to be what the list says; the function is fitted afterwards.
 class ConstantStimuli {
 public:
-    /// @throws std::invalid_argument for an empty list, values that are not finite, no repetition, fewer
-    ///         than two outcomes, or more than kMaxConstantTrials
+    /// @throws std::invalid_argument for an empty list, values that are not finite, no repetition,
+    ///         fewer than two outcomes, or more than kMaxConstantTrials
     ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random);
 
     /// The next value; after the end the last one.
     [[nodiscard]] std::vector<double> next() const;
-    /// @throws std::invalid_argument for another outcome than 0 ... outcomes() - 1, or after the end
+    /// @throws std::invalid_argument for another outcome than 0 ... outcomes() - 1, or after the
+    /// end
     void update(std::span<const double> shown, std::size_t outcome);
 
     [[nodiscard]] bool finished() const noexcept { return trials_ >= order_.size(); }

@@ -14,8 +14,8 @@ struct Estimate {
     std::optional<double> mean;  ///< of the posterior, or of a staircase's last reversals
     std::optional<double> mode;  ///< of the posterior
     std::optional<double> sd{};  ///< of the posterior; of those reversals, n - 1 below
-    /// 95 % credible: the least values with 2.5 % and 97.5 % of the posterior at or below them, so that it
-    /// holds 95 % or more. None of a staircase.
+    /// 95 % credible: the least values with 2.5 % and 97.5 % of the posterior at or below them, so
+    /// that it holds 95 % or more. None of a staircase.
     std::optional<double> low{};
     std::optional<double> high{};
     bool cut = false;  ///< it ends where the posterior's grid does: there may be more beyond

@@ -13,9 +13,10 @@ namespace palpate::protocols {
 ///
 ///     E H(x) = sum_r P(r|x) H(w | r, x) = H(w) + sum_c w_c h(x, c) - H(R|x)
 ///
-/// with w the weights, h(x, c) the entropy of the outcome at x in cell c, and H(R|x) that of the outcome
-/// at x as w predicts it: the expected loss of entropy is the mutual information of outcome and cell
-/// (Lindley 1956; Cover & Thomas 2006, 2.4). No logarithm a cell is left; three sums over the cells do it.
+/// with w the weights, h(x, c) the entropy of the outcome at x in cell c, and H(R|x) that of the
+/// outcome at x as w predicts it: the expected loss of entropy is the mutual information of outcome
+/// and cell (Lindley 1956; Cover & Thomas 2006, 2.4). No logarithm a cell is left; three sums over
+/// the cells do it.
 [[nodiscard]] std::vector<double> expected_entropies(const LikelihoodTable& table,
                                                      std::span<const double> weights);
 
@@ -36,9 +37,9 @@ struct CellGroups {
                                                               std::span<const double> weights,
                                                               const CellGroups& groups);
 
-/// The tie rule: the first of the stimuli whose expected entropy is within 1e-12 bit (of the entropy,
-/// where that is more than 1 bit) of the least. Symmetric problems have exact ties, which rounding would
-/// break in a way of its own.
+/// The tie rule: the first of the stimuli whose expected entropy is within 1e-12 bit (of the
+/// entropy, where that is more than 1 bit) of the least. Symmetric problems have exact ties, which
+/// rounding would break in a way of its own.
 [[nodiscard]] std::size_t first_of_least(std::span<const double> entropies) noexcept;
 
 }  // namespace palpate::protocols

@@ -19,8 +19,8 @@ struct Axis {
 class Grid {
 public:
     Grid() = default;
-    /// @throws std::invalid_argument without axes, for a name that comes twice, for values that do not
-    ///         increase, or for more than kMaxCells cells
+    /// @throws std::invalid_argument without axes, for a name that comes twice, for values that do
+    ///         not increase, or for more than kMaxCells cells
     explicit Grid(std::vector<Axis> axes);
 
     [[nodiscard]] std::size_t dimensions() const noexcept { return axes_.size(); }
@@ -33,7 +33,8 @@ public:
     }
     /// Coordinates of a cell. @pre cell < size()
     [[nodiscard]] std::vector<double> point(std::size_t cell) const;
-    /// The cell at a point; a coordinate may be off by 1e-9 of its axis' range or size, as decimals are.
+    /// The cell at a point; a coordinate may be off by 1e-9 of its axis' range or size, as decimals
+    /// are.
     /// @throws std::invalid_argument if the point has other dimensions or is not on the grid
     [[nodiscard]] std::size_t cell_at(std::span<const double> point) const;
 

@@ -9,14 +9,16 @@
 
 namespace palpate::protocols {
 
-/// The chances of every outcome at every stimulus of a grid for every cell of a parameter grid, and the
-/// entropy of the outcome there. Computed once; what a trial reads of it lies in a row.
+/// The chances of every outcome at every stimulus of a grid for every cell of a parameter grid, and
+/// the entropy of the outcome there. Computed once; what a trial reads of it lies in a row.
 ///
-/// Memory: 8 bytes * stimuli * cells * (outcomes + 1). 40 stimuli, 20,000 cells, 2 outcomes: 19.2 MB.
+/// Memory: 8 bytes * stimuli * cells * (outcomes + 1). 40 stimuli, 20,000 cells, 2 outcomes: 19.2
+/// MB.
 class LikelihoodTable {
 public:
-    /// @throws std::invalid_argument if the grids do not have the model's dimensions by name and order,
-    ///         if the model gives no chances that add up to 1, or if the table needs more than kMaxBytes
+    /// @throws std::invalid_argument if the grids do not have the model's dimensions by name and
+    ///         order, if the model gives no chances that add up to 1, or if the table needs more
+    ///         than kMaxBytes
     LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid parameters);
 
     [[nodiscard]] const Grid& stimuli() const noexcept { return stimuli_; }

@@ -12,8 +12,8 @@
 
 #include "protocols/psychometric/psychometric_function.hpp"
 
-/// The psychometric function of QUEST+ (Watson 2017): for a stimulus x and parameters s, the chances of
-/// all outcomes. Any number of stimulus dimensions, parameters and outcomes.
+/// The psychometric function of QUEST+ (Watson 2017): for a stimulus x and parameters s, the
+/// chances of all outcomes. Any number of stimulus dimensions, parameters and outcomes.
 namespace palpate::protocols {
 
 /// What the parameter of steepness in a model's grid means; its name says it.
@@ -43,8 +43,8 @@ struct OutcomeModel {
 };
 
 /// A yes/no or correct/wrong answer: outcome 1 with the chance of a psychometric function of
-/// (threshold, slope, guess, lapse); with the two-sided form (threshold, slope, lapse). Stimulus: one
-/// dimension, "stimulus".
+/// (threshold, slope, guess, lapse); with the two-sided form (threshold, slope, lapse). Stimulus:
+/// one dimension, "stimulus".
 [[nodiscard]] OutcomeModel psychometric_model(Family family,
                                               LapseForm form,
                                               SlopeAs slope_as = SlopeAs::slope);
@@ -53,20 +53,21 @@ struct OutcomeModel {
 [[nodiscard]] double slope_of(SlopeAs as, double value);
 
 /// As psychometric_model, with a threshold that depends on a second stimulus dimension, "covariate"
-/// (such as a friction coefficient):  threshold + tilt * covariate. Parameters (threshold, tilt, ...).
+/// (such as a friction coefficient): threshold + tilt * covariate. Parameters (threshold, tilt,
+/// ...).
 [[nodiscard]] OutcomeModel covariate_model(Family family,
                                            LapseForm form,
                                            SlopeAs slope_as = SlopeAs::slope);
 
-/// Which of m known items was it? The percept of x is x + bias + noise * N(0, 1); the observer names the
-/// item whose value is nearest (criteria midway between neighbours), and with the chance `lapse` any
-/// of the m at random:
+/// Which of m known items was it? The percept of x is x + bias + noise * N(0, 1); the observer
+/// names the item whose value is nearest (criteria midway between neighbours), and with the chance
+/// `lapse` any of the m at random:
 ///
-///     P(j | x) = lapse / m + (1 - lapse) (Phi((c_j - x - bias) / noise) - Phi((c_(j-1) - x - bias) / noise))
+///     P(j | x) = lapse / m + (1 - lapse) (Phi(z_j) - Phi(z_(j-1))),  z_j = (c_j - x - b) / noise
 ///
-/// with c_j = (v_j + v_(j+1)) / 2 between and infinite outside. Stimulus: one dimension, "stimulus";
-/// parameters (noise, bias, lapse). An ideal observer of an identification experiment; Thurstone's law
-/// of categorical judgement with fixed criteria.
+/// with c_j = (v_j + v_(j+1)) / 2 between and infinite outside. Stimulus: one dimension,
+/// "stimulus"; parameters (noise, bias, lapse). An ideal observer of an identification experiment;
+/// Thurstone's law of categorical judgement with fixed criteria.
 /// @param alternatives  v, increasing, at least 2
 /// @throws std::invalid_argument for other alternatives
 [[nodiscard]] OutcomeModel identification_model(std::vector<double> alternatives);

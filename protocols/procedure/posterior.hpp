@@ -13,7 +13,8 @@ class Posterior {
 public:
     /// Uniform over the cells.
     explicit Posterior(const Grid& grid);
-    /// The product of one list of weights an axis; an empty list is uniform. Weights need not add up to 1.
+    /// The product of one list of weights an axis; an empty list is uniform. Weights need not add
+    /// up to 1.
     /// @throws std::invalid_argument if a list has another length than its axis, has negative or no
     ///         finite weights, or only zeros
     Posterior(const Grid& grid, std::span<const std::vector<double>> axis_weights);
@@ -22,8 +23,8 @@ public:
 
     /// Bayes: multiplies by the likelihood of each cell and normalises. Which of two responses came
     /// first does not matter but for rounding.
-    /// @throws std::invalid_argument if nothing is left: the response is impossible under every cell that
-    ///         was believed in; the posterior is then as it was
+    /// @throws std::invalid_argument if nothing is left: the response is impossible under every
+    ///         cell that was believed in; the posterior is then as it was
     void update(std::span<const double> likelihood);
 
     /// -sum w log2 w, bits.

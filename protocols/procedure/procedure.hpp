@@ -33,9 +33,9 @@ struct ProcedureSpec : std::variant<ConstantStimuliSpec,
 ///         procedure.update(x, answer_to(x));
 ///     }
 ///
-/// The state follows from the spec, the stream, and what was shown and answered, to the bit on every
-/// IEEE-754 machine. So a run that broke off is rebuilt by calling update() for each recorded trial, and
-/// state_hash() tells whether the rebuilt state is the one that was recorded.
+/// The state follows from the spec, the stream, and what was shown and answered, to the bit on
+/// every IEEE-754 machine. So a run that broke off is rebuilt by calling update() for each recorded
+/// trial, and state_hash() tells whether the rebuilt state is the one that was recorded.
 class Procedure {
 public:
     /// @param random  draws the orders and the interleaving; QUEST, Psi and QUEST+ draw nothing
@@ -67,8 +67,8 @@ public:
     [[nodiscard]] std::optional<Estimate> jnd() const;
     /// Of the posterior, bits; none for constant stimuli and staircases.
     [[nodiscard]] std::optional<double> entropy() const;
-    /// SHA-256 of all that the next choice and the estimates depend on beside the spec: 64 hexadecimal
-    /// digits.
+    /// SHA-256 of all that the next choice and the estimates depend on beside the spec: 64
+    /// hexadecimal digits.
     [[nodiscard]] std::string state_hash() const;
 
 private:

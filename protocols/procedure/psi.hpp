@@ -7,8 +7,8 @@
 
 namespace palpate::protocols {
 
-/// The psi method (L. L. Kontsevich and C. W. Tyler, "Bayesian adaptive estimation of psychometric slope
-/// and threshold", Vision Research 39, 2729-2737, 1999) and its marginal form (N. Prins, "The
+/// The psi method (L. L. Kontsevich and C. W. Tyler, "Bayesian adaptive estimation of psychometric
+/// slope and threshold", Vision Research 39, 2729-2737, 1999) and its marginal form (N. Prins, "The
 /// psi-marginal adaptive method", Journal of Vision 13(7):3, 2013).
 struct PsiSpec {
     Family family = Family::normal;
@@ -24,10 +24,10 @@ struct PsiSpec {
     std::size_t trials = 64;
 };
 
-/// QUEST+ with one stimulus dimension and two outcomes is the psi method: both show the stimulus of least
-/// expected entropy. What psi adds is its grid: the slope by its decadic logarithm, so that the estimate
-/// is the posterior mean of log10 slope. Kontsevich & Tyler fix the lapse rate; psi-marginal has it in
-/// the grid as a nuisance.
+/// QUEST+ with one stimulus dimension and two outcomes is the psi method: both show the stimulus of
+/// least expected entropy. What psi adds is its grid: the slope by its decadic logarithm, so that
+/// the estimate is the posterior mean of log10 slope. Kontsevich & Tyler fix the lapse rate;
+/// psi-marginal has it in the grid as a nuisance.
 [[nodiscard]] QuestPlusSpec quest_plus_spec(const PsiSpec& psi);
 
 }  // namespace palpate::protocols

@@ -21,8 +21,8 @@ enum class QuestRule : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 3> kQuestRules{"quantile", "mean", "mode"};
 
-/// Names and defaults are those of the QUEST toolbox that most laboratories use (Watson & Pelli 1983;
-/// Psychophysics Toolbox).
+/// Names and defaults are those of the QUEST toolbox that most laboratories use (Watson & Pelli
+/// 1983; Psychophysics Toolbox).
 struct QuestSpec {
     double guess = 0.0;         ///< tGuess: prior estimate of the threshold, log10 units
     double sd = 1.0;            ///< tGuessSd: of the normal prior, log10 units, > 0
@@ -40,8 +40,8 @@ struct QuestSpec {
     friend bool operator==(const QuestSpec&, const QuestSpec&) = default;
 };
 
-/// QUEST (A. B. Watson and D. G. Pelli, "QUEST: A Bayesian adaptive psychometric method", Perception &
-/// Psychophysics 33, 113-120, 1983), one parameter, two outcomes:
+/// QUEST (A. B. Watson and D. G. Pelli, "QUEST: A Bayesian adaptive psychometric method",
+/// Perception & Psychophysics 33, 113-120, 1983), one parameter, two outcomes:
 ///
 ///     P(1 | x, t) = delta gamma + (1 - delta) (1 - (1 - gamma) exp(-10^(beta (x - t + e))))
 ///
@@ -49,22 +49,22 @@ struct QuestSpec {
 ///
 /// Where a careful reader might be surprised; the first four are as in the published toolbox:
 /// * delta is the share of blind answers, of which gamma are a 1: the top is 1 - delta (1 - gamma).
-/// * The stimulus that was shown is rounded to the grain before the posterior is updated, and one further
-///   than `range` from a cell counts as if it were `range` from it.
-/// * The quantile is interpolated on the sums of the table's weights, where a cell's weight counts as
-///   lying below the cell: it stands about half a grain lower than that of a density.
+/// * The stimulus that was shown is rounded to the grain before the posterior is updated, and one
+///   further than `range` from a cell counts as if it were `range` from it.
+/// * The quantile is interpolated on the sums of the table's weights, where a cell's weight counts
+///   as lying below the cell: it stands about half a grain lower than that of a density.
 /// * The order of the quantile is not 1/2: it balances what a right and a wrong answer tell
 ///   (quantile_order), .590 for the defaults.
 /// * e is computed in closed form; the toolbox interpolates it in its table, 4e-4 grain away.
 class Quest {
 public:
-    /// @throws std::invalid_argument for a member out of range, a p_threshold that the function does not
-    ///         reach, or a table of more than 200,000 cells
+    /// @throws std::invalid_argument for a member out of range, a p_threshold that the function
+    ///         does not reach, or a table of more than 200,000 cells
     explicit Quest(const QuestSpec& spec);
 
     [[nodiscard]] std::vector<double> next() const;
-    /// @throws std::invalid_argument for a stimulus that is not one finite number, for another outcome
-    ///         than 0 and 1
+    /// @throws std::invalid_argument for a stimulus that is not one finite number, for another
+    ///         outcome than 0 and 1
     void update(std::span<const double> shown, std::size_t outcome);
 
     [[nodiscard]] bool finished() const noexcept { return trials_ >= spec_.trials; }

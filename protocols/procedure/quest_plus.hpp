@@ -25,27 +25,28 @@ struct QuestPlusSpec {
     double entropy_bits = 0.0;            ///< it ends below this posterior entropy, 0: never
 };
 
-/// QUEST+ (A. B. Watson, "QUEST+: A general multidimensional Bayesian adaptive psychometric method",
-/// Journal of Vision 17(3):10, 2017): the next stimulus is the one after which the posterior of the
-/// parameters is expected to have the least entropy.
+/// QUEST+ (A. B. Watson, "QUEST+: A general multidimensional Bayesian adaptive psychometric
+/// method", Journal of Vision 17(3):10, 2017): the next stimulus is the one after which the
+/// posterior of the parameters is expected to have the least entropy.
 ///
-/// Ties: first_of_least. The same responses give the same stimuli and the same posterior to the bit on
-/// every IEEE-754 machine: only + - * /, sqrt and this project's own logarithm and exponential are used,
-/// in a fixed order. There is no limit on the time of the search, since a limit would let a slow machine
-/// choose otherwise; the size of the grid is limited instead (LikelihoodTable).
+/// Ties: first_of_least. The same responses give the same stimuli and the same posterior to the bit
+/// on every IEEE-754 machine: only + - * /, sqrt and this project's own logarithm and exponential
+/// are used, in a fixed order. There is no limit on the time of the search, since a limit would let
+/// a slow machine choose otherwise; the size of the grid is limited instead (LikelihoodTable).
 ///
 /// A plain value; copies share the table, which never changes.
 class QuestPlus {
 public:
-    /// @throws std::invalid_argument as LikelihoodTable and Posterior, for a nuisance parameter that is
-    ///         not there, or if nothing but nuisance is left, and for trials = 0
+    /// @throws std::invalid_argument as LikelihoodTable and Posterior, for a nuisance parameter
+    ///         that is not there, or if nothing but nuisance is left, and for trials = 0
     explicit QuestPlus(const QuestPlusSpec& spec);
 
     /// The stimulus to show next. Takes some ms on a large grid: ask once a trial.
     [[nodiscard]] std::vector<double> next() const;
     /// @param shown    the stimulus that was shown, on the grid, recommended or not
     /// @param outcome  0 ... outcomes() - 1
-    /// @throws std::invalid_argument if `shown` is not on the grid or the outcome not there or impossible
+    /// @throws std::invalid_argument if `shown` is not on the grid or the outcome not there or
+    /// impossible
     void update(std::span<const double> shown, std::size_t outcome);
 
     [[nodiscard]] bool finished() const noexcept;
@@ -54,13 +55,13 @@ public:
     [[nodiscard]] std::vector<std::string> stimulus_names() const;
     /// Of the parameters that have more than one value (of all, if none has).
     [[nodiscard]] std::vector<Estimate> estimates() const;
-    /// The just-noticeable difference of a psychometric_model, half the way from where the curve F without
-    /// guesses and lapses is 1/4 to where it is 3/4:
+    /// The just-noticeable difference of a psychometric_model, half the way from where the curve F
+    /// without guesses and lapses is 1/4 to where it is 3/4:
     ///
-    ///     JND = (F^-1(3/4) - F^-1(1/4)) / 2      normal: 0.674 standard deviations; logistic: ln 3 / b
+    ///   JND = (F^-1(3/4) - F^-1(1/4)) / 2    normal: 0.674 standard deviations; logistic: ln 3 / b
     ///
-    /// on the stimulus' axis, by the posterior of threshold and slope. None of another model, and where the
-    /// grid has a single threshold and slope.
+    /// on the stimulus' axis, by the posterior of threshold and slope. None of another model, and
+    /// where the grid has a single threshold and slope.
     [[nodiscard]] std::optional<Estimate> jnd() const;
     [[nodiscard]] double entropy() const noexcept { return posterior_.entropy(); }
     [[nodiscard]] std::string state_hash() const;

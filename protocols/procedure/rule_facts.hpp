@@ -15,14 +15,15 @@ struct RuleFacts {
     std::size_t outcomes = 2;
     std::string lowest_key{};   ///< which key says `lowest`, as in "staircase.2.lowest"
     std::string highest_key{};  ///< and `highest`
-    /// An outcome of 1 is more likely than not wherever it stays: what is chosen is the greater one.
+    /// An outcome of 1 is more likely than not wherever it stays: what is chosen is the greater
+    /// one.
     bool one_sided = false;
 
     friend bool operator==(const RuleFacts&, const RuleFacts&) = default;
 };
 
-/// @throws std::invalid_argument with the remedy if its number of trials depends on the answers, or if it
-///         chooses more than one number
+/// @throws std::invalid_argument with the remedy if its number of trials depends on the answers, or
+///         if it chooses more than one number
 [[nodiscard]] RuleFacts facts_of(const ProcedureSpec& spec);
 
 }  // namespace palpate::protocols

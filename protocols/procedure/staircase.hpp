@@ -20,10 +20,10 @@ enum class StepScale : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 3> kStepScales{"linear", "db", "log10"};
 
-/// One staircase: `up` wrong answers (0) in a row raise the level, `down` right answers (1) in a row lower
-/// it (H. Levitt, "Transformed up-down methods in psychoacoustics", JASA 49, 467-477, 1971). With unequal
-/// steps it is weighted (C. Kaernbach, "Simple adaptive testing with the weighted up-down method",
-/// Perception & Psychophysics 49, 227-229, 1991).
+/// One staircase: `up` wrong answers (0) in a row raise the level, `down` right answers (1) in a
+/// row lower it (H. Levitt, "Transformed up-down methods in psychoacoustics", JASA 49, 467-477,
+/// 1971). With unequal steps it is weighted (C. Kaernbach, "Simple adaptive testing with the
+/// weighted up-down method", Perception & Psychophysics 49, 227-229, 1991).
 struct StaircaseSpec {
     std::string name = "staircase";
     double start = 0.0;
@@ -33,7 +33,8 @@ struct StaircaseSpec {
         1.0};  ///< before the first reversal, after it, ...; the last one stays
     std::vector<double> steps_down{1.0};  ///< the same downwards; all steps > 0
     StepScale scale = StepScale::linear;
-    /// Until the first reversal every single right answer lowers the level (and wrong answer raises it).
+    /// Until the first reversal every single right answer lowers the level (and wrong answer raises
+    /// it).
     bool fast_start = false;
     double lowest = -1e10;  ///< the level is kept from lowest to highest
     double highest = 1e10;
@@ -45,13 +46,13 @@ struct StaircaseSpec {
     friend bool operator==(const StaircaseSpec&, const StaircaseSpec&) = default;
 };
 
-/// Chance of a right answer at which a staircase with up = 1 stands still: the drift of a rule that takes
-/// S_down at p^down and S_up otherwise is zero,
+/// Chance of a right answer at which a staircase with up = 1 stands still: the drift of a rule that
+/// takes S_down at p^down and S_up otherwise is zero,
 ///
 ///     p = (S_up / (S_up + S_down))^(1 / down)
 ///
-/// Equal steps: .5, .7071, .7937, .8409 for down = 1, 2, 3, 4 (Levitt 1971, table I). down = 1: S_down /
-/// S_up = (1 - p) / p (Kaernbach 1991). Of the last steps, for up = 1; else NaN.
+/// Equal steps: .5, .7071, .7937, .8409 for down = 1, 2, 3, 4 (Levitt 1971, table I). down = 1:
+/// S_down / S_up = (1 - p) / p (Kaernbach 1991). Of the last steps, for up = 1; else NaN.
 [[nodiscard]] double target(const StaircaseSpec& spec) noexcept;
 
 /// The ratio S_down / S_up of a weighted 1-up-1-down staircase that aims at p: (1 - p) / p.
@@ -59,9 +60,9 @@ struct StaircaseSpec {
     return (1.0 - p) / p;
 }
 
-/// A staircase on its way. A reversal is a trial whose answer turns the direction of the rule, counted
-/// even where a bound stops the level; its value is the stimulus of that trial, and the next move already
-/// has the next step size.
+/// A staircase on its way. A reversal is a trial whose answer turns the direction of the rule,
+/// counted even where a bound stops the level; its value is the stimulus of that trial, and the
+/// next move already has the next step size.
 class Staircase {
 public:
     /// @throws std::invalid_argument for a spec that makes no sense, with the member and the remedy
@@ -79,8 +80,8 @@ public:
     [[nodiscard]] const std::vector<std::size_t>& reversal_trials() const noexcept {
         return reversal_trials_;
     }
-    /// Mean of the last reversals, none before the first; with their standard deviation (n - 1 below, none
-    /// of one) and number.
+    /// Mean of the last reversals, none before the first; with their standard deviation (n - 1
+    /// below, none of one) and number.
     [[nodiscard]] Estimate estimate() const;
     [[nodiscard]] int direction() const noexcept { return direction_; }
     [[nodiscard]] std::size_t in_a_row() const noexcept { return in_a_row_; }

@@ -11,16 +11,17 @@
 
 namespace palpate::protocols {
 
-/// One staircase, or several interleaved: before each trial one of those that are not finished is drawn,
-/// each equally likely, so that the participant cannot follow a track. A single one draws nothing.
+/// One staircase, or several interleaved: before each trial one of those that are not finished is
+/// drawn, each equally likely, so that the participant cannot follow a track. A single one draws
+/// nothing.
 class Staircases {
 public:
     /// @throws std::invalid_argument without a staircase, for equal names, or as Staircase
     Staircases(const std::vector<StaircaseSpec>& specs, Pcg32 random);
 
     [[nodiscard]] std::vector<double> next() const { return {tracks_[track_].level()}; }
-    /// @throws std::invalid_argument for a stimulus that is not one finite number, for another outcome
-    ///         than 0 (wrong) and 1 (right), or when all are finished
+    /// @throws std::invalid_argument for a stimulus that is not one finite number, for another
+    ///         outcome than 0 (wrong) and 1 (right), or when all are finished
     void update(std::span<const double> shown, std::size_t outcome);
 
     [[nodiscard]] bool finished() const noexcept;

@@ -12,8 +12,9 @@
 
 namespace palpate::protocols {
 
-/// The bytes by which the state of a procedure is named. Numbers are 8 bytes, the lowest first (doubles
-/// by their IEEE-754 bits); texts and lists carry their length, so that no state can pass for another.
+/// The bytes by which the state of a procedure is named. Numbers are 8 bytes, the lowest first
+/// (doubles by their IEEE-754 bits); texts and lists carry their length, so that no state can pass
+/// for another.
 class StateBytes {
 public:
     explicit StateBytes(std::string_view kind) { add(kind); }

@@ -4,10 +4,12 @@
 
 #include "protocols/protocol/protocol.hpp"
 
-/// Simulated participants as an observer file describes them. A value; who is drawn from it: observer/person.hpp.
+/// Simulated participants as an observer file describes them. A value; who is drawn from it:
+/// observer/person.hpp.
 namespace palpate::protocols {
 
-/// What friction does to the percept beyond ObserverSpec::bias_per_mu. Both go with the friction that was felt.
+/// What friction does to the percept beyond ObserverSpec::bias_per_mu. Both go with the friction
+/// that was felt.
 struct FrictionEffectSpec {
     double noise_per_mu =
         1.0;  ///< the noise's factor at a felt friction of 1, > 0; at f: to the power of f
@@ -30,7 +32,8 @@ struct PeopleSpec {
     friend bool operator==(const PeopleSpec&, const PeopleSpec&) = default;
 };
 
-/// Practice within a session: after n trials the noise is noise * (1 + (first - 1) exp(-n / trials)).
+/// Practice within a session: after n trials the noise is noise * (1 + (first - 1) exp(-n /
+/// trials)).
 struct LearningSpec {
     double first = 1.0;    ///< factor of the noise in the first trial, > 0
     double trials = 20.0;  ///< after so many 1/e of it is left, > 0
@@ -38,8 +41,8 @@ struct LearningSpec {
     friend bool operator==(const LearningSpec&, const LearningSpec&) = default;
 };
 
-/// Reaction times: median * exp(spread N(0, 1)) * (1 + (doubt - 1) exp(-distance of the percept from what
-/// divides the answers / noise)), at least 0.25 s.
+/// Reaction times: median * exp(spread N(0, 1)) * (1 + (doubt - 1) exp(-distance of the percept
+/// from what divides the answers / noise)), at least 0.25 s.
 struct ReactionSpec {
     double median = 1.5;  ///< s, far from a division
     double spread = 0.4;  ///< of the logarithm, from trial to trial

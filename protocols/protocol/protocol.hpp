@@ -16,8 +16,8 @@
 /// carries its units in the key names. Default members are the default study.
 namespace palpate::protocols {
 
-/// One object: two curves of the same signed curvature on the chords of OutlineSpec, or a free form.
-/// Either is then placed: made larger, turned about the origin, moved.
+/// One object: two curves of the same signed curvature on the chords of OutlineSpec, or a free
+/// form. Either is then placed: made larger, turned about the origin, moved.
 struct ObjectSpec {
     std::string name;  ///< e.g. "convex_10"; unique, [a-z0-9_]
     double curvature =
@@ -60,8 +60,8 @@ struct OutlineSpec {
     friend bool operator==(const OutlineSpec&, const OutlineSpec&) = default;
 };
 
-/// Present in a study of surfaces: every object is a square patch in space, curved along x and along y
-/// (stimuli/surface_patch.hpp), felt on a machine of three axes.
+/// Present in a study of surfaces: every object is a square patch in space, curved along x and
+/// along y (stimuli/surface_patch.hpp), felt on a machine of three axes.
 struct SurfaceSpec {
     double size = 0.060;          ///< side of the patch, m
     double start_height = 0.030;  ///< of the start pose above the middle of every patch, m
@@ -112,8 +112,8 @@ struct InvalidSpec {
     friend bool operator==(const InvalidSpec&, const InvalidSpec&) = default;
 };
 
-/// Who is left out of the analysis: written down before anybody ran, applied by `palpate summary`, which
-/// shows both ways. All default: nobody is.
+/// Who is left out of the analysis: written down before anybody ran, applied by `palpate summary`,
+/// which shows both ways. All default: nobody is.
 struct ExclusionSpec {
     double catch_correct_min = 0.0;  ///< share of catch trials answered with the outermost picture
     double share_correct_min = 0.0;  ///< of main trials
@@ -124,7 +124,8 @@ struct ExclusionSpec {
     friend bool operator==(const ExclusionSpec&, const ExclusionSpec&) = default;
 };
 
-/// By which test of the effect of friction, within people, a study stands or falls; `palpate stats` has them all.
+/// By which test of the effect of friction, within people, a study stands or falls; `palpate stats`
+/// has them all.
 enum class PrimaryTest : std::uint8_t {
     paired_t,     ///< Student's, of the differences of shares
     sign_flip,    ///< exact, of their mean
@@ -217,7 +218,8 @@ struct ProcedureSpec;  // protocols/procedure/procedure.hpp
 
 /// How to choose, ready to begin.
 struct RuleSpec {
-    /// The canonical text of the procedure file that says the same, its name in hashes and in files.
+    /// The canonical text of the procedure file that says the same, its name in hashes and in
+    /// files.
     std::string text;
     std::shared_ptr<const ProcedureSpec>
         spec;  ///< what the text says; never none in a read protocol
@@ -248,8 +250,8 @@ struct AdaptiveSpec {
     friend bool operator==(const AdaptiveSpec&, const AdaptiveSpec&) = default;
 };
 
-/// The rule of [procedure] runs once for each of these, with answers of its own; the runs' trials are
-/// interleaved.
+/// The rule of [procedure] runs once for each of these, with answers of its own; the runs' trials
+/// are interleaved.
 struct RunSpec {
     std::string name;
     std::string friction;  ///< of the comparison, whose stimulus the rule chooses
@@ -287,8 +289,8 @@ enum class Language : std::uint8_t { en, tr };
 
 inline constexpr std::size_t kLanguageCount = 2;
 
-/// Sentences shown instead of the screen's own, in one language; empty: the screen's own. A line break
-/// begins a new paragraph.
+/// Sentences shown instead of the screen's own, in one language; empty: the screen's own. A line
+/// break begins a new paragraph.
 struct InstructionTexts {
     std::string welcome;  ///< before the first trial: what the study is about to ask
     std::string ready;    ///< before each trial: what to do now

@@ -23,7 +23,8 @@ constexpr double kLn2Lo = 0x1.a39ef35793c76p-33;
 
 constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
 
-/// e^(-z^2 / 2): z^2 has rounding errors that e enlarges by z^2, so its upper half is squared exactly.
+/// e^(-z^2 / 2): z^2 has rounding errors that e enlarges by z^2, so its upper half is squared
+/// exactly.
 double gauss(double z) noexcept {
     constexpr double kSplit = 134217729.0;  // 2^27 + 1, Dekker 1971
     const double c = kSplit * z;

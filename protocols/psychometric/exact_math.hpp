@@ -2,8 +2,9 @@
 
 /// Exponential and normal distribution from + - * / and exact scaling only, beside the logarithm of
 /// engine/math/elementary.hpp: the same to the bit on every IEEE-754 machine built with
-/// -ffp-contract=off. An adaptive procedure picks the stimulus of least expected entropy; with libm, one
-/// ulp between two C libraries could pick another one, and every trial after it would differ.
+/// -ffp-contract=off. An adaptive procedure picks the stimulus of least expected entropy; with
+/// libm, one ulp between two C libraries could pick another one, and every trial after it would
+/// differ.
 namespace palpate::protocols {
 
 inline constexpr double kLn2 = 0.693147180559945309417232121458176568;
@@ -23,9 +24,8 @@ inline constexpr double kLn10 = 2.302585092994045684017991454684364208;
 [[nodiscard]] double p_log_p(double p) noexcept;
 
 /// Phi(z), the share of a standard normal distribution below z. Relative error below 1e-14 in both
-/// tails, 0 below -38.5.
-/// |z| < 1.5: Abramowitz & Stegun 26.2.11, a series of positive terms; beyond: the continued fraction
-/// 26.2.14.
+/// tails, 0 below -38.5. |z| < 1.5: Abramowitz & Stegun 26.2.11, a series of positive terms;
+/// beyond: the continued fraction 26.2.14.
 [[nodiscard]] double normal_cdf(double z) noexcept;
 
 /// The z with Phi(z) = p, 0 < p < 1. -infinity at 0, infinity at 1, NaN outside.

@@ -4,35 +4,36 @@
 #include <cstdint>
 #include <string_view>
 
-/// Psychometric functions: the chance of a "1" (correct, yes, "more") at a stimulus, and its inverse.
+/// Psychometric functions: the chance of a "1" (correct, yes, "more") at a stimulus, and its
+/// inverse.
 namespace palpate::protocols {
 
 /// The core F(x), from 0 to 1; t is the threshold, b the slope. Slopes of different families are
 /// different quantities: compare thresholds only at the same probability (stimulus_at).
 ///
-///     family         F(x)                          F(t)      axis of x     slope b
-///     weibull        1 - exp(-(x/t)^b)             1 - 1/e   linear, >= 0  none
-///     weibull_log10  1 - exp(-10^(b (x - t)))      1 - 1/e   log10         per decade
-///     weibull_db     1 - exp(-10^(b (x - t)/20))   1 - 1/e   dB = 20 log10 per decade, as for log10
-///     gumbel         1 - exp(-e^(b (x - t)))       1 - 1/e   any           1 / unit of x
-///     normal         Phi(b (x - t))                1/2       any           1 / standard deviation
-///     logistic       1 / (1 + e^(-b (x - t)))      1/2       any           1 / unit of x
+///    family         F(x)                          F(t)      axis of x     slope b
+///    weibull        1 - exp(-(x/t)^b)             1 - 1/e   linear, >= 0  none
+///    weibull_log10  1 - exp(-10^(b (x - t)))      1 - 1/e   log10         per decade
+///    weibull_db     1 - exp(-10^(b (x - t)/20))   1 - 1/e   dB = 20 log10 per decade, as for log10
+///    gumbel         1 - exp(-e^(b (x - t)))       1 - 1/e   any           1 / unit of x
+///    normal         Phi(b (x - t))                1/2       any           1 / standard deviation
+///    logistic       1 / (1 + e^(-b (x - t)))      1/2       any           1 / unit of x
 ///
-/// The three Weibull lines are one function on three axes with the same b (Watson 2017 writes the dB
-/// line). Kingdom & Prins (2016, ch. 4) call the log10 line "Gumbel or log-Weibull"; the gumbel here has e
-/// for 10, so that its b is ln 10 times theirs.
+/// The three Weibull lines are one function on three axes with the same b (Watson 2017 writes the
+/// dB line). Kingdom & Prins (2016, ch. 4) call the log10 line "Gumbel or log-Weibull"; the gumbel
+/// here has e for 10, so that its b is ln 10 times theirs.
 enum class Family : std::uint8_t { weibull, weibull_log10, weibull_db, gumbel, normal, logistic };
 inline constexpr std::array<std::string_view, 6> kFamilyWords{
     "weibull", "weibull_log10", "weibull_db", "gumbel", "normal", "logistic"};
 
 /// How guesses and lapses frame F; g is the guess rate, l the lapse rate.
 ///
-///     upper      g + (1 - g - l) F                    from g to 1 - l: Wichmann & Hill 2001, Watson 2017
-///     two_sided  l + (1 - 2 l) F                      from l to 1 - l: two answers of which neither is
-///                                                     "wrong" (Watson 2017, example 3); g is not used
-///     guessing   l g + (1 - l) (g + (1 - g) F)        a lapse is answered at the guess rate, so that the
-///                                                     top is 1 - l (1 - g): QUEST's delta and gamma
-///                                                     (Watson & Pelli 1983)
+///   upper      g + (1 - g - l) F                from g to 1 - l: Wichmann & Hill 2001, Watson 2017
+///   two_sided  l + (1 - 2 l) F                  from l to 1 - l: two answers of which neither is
+///                                               "wrong" (Watson 2017, example 3); g is not used
+///   guessing   l g + (1 - l) (g + (1 - g) F)    a lapse is answered at the guess rate, so that the
+///                                               top is 1 - l (1 - g): QUEST's delta and gamma
+///                                               (Watson & Pelli 1983)
 enum class LapseForm : std::uint8_t { upper, two_sided, guessing };
 inline constexpr std::array<std::string_view, 3> kLapseWords{"upper", "two_sided", "guessing"};
 

@@ -59,21 +59,22 @@ private:
     std::vector<Procedure> procedures_;
 };
 
-/// The stimulus of a planned trial: the rule's next one, in practice that of the protocol; none without a
-/// rule.
+/// The stimulus of a planned trial: the rule's next one, in practice that of the protocol; none
+/// without a rule.
 [[nodiscard]] std::optional<double> stimulus_for(const Protocol& protocol,
                                                  const PlannedTrial& planned,
                                                  const AdaptiveRuns& runs);
 
-/// An answer as the rule counts: two intervals: 1 if the comparison was named; yes or no: 1 for yes; pictures:
-/// the place of the named object among the pictured ones in the protocol; a rating: its level.
+/// An answer as the rule counts: two intervals: 1 if the comparison was named; yes or no: 1 for
+/// yes; pictures: the place of the named object among the pictured ones in the protocol; a rating:
+/// its level.
 [[nodiscard]] std::size_t outcome_of(const Protocol& protocol,
                                      const PlannedTrial& planned,
                                      const Response& response);
 
-/// Whether answer `place` is right, where that can be said. Two intervals: the one with the larger value of
-/// what varies; none if both have the same. Pictures without a rule: the felt object's; none if there is no such
-/// picture.
+/// Whether answer `place` is right, where that can be said. Two intervals: the one with the larger
+/// value of what varies; none if both have the same. Pictures without a rule: the felt object's;
+/// none if there is no such picture.
 [[nodiscard]] std::optional<bool> is_right(const Protocol& protocol,
                                            const Plan& plan,
                                            const PlannedTrial& planned,

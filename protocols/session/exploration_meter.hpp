@@ -12,7 +12,8 @@
 
 namespace palpate::protocols {
 
-/// Three of a sample's values: so large that a tenth, a half, nine tenths of all are no larger. 0 of none.
+/// Three of a sample's values: so large that a tenth, a half, nine tenths of all are no larger. 0
+/// of none.
 struct Deciles {
     double p10 = 0.0;
     double p50 = 0.0;
@@ -22,9 +23,10 @@ struct Deciles {
 /// The ceil(q n)-th smallest of n values, q = .1, .5, .9. @param values  left in another order
 [[nodiscard]] Deciles deciles_of(std::vector<double>& values) noexcept;
 
-/// How much of an outline the god-object visited. The outline is cut into cells of about kCell; a contact
-/// tick visits the cell that its god-object lies in, on a vertex the last one before it. A straight last
-/// segment that closes the outline is the base on which the object stands, and does not count.
+/// How much of an outline the god-object visited. The outline is cut into cells of about kCell; a
+/// contact tick visits the cell that its god-object lies in, on a vertex the last one before it. A
+/// straight last segment that closes the outline is the base on which the object stands, and does
+/// not count.
 class OutlineCover {
 public:
     static constexpr double kCell = 1e-3;  ///< m; a hand goes 0.1 to 0.3 mm a tick of 1 kHz
@@ -33,8 +35,8 @@ public:
 
     /// The next tick of the same object.
     void add(const engine::TickRecord& tick) noexcept;
-    /// Visited length by all length, 0 to 1; the cells' lengths are those of chords, 1e-4 of the arc or
-    /// nearer for any curve with a radius above 10 mm.
+    /// Visited length by all length, 0 to 1; the cells' lengths are those of chords, 1e-4 of the
+    /// arc or nearer for any curve with a radius above 10 mm.
     [[nodiscard]] double share() const noexcept;
 
 private:
@@ -49,8 +51,8 @@ private:
     std::size_t at_ = 0;              ///< where the last one was found
 };
 
-/// How much of a patch (stimuli/surface_patch.hpp) the god-object visited: of kSide x kSide cells, each as
-/// large in u and v, those in which it was. The rim does not count.
+/// How much of a patch (stimuli/surface_patch.hpp) the god-object visited: of kSide x kSide cells,
+/// each as large in u and v, those in which it was. The rim does not count.
 class PatchCover {
 public:
     static constexpr std::size_t kSide = 12;  ///< 5 mm of a patch of 60 mm: a finger's breadth
@@ -66,8 +68,8 @@ private:
     std::array<bool, kSide * kSide> visited_{};
 };
 
-/// What a hand did on an object, beside StrokeCounter: contour following is made of strokes, stops and turns
-/// (S. J. Lederman, R. L. Klatzky, Cognitive Psychology 19:342, 1987).
+/// What a hand did on an object, beside StrokeCounter: contour following is made of strokes, stops
+/// and turns (S. J. Lederman, R. L. Klatzky, Cognitive Psychology 19:342, 1987).
 class ExplorationMeter {
 public:
     static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
@@ -83,7 +85,8 @@ public:
     [[nodiscard]] double covered_share() const noexcept {
         return std::visit([](const auto& cover) { return cover.share(); }, cover_);
     }
-    /// m/s, of HIP: way by time between contact ticks kWindow or more apart, nothing but contact between.
+    /// m/s, of HIP: way by time between contact ticks kWindow or more apart, nothing but contact
+    /// between.
     [[nodiscard]] Deciles speed() const;
     /// N, rendered, of contact ticks.
     [[nodiscard]] Deciles normal_force() const;

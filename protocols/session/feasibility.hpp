@@ -21,18 +21,19 @@ struct Finding {
     std::string text;  ///< a sentence with numbers and the remedy, without a full stop
 };
 
-/// What stands against it, in this order; empty when nothing does, and for devices that give no force.
+/// What stands against it, in this order; empty when nothing does, and for devices that give no
+/// force.
 ///
-/// Passivity: b >= K T (1/2 + d) + |B| (engine/safety/passivity.hpp) of the device's least damping b and
-/// delay of d ticks, and of the contact's damper B. Less is refused with the stiffness and the rate
-/// that would do; an unknown b is a warning with the b that is needed.
+/// Passivity: b >= K T (1/2 + d) + |B| (engine/safety/passivity.hpp) of the device's least damping
+/// b and delay of d ticks, and of the contact's damper B. Less is refused with the stiffness and
+/// the rate that would do; an unknown b is a warning with the b that is needed.
 ///
-/// Workspace: every outline, sampled every 1/64 of a side, and the start pose must be within reach, or it
-/// is refused with the first point that is not. A device that knows no force at any of these points is
-/// taken to know nothing of its workspace.
+/// Workspace: every outline, sampled every 1/64 of a side, and the start pose must be within reach,
+/// or it is refused with the first point that is not. A device that knows no force at any of these
+/// points is taken to know nothing of its workspace.
 ///
-/// Force: where the device gives less in its weakest direction than force_limit_n somewhere on an outline,
-/// a warning says how deep one can press there before it clips.
+/// Force: where the device gives less in its weakest direction than force_limit_n somewhere on an
+/// outline, a warning says how deep one can press there before it clips.
 [[nodiscard]] std::vector<Finding> check_feasibility(const Protocol& protocol,
                                                      const engine::Device& device);
 

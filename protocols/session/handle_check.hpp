@@ -9,14 +9,14 @@
 
 namespace palpate::protocols {
 
-/// s of a break until the handle is looked at, and until it is again after it was not right: a hand has to bring it
-/// home and let go of it.
+/// s of a break until the handle is looked at, and until it is again after it was not right: a hand
+/// has to bring it home and let go of it.
 inline constexpr double kLetGo = 3.0;
 
-/// While a participant rests, the free handle is proved on a thread of its own, until it is right or the break is
-/// over: its place, where encoders that slipped show, then its motors by weak pulses, since none that became stronger
-/// or weaker can be told from a hand while somebody holds the handle. Nobody else uses the apparatus until this is
-/// over().
+/// While a participant rests, the free handle is proved on a thread of its own, until it is right
+/// or the break is over: its place, where encoders that slipped show, then its motors by weak
+/// pulses, since none that became stronger or weaker can be told from a hand while somebody holds
+/// the handle. Nobody else uses the apparatus until this is over().
 class HandleCheck {
 public:
     /// @param apparatus  outlives this; one that has nothing to prove is left alone

@@ -17,8 +17,8 @@ struct MarkReply {
     std::int64_t trial = 0;   ///< its trial_id
 };
 
-/// What the experimenter asked for while a session runs, until the session does it. Screen and session share
-/// the desk on one thread; stop() and bar() are for any.
+/// What the experimenter asked for while a session runs, until the session does it. Screen and
+/// session share the desk on one thread; stop() and bar() are for any.
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.

@@ -16,7 +16,8 @@ struct RequeueRule {
     std::size_t max = 10;  ///< times a position, InvalidSpec::max_requeues
 };
 
-/// Where a trial stands, as people are told: practice is counted by itself, main and catch trials together.
+/// Where a trial stands, as people are told: practice is counted by itself, main and catch trials
+/// together.
 struct TrialNumber {
     bool practice = false;
     std::size_t number =
@@ -26,18 +27,19 @@ struct TrialNumber {
     friend bool operator==(const TrialNumber&, const TrialNumber&) = default;
 };
 
-/// What a session still has to run, in its order: a plan and all that became of it so far. The one rule
-/// for the running session and for its resumption from a database, so that both run the same.
+/// What a session still has to run, in its order: a plan and all that became of it so far. The one
+/// rule for the running session and for its resumption from a database, so that both run the same.
 ///
-/// A position with an answer that counts is done. One that faulted, or whose answer does not count, goes
-/// to a random later place of its part of the session: practice, or its block of main and catch trials.
-/// At least one other trial comes before it, each place is equally likely, and the place follows from the
-/// key, the position and how often it was set back: nobody can guess it, every resumption finds it. Once
-/// a position has been set back `max` times it is done too, without an answer that counts. What was
-/// aborted or cut off stays where it is: whoever comes back meets it first.
+/// A position with an answer that counts is done. One that faulted, or whose answer does not count,
+/// goes to a random later place of its part of the session: practice, or its block of main and
+/// catch trials. At least one other trial comes before it, each place is equally likely, and the
+/// place follows from the key, the position and how often it was set back: nobody can guess it,
+/// every resumption finds it. Once a position has been set back `max` times it is done too, without
+/// an answer that counts. What was aborted or cut off stays where it is: whoever comes back meets
+/// it first.
 ///
-/// A position set back may break the run limits of the plan (the same object three times in a row), and
-/// the last one of its part is followed by itself: there is nothing else left to put between.
+/// A position set back may break the run limits of the plan (the same object three times in a row),
+/// and the last one of its part is followed by itself: there is nothing else left to put between.
 class PendingTrials {
 public:
     PendingTrials() = default;
@@ -96,7 +98,8 @@ private:
     return outcome == Outcome::complete || outcome == Outcome::timed_out;
 }
 
-/// It was felt, or began to be, and ended by itself without an answer: it comes again later, not at once.
+/// It was felt, or began to be, and ended by itself without an answer: it comes again later, not at
+/// once.
 [[nodiscard]] constexpr bool is_lost(Outcome outcome) noexcept {
     return outcome == Outcome::faulted || outcome == Outcome::unanswered;
 }

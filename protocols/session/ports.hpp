@@ -37,7 +37,8 @@ struct Ports {
     };  ///< e.g. a signal arrived
     std::function<void(const Progress&)> progress = [](const Progress&) {
     };
-    /// What is wrong, each time that it becomes another sentence: whoever could mend it is to hear of it.
+    /// What is wrong, each time that it becomes another sentence: whoever could mend it is to hear
+    /// of it.
     std::function<void(const TroubleView&)> alarm = [](const TroubleView&) {
     };
     /// What became of a mark at the desk.

@@ -37,8 +37,8 @@ void SessionProgress::take(const Step& step) {
     }
 }
 
-/// An answer decides where all later ones of its part were set back to, and what its run showed next: both
-/// are gone through again.
+/// An answer decides where all later ones of its part were set back to, and what its run showed
+/// next: both are gone through again.
 void SessionProgress::set_counts(const std::vector<TrialId>& trials, bool counts) {
     std::set<std::size_t> runs;
     pending_ = begun_;

@@ -26,12 +26,13 @@ struct Attempt {
 /// The key of a mark that takes back the one before of the same trial.
 inline constexpr std::string_view kUndone = "undone";
 
-/// What a session knows of itself: what is left to run, what its rules were told, which answers count. It
-/// follows from attempts and events alone, in their order: the running session, its resumption from a
-/// database and those who check one apply() the same.
+/// What a session knows of itself: what is left to run, what its rules were told, which answers
+/// count. It follows from attempts and events alone, in their order: the running session, its
+/// resumption from a database and those who check one apply() the same.
 ///
-/// A mark, and a part that begins again, make the session what it would be if these answers had never
-/// counted; a mark taken back, what it would be without the mark. Other events change nothing.
+/// A mark, and a part that begins again, make the session what it would be if these answers had
+/// never counted; a mark taken back, what it would be without the mark. Other events change
+/// nothing.
 class SessionProgress {
 public:
     SessionProgress() = default;  ///< of no trial

@@ -16,7 +16,8 @@
 #include "protocols/trial/observer.hpp"
 #include "protocols/trial/presentation.hpp"
 
-/// The port to whatever keeps the data. Every call but append() is durable when it returns, or throws.
+/// The port to whatever keeps the data. Every call but append() is durable when it returns, or
+/// throws.
 namespace palpate::protocols {
 
 enum class Outcome : std::uint8_t {
@@ -32,8 +33,8 @@ enum class Outcome : std::uint8_t {
 /// Of an attempt that is stored without an answer: one that never ended counts as interrupted.
 [[nodiscard]] Outcome without_answer(std::string_view word) noexcept;
 
-/// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs, from its first
-/// tick to done; the ramp out of the force is in the trace, but not in here.
+/// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs, from its
+/// first tick to done; the ramp out of the force is in the trace, but not in here.
 struct TrialSummary {
     std::int64_t ticks = 0;
     std::int64_t contact_ticks = 0;
@@ -150,8 +151,8 @@ inline constexpr std::size_t kEventKinds = 22;
 /// @throws std::invalid_argument for other words
 [[nodiscard]] EventKind event_kind(std::string_view word);
 
-/// Something that happened: what programs go by is the kind and its numbers. The sentence is for people, and
-/// no program reads it again.
+/// Something that happened: what programs go by is the kind and its numbers. The sentence is for
+/// people, and no program reads it again.
 struct Event {
     EventKind kind = EventKind::note;
     std::string text{};
@@ -179,7 +180,8 @@ public:
     virtual void begin_interval(TrialId trial,
                                 const Presentation& felt,
                                 const SceneConstants& scene) = 0;
-    /// The next ticks of the running interval, in order and without gaps. Durable with the next save().
+    /// The next ticks of the running interval, in order and without gaps. Durable with the next
+    /// save().
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
     /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
     virtual bool save() { return true; }

@@ -149,8 +149,8 @@ private:
         ports_.marked(reply);
     }
 
-    /// A stop while nothing is felt, and what stands against every trial, hold the session until the experimenter
-    /// goes on.
+    /// A stop while nothing is felt, and what stands against every trial, hold the session until
+    /// the experimenter goes on.
     Signal check_stop() {
         if (ports_.desk == nullptr || !ports_.desk->wants_stop()) {
             return Signal::go_on;
@@ -178,8 +178,8 @@ private:
         return signal;
     }
 
-    /// A break where the plan has one after as many answered trials, once, and a short one where the rig has to be
-    /// proved; a gap elsewhere.
+    /// A break where the plan has one after as many answered trials, once, and a short one where
+    /// the rig has to be proved; a gap elsewhere.
     Signal between(const TrialView& next) {
         const std::size_t done = pending().answered();
         const bool planned = plan_.trials[done].break_before && rested_ != done;

@@ -10,13 +10,15 @@ namespace palpate::protocols {
 /// Counts how often a hand stroked along a surface in one direction.
 ///
 /// Per contact tick the hand moves s = (h[k] - h[k-1]) . t along the surface, t the tangent at the
-/// god-object in the direction of travel. A stroke is counted when the sum of s has gone kStroke from
-/// where it last turned; the next one when it has come back as far, or when it goes on after the hand was
-/// off the surface for longer than kLift. Shorter bounces neither end a stroke nor add to it.
+/// god-object in the direction of travel. A stroke is counted when the sum of s has gone kStroke
+/// from where it last turned; the next one when it has come back as far, or when it goes on after
+/// the hand was off the surface for longer than kLift. Shorter bounces neither end a stroke nor add
+/// to it.
 ///
 /// The stroke along the surface is what hands do to feel shape (contour following, S. J. Lederman,
 /// R. L. Klatzky, Cognitive Psychology 19:342, 1987). Both numbers are our choice: kStroke is above
-/// tremor and a tenth of a side of the default objects, kLift is above the bounces of a stiff contact.
+/// tremor and a tenth of a side of the default objects, kLift is above the bounces of a stiff
+/// contact.
 class StrokeCounter {
 public:
     static constexpr double kStroke = 0.005;            ///< m
@@ -24,11 +26,13 @@ public:
 
     /// The next tick. Where the force is 0 there is no tangent, and the tick adds nothing.
     void add(const engine::TickRecord& tick) noexcept;
-    /// The same on a surface, where a stroke is counted along x, or along y, each by a counter of its own.
+    /// The same on a surface, where a stroke is counted along x, or along y, each by a counter of
+    /// its own.
     /// @param axis  unit, in the plane
     void add_along(const engine::TickRecord& tick, const engine::Vec2& axis) noexcept;
     [[nodiscard]] std::int64_t strokes() const noexcept { return strokes_; }
-    /// Of these, those that had gone kStroke on segment 0; on a vertex, where the god-object was before.
+    /// Of these, those that had gone kStroke on segment 0; on a vertex, where the god-object was
+    /// before.
     [[nodiscard]] std::int64_t before_vertex() const noexcept { return on_side_[0]; }
     [[nodiscard]] std::int64_t after_vertex() const noexcept { return on_side_[1]; }
     /// Of these, those that came back on the one before without a lift.

@@ -39,12 +39,13 @@ private:
     std::int64_t last_time_ = 0;  ///< ns
 };
 
-/// Two intervals as one: counts and ways are added up, the mean force weighs by contact, the largest and the
-/// first remain. first_contact_s is that of the first interval with any, within it. Deciles and covered_share are
-/// of an interval alone, and stay those of the first.
+/// Two intervals as one: counts and ways are added up, the mean force weighs by contact, the
+/// largest and the first remain. first_contact_s is that of the first interval with any, within it.
+/// Deciles and covered_share are of an interval alone, and stay those of the first.
 [[nodiscard]] TrialSummary together(const TrialSummary& first, const TrialSummary& second);
 
-/// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it counts.
+/// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it
+/// counts.
 /// @param late_counts  false for a simulated hand: nobody felt the lateness
 [[nodiscard]] std::string why_invalid(const Protocol& protocol,
                                       const TrialSummary& summary,

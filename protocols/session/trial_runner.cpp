@@ -181,8 +181,8 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
     }
 }
 
-/// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out of the
-/// force spoils nothing that was felt.
+/// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out
+/// of the force spoils nothing that was felt.
 void TrialRunner::note_fault(TrialId id, const PlannedTrial& planned, TrialResult& result) {
     const bool felt = tripped_s_ && *tripped_s_ <= result.done_s;
     if (is_answered(result.outcome) && felt) {

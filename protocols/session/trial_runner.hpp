@@ -25,8 +25,8 @@ public:
                 SessionProgress& progress,
                 std::function<void(const Event&)> happened);
 
-    /// One attempt, recorded unless it was aborted before it began. The force is off when it returns,
-    /// and when anything is thrown.
+    /// One attempt, recorded unless it was aborted before it began. The force is off when it
+    /// returns, and when anything is thrown.
     /// @param view  of its first interval
     TrialResult run(const PlannedTrial& planned, TrialView view);
 

@@ -23,10 +23,11 @@ struct Trusting {
     std::function<void(const Event&)> happened;
 };
 
-/// After a faulted trial, or a proof that failed: asks the device to come back and proves what has to be proved, at
-/// once and then every half second, and the observer whether to go on, until one of both settles it. What comes of it
-/// is an event. A rig that may be another one asks for the experimenter: the participant cannot go on.
-/// Who stops it meanwhile is an event too, and the experimenter goes on then.
+/// After a faulted trial, or a proof that failed: asks the device to come back and proves what has
+/// to be proved, at once and then every half second, and the observer whether to go on, until one
+/// of both settles it. What comes of it is an event. A rig that may be another one asks for the
+/// experimenter: the participant cannot go on. Who stops it meanwhile is an event too, and the
+/// experimenter goes on then.
 /// @param in_a_row  faulted trials since the last good one, this one too
 /// @param trial     the attempt
 [[nodiscard]] Mended mend(Ports& ports,

@@ -11,7 +11,8 @@
 
 namespace palpate::protocols {
 
-/// What is proved of a rig that gives force to a hand, at this moment. Each state has all before it.
+/// What is proved of a rig that gives force to a hand, at this moment. Each state has all before
+/// it.
 enum class Trust : std::uint8_t {
     unknown,  ///< nothing: it was not looked at yet, or it went away
     answers,  ///< it answers; where its handle is and what its motors do is not known
@@ -22,7 +23,8 @@ enum class Trust : std::uint8_t {
 /// Attempts after which a proof is too old, where no break renews it before.
 inline constexpr std::size_t kMaxTrialsOfAProof = 30;
 
-/// The keys of what was proved at an opening, in breaks and after faults, and what is said of the pulses then.
+/// The keys of what was proved at an opening, in breaks and after faults, and what is said of the
+/// pulses then.
 inline constexpr std::string_view kStartPose = "start pose";
 inline constexpr std::string_view kRigCheck = "rig check";
 inline constexpr std::string_view kHandleMoves =
@@ -30,10 +32,10 @@ inline constexpr std::string_view kHandleMoves =
 /// The value of both that proves nothing.
 inline constexpr std::string_view kRefused = "refused";
 
-/// Trust as it follows from attempts and events alone, in their order. Opening, break, pause, fault, reconnection and
-/// proof go through it. Whatever could have changed the rig takes trust away: a device that went away all of it, a
-/// fault that a motor or an encoder may have caused and a rest all but that it answers. A fault of people, screen or
-/// program leaves it.
+/// Trust as it follows from attempts and events alone, in their order. Opening, break, pause,
+/// fault, reconnection and proof go through it. Whatever could have changed the rig takes trust
+/// away: a device that went away all of it, a fault that a motor or an encoder may have caused and
+/// a rest all but that it answers. A fault of people, screen or program leaves it.
 struct RigTrust {
     Trust state = Trust::unknown;
     std::size_t trials = 0;  ///< attempts since it was proved
@@ -49,7 +51,8 @@ struct ProofStep {
     std::string refused;         ///< why it is no further, a sentence with the remedy
 };
 
-/// Between trials: from `state`, which is not proved, tries to reach the next one. Takes some seconds at most.
+/// Between trials: from `state`, which is not proved, tries to reach the next one. Takes some
+/// seconds at most.
 [[nodiscard]] ProofStep prove_step(Apparatus& apparatus, Trust state);
 
 }  // namespace palpate::protocols

@@ -18,7 +18,8 @@ public:
     Apparatus& operator=(const Apparatus&) = delete;
     virtual ~Apparatus() = default;
 
-    /// Starts an interval of a trial. @param scene  what it looks at outlives end() @param interval  1 or 2
+    /// Starts an interval of a trial. @param scene what it looks at outlives end() @param interval
+    /// 1 or 2
     virtual void begin(const engine::SceneView& scene,
                        const PlannedTrial& planned,
                        std::size_t interval) = 0;
@@ -36,13 +37,14 @@ public:
     /// Nothing more will come (end of a replay): exploration ends now.
     [[nodiscard]] virtual bool exhausted() const noexcept { return false; }
     [[nodiscard]] virtual std::string device_name() const = 0;
-    /// Recorded hands: they feel the same each time, so that running a trial again would change nothing
-    /// and no answer is judged by how its object was felt.
+    /// Recorded hands: they feel the same each time, so that running a trial again would change
+    /// nothing and no answer is judged by how its object was felt.
     [[nodiscard]] virtual bool repeats() const noexcept { return false; }
 
     /// The dead-man switch is held. Any thread.
     virtual void hold(bool held) { static_cast<void>(held); }
-    /// Whoever could end the force is alive; said again and again while something is felt. Any thread.
+    /// Whoever could end the force is alive; said again and again while something is felt. Any
+    /// thread.
     virtual void beat() {}
     /// By hand: force off now, and none until allow(). Any thread.
     /// @param why  Trip::stopped or Trip::focus_lost
@@ -56,19 +58,20 @@ public:
     [[nodiscard]] virtual bool reconnect() { return true; }
     /// What is wrong with the device and what to do, a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
-    /// It gives the force of a commissioned rig, and nobody may feel it before that was proved (see Trust). Else
-    /// there is nothing to prove.
+    /// It gives the force of a commissioned rig, and nobody may feel it before that was proved (see
+    /// Trust). Else there is nothing to prove.
     [[nodiscard]] virtual bool has_proof() const noexcept { return false; }
-    /// Between trials, on any thread while nobody else uses it: is the free handle where its encoders say? After
-    /// they lost their place also at the second mark.
+    /// Between trials, on any thread while nobody else uses it: is the free handle where its
+    /// encoders say? After they lost their place also at the second mark.
     [[nodiscard]] virtual engine::ShortForm prove_place() { return {}; }
     /// The same: do weak pulses move it as when the rig was commissioned?
     [[nodiscard]] virtual engine::ShortForm prove_motors() { return {}; }
-    /// Between trials: where the free handle is, m, read with zero force; infinitely far while the device does not
-    /// say. None: no hand is brought to a start (a simulated one, a pointer that is put there).
+    /// Between trials: where the free handle is, m, read with zero force; infinitely far while the
+    /// device does not say. None: no hand is brought to a start (a simulated one, a pointer that is
+    /// put there).
     [[nodiscard]] virtual std::optional<engine::Vec3> place() { return std::nullopt; }
-    /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a virtual
-    /// clock, which is never late.
+    /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a
+    /// virtual clock, which is never late.
     [[nodiscard]] virtual std::string timing() const { return {}; }
 };
 

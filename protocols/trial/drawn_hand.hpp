@@ -12,7 +12,8 @@
 namespace palpate::protocols {
 
 /// How a simulated participant explores. Every trial's way is drawn from the stream "hand" of its
-/// position, that of a second interval from "hand.second", so that a resumed session explores as the unbroken one.
+/// position, that of a second interval from "hand.second", so that a resumed session explores as
+/// the unbroken one.
 class DrawnHand {
 public:
     DrawnHand(const Protocol& protocol,

@@ -13,16 +13,16 @@ engine::PlantModel plant_of(const engine::Calibration& machine) {
     return plant;
 }
 
-/// The machine as its driver knows it: the simulated hand holds the handle where explorations start when
-/// the board is set up, and by how much the emulated joints damp is known.
+/// The machine as its driver knows it: the simulated hand holds the handle where explorations start
+/// when the board is set up, and by how much the emulated joints damp is known.
 engine::Calibration as_emulated(engine::Calibration machine) {
     machine.home = engine::Exploration{}.start;
     machine.pantograph.damping = min_handle_damping(plant_of(machine));
     return machine;
 }
 
-/// An emulated board runs when the system lets it, and hurts nobody: a machine that is busy makes ticks
-/// late and readings stale, which are counted, and does not spoil trials.
+/// An emulated board runs when the system lets it, and hurts nobody: a machine that is busy makes
+/// ticks late and readings stale, which are counted, and does not spoil trials.
 constexpr double kBoardSilence = 5.0;  // s
 constexpr engine::GuardTiming kGuard{.wait_ms = 5, .patience = 1000, .alive_ms = 5000};
 

@@ -8,8 +8,8 @@
 
 namespace palpate::protocols {
 
-/// An emulated board of `machine` with a simulated hand on it, and its driver, patient as a machine that is
-/// busy needs it.
+/// An emulated board of `machine` with a simulated hand on it, and its driver, patient as a machine
+/// that is busy needs it.
 /// @param period  s between ticks   @param link  see engine::PtyBoard
 /// @throws as engine::EmulatedHaply
 [[nodiscard]] engine::EmulatedHaply emulated_haply(const engine::Calibration& machine,
@@ -17,8 +17,8 @@ namespace palpate::protocols {
                                                    const std::string& link = {});
 
 /// An emulated Haply board with a simulated hand on it, in real time over a serial port: everything
-/// that a session on a real board does, without one. Board and guard are processes of their own; make it
-/// before threads.
+/// that a session on a real board does, without one. Board and guard are processes of their own;
+/// make it before threads.
 class EmulatedHaplyApparatus : public ServoApparatus {
 public:
     /// Late ticks and stale readings are recorded but trip nothing: nobody holds this handle.

@@ -55,7 +55,8 @@ struct TroubleView {
     friend bool operator==(const TroubleView&, const TroubleView&) = default;
 };
 
-/// When nobody is there to mend anything: failed tries, and faults in a row, after which to give up.
+/// When nobody is there to mend anything: failed tries, and faults in a row, after which to give
+/// up.
 inline constexpr std::size_t kMaxTries = 10;
 inline constexpr std::size_t kMaxFaults = 3;
 
@@ -88,7 +89,8 @@ struct Question {
     std::string text;                   ///< empty: the screen's own sentence
     std::span<const Picture> pictures;  ///< identification only, from the left
     std::size_t answers = 0;            ///< an answer is 0 .. answers - 1
-    /// yes_no: of no and yes; rating: of the first and the last level. Empty: the screen's own words.
+    /// yes_no: of no and yes; rating: of the first and the last level. Empty: the screen's own
+    /// words.
     std::vector<std::string> labels;
     bool confidence = false;  ///< asked for after the answer
     bool confirm = false;     ///< answer and confidence can be changed until they are confirmed
@@ -110,7 +112,8 @@ struct Question {
 /// How sure one is of an answer: 1 (a guess) .. kMaxConfidence.
 inline constexpr int kMaxConfidence = 4;
 
-/// How an answer came about that could be changed until it was confirmed. Times since the question was shown.
+/// How an answer came about that could be changed until it was confirmed. Times since the question
+/// was shown.
 struct Confirmation {
     double first_choice_s = 0.0;  ///< until the first answer was marked
     double confirmed_s = 0.0;     ///< until the marked one was confirmed
@@ -121,8 +124,8 @@ struct Confirmation {
 
 struct Choice {
     Signal signal = Signal::done;  ///< done, abort or too_late
-    /// Which answer, 0 .. Question::answers - 1: the picture from the left; 0 first, 1 second interval;
-    /// 0 no, 1 yes; the level of a rating.
+    /// Which answer, 0 .. Question::answers - 1: the picture from the left; 0 first, 1 second
+    /// interval; 0 no, 1 yes; the level of a rating.
     std::size_t place = 0;
     double reaction_s = 0.0;     ///< question shown -> the press that gave this answer
     double uncertainty_s = 0.0;  ///< how late that press may have been seen
@@ -150,8 +153,8 @@ public:
 
     /// Before the first trial of a run: instructions.
     [[nodiscard]] virtual Signal welcome(const SessionView& session) = 0;
-    /// Blocks until the participant is at the start and begins. Called before each interval of a trial.
-    /// go_on, abort, or before the first interval held_up.
+    /// Blocks until the participant is at the start and begins. Called before each interval of a
+    /// trial. go_on, abort, or before the first interval held_up.
     [[nodiscard]] virtual Signal ready(const TrialView& trial) = 0;
     /// Called again and again while the object is felt; must return within a few ms.
     /// @param elapsed_s time since the trial's first tick, on the servo's clock
@@ -160,19 +163,20 @@ public:
     virtual void feel(std::span<const engine::TickRecord> ticks) { static_cast<void>(ticks); }
     /// Force is off; the question.
     [[nodiscard]] virtual Choice choose(const TrialView& trial, const Question& question) = 0;
-    /// After an answer, where the protocol says so: was it right? go_on or abort. The default tells nobody.
+    /// After an answer, where the protocol says so: was it right? go_on or abort. The default tells
+    /// nobody.
     [[nodiscard]] virtual Signal feedback(const TrialView& trial, bool correct);
     /// Blank screen between two trials, s. go_on or abort.
     [[nodiscard]] virtual Signal gap(double seconds) = 0;
     /// A break of at least `seconds`; returns when the participant goes on. go_on or abort.
     [[nodiscard]] virtual Signal rest(double seconds, const TrialView& next) = 0;
-    /// The experimenter asked for a pause; returns when the experimenter ends it. go_on or abort. The default
-    /// has nobody to wait for.
+    /// The experimenter asked for a pause; returns when the experimenter ends it. go_on or abort.
+    /// The default has nobody to wait for.
     [[nodiscard]] virtual Signal pause(const TrialView& next);
-    /// After a fault, again and again, with the device asked in between; must return within a few ms.
-    /// go_on (taken only when solved), abort, give_up, or nothing: still waiting.
-    /// The default has nobody to wait for: it goes on at once when solved, and gives up after kMaxTries
-    /// or kMaxFaults.
+    /// After a fault, again and again, with the device asked in between; must return within a few
+    /// ms. go_on (taken only when solved), abort, give_up, or nothing: still waiting. The default
+    /// has nobody to wait for: it goes on at once when solved, and gives up after kMaxTries or
+    /// kMaxFaults.
     [[nodiscard]] virtual std::optional<Signal> trouble(const TroubleView& view);
     /// The plan is finished.
     virtual void finish(const SessionView& session) = 0;

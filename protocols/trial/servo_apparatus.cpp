@@ -14,14 +14,15 @@ namespace {
 
 /// m/s between two readings beyond any hand: an encoder skipped or a cable came loose.
 constexpr double kJumpSpeed = 10.0;
-/// s without a new reading after which the force has nothing to stand on: it is off until there is one. And
-/// after which nobody answers: what a kernel's workers keep back on a busy machine was never as old.
+/// s without a new reading after which the force has nothing to stand on: it is off until there is
+/// one. And after which nobody answers: what a kernel's workers keep back on a busy machine was
+/// never as old.
 constexpr double kQuiet = 0.010;
 constexpr double kSilence = 0.040;
 /// s without a sign of life of the screen, after which nobody could end the force.
 constexpr double kScreenSilence = 0.25;
-/// Ticks that readings may be older than the device promised, whatever stiffness and damping: a busy
-/// machine keeps some answers back. And where it is not known what the device damps.
+/// Ticks that readings may be older than the device promised, whatever stiffness and damping: a
+/// busy machine keeps some answers back. And where it is not known what the device damps.
 constexpr double kSpareDelay = 0.5;
 constexpr double kUnknownSpare = 1.0;
 /// m of strokes under a straight axis that stands still, see EncoderWatch.

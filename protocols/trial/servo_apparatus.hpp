@@ -21,8 +21,8 @@ namespace palpate::protocols {
 /// N that are asked of a rig that nobody proved.
 inline constexpr double kUnprovedForce = 0.3;
 
-/// What protocol and device together ask of the servo. Limits on motion, energy, heat and lateness are for
-/// devices that give force. @param spin_share  see engine::ServoSpec
+/// What protocol and device together ask of the servo. Limits on motion, energy, heat and lateness
+/// are for devices that give force. @param spin_share see engine::ServoSpec
 /// @param max_force  N, where the device may give less than the protocol's limit
 [[nodiscard]] engine::ServoSpec servo_spec(
     const Protocol& protocol,
@@ -109,8 +109,8 @@ private:
     engine::VirtualServo servo_;
 };
 
-/// Recorded hands: interval k of the plan, counted through all its trials from 0, gets recording k modulo
-/// their number.
+/// Recorded hands: interval k of the plan, counted through all its trials from 0, gets recording k
+/// modulo their number.
 class ReplayApparatus : public ServoApparatus {
 public:
     using Recording = std::vector<engine::Reading>;
@@ -149,8 +149,8 @@ struct RigProof {
     Step mark;    ///< it rests at the second mark
     Step motors;  ///< weak pulses move it as they should
 
-    /// The device has to work; home is enough where it was proved before, the mark is asked for where it was taken
-    /// anew.
+    /// The device has to work; home is enough where it was proved before, the mark is asked for
+    /// where it was taken anew.
     [[nodiscard]] engine::ShortForm place(engine::Device& device);
 
     std::size_t proved_homings = 0;  ///< of those that the device had, so many met the mark

@@ -9,7 +9,8 @@
 namespace palpate::protocols {
 namespace {
 
-/// Every one, and the flattest and the roundest that a rule may choose: what lies in another lies in these.
+/// Every one, and the flattest and the roundest that a rule may choose: what lies in another lies
+/// in these.
 std::vector<ObjectSpec> objects_felt(const Protocol& protocol) {
     std::vector<ObjectSpec> objects = protocol.objects;
     const auto base = std::ranges::find_if(protocol.objects, [&](const ObjectSpec& object) {

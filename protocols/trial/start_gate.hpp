@@ -13,8 +13,9 @@ namespace palpate::protocols {
 /// Where the hand begins, m. Without surfaces z is 0.
 [[nodiscard]] engine::Vec3 start_of(const Protocol& protocol);
 
-/// Where the handle has to be for a trial to begin: within start_radius_mm of the start, and outside every object
-/// of the study. It knows nothing of the trial that comes: what it says tells nothing of it.
+/// Where the handle has to be for a trial to begin: within start_radius_mm of the start, and
+/// outside every object of the study. It knows nothing of the trial that comes: what it says tells
+/// nothing of it.
 class StartGate {
 public:
     /// Of no study: open everywhere.

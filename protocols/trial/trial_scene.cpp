@@ -41,7 +41,8 @@ engine::FeltScene make_felt_scene(const Protocol& protocol, const Presentation& 
     if (!protocol.surface) {
         return {outline_of(protocol, felt.object), contact_of(protocol, felt)};
     }
-    // The force needs no closest point, and a rim out of every reach leaves no border to come round.
+    // The force needs no closest point, and a rim out of every reach leaves no border to come
+    // round.
     return {surface_of(protocol, felt.object),
             engine::SurfaceSceneSpec{
                 .contact = contact_of(protocol, felt), .look_in_contact = false, .skip_far = true}};

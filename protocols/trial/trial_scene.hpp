@@ -12,8 +12,8 @@
 /// From a condition to what is felt and what is shown.
 namespace palpate::protocols {
 
-/// The compiled scene of an interval, in the plane or in space. @throws std::invalid_argument if it cannot be
-/// built
+/// The compiled scene of an interval, in the plane or in space. @throws std::invalid_argument if it
+/// cannot be built
 [[nodiscard]] engine::FeltScene make_felt_scene(const Protocol& protocol, const Presentation& felt);
 /// Of a protocol in the plane.
 [[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Presentation& felt);

@@ -123,8 +123,8 @@ double chatter_of(const RubbedLaw& law) {
     return std::sqrt(std::max(squares / (kTicks / 4) - mean * mean, 0.0));
 }
 
-/// 0.1 kg and 0.5 N s/m under 0.6 + 0.3 sin(2 pi t) N for 20 s: how far the mean place of the last second lies from
-/// that of the second one.
+/// 0.1 kg and 0.5 N s/m under 0.6 + 0.3 sin(2 pi t) N for 20 s: how far the mean place of the
+/// last second lies from that of the second one.
 double drift_of(const RubbedLaw& law) {
     constexpr int kSteps = 10;
     constexpr double kStep = kTick / kSteps;

@@ -16,7 +16,8 @@ struct RubbedLaw {
     bool as_recalled = false;  ///< Hayward & Armstrong with the map z^8 / (z_max (z_s^8 + z^8))
 };
 
-/// gos and coulomb first, then all laws of engine/friction/laws, then one that is no law of a scene.
+/// gos and coulomb first, then all laws of engine/friction/laws, then one that is no law of a
+/// scene.
 [[nodiscard]] std::vector<RubbedLaw> rubbed_laws();
 
 /// What one law does, in the runs that the benchmark tells of.

@@ -124,7 +124,8 @@ std::vector<Vec2> hand_along(const Object& object, const HandPlan& plan) {
         if (random.below(2500) == 0) {
             way = -way;
         }
-        // On until the hand has gone its way; beyond a centre of curvature the rail moves, not the hand.
+        // On until the hand has gone its way; beyond a centre of curvature the rail moves, not the
+        // hand.
         Vec2 next = rail.at(place, offset);
         for (int step = 0; step < 4000 && glm::length(next - hand) < reach; ++step) {
             place += 0.2 * way;

@@ -19,9 +19,9 @@ struct HandPlan {
 inline constexpr double kFastestHand = 0.3;   ///< m/s
 inline constexpr double kEncoderStep = 1e-5;  ///< m
 
-/// HIP at each tick: along the outline at 0.04 to 0.26 m/s, round vertices through their fan of normals,
-/// to and fro across the outline, with a tremor of 9 Hz and 0.05 mm, quantised to 10 um as a device does.
-/// Never faster than kFastestHand before the quantisation.
+/// HIP at each tick: along the outline at 0.04 to 0.26 m/s, round vertices through their fan of
+/// normals, to and fro across the outline, with a tremor of 9 Hz and 0.05 mm, quantised to 10 um as
+/// a device does. Never faster than kFastestHand before the quantisation.
 [[nodiscard]] std::vector<engine::Vec2> hand_along(const Object& object, const HandPlan& plan);
 
 }  // namespace palpate::bench

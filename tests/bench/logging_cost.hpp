@@ -4,7 +4,8 @@
 
 namespace palpate::bench {
 
-/// What keeping a tick costs the servo thread: flight recorder, ring, latest value, lateness histogram.
+/// What keeping a tick costs the servo thread: flight recorder, ring, latest value, lateness
+/// histogram.
 struct LoggingCost {
     std::vector<double>
         logging_ns;  ///< the four alone, once a tick at 1 kHz: caches are as a loop finds them

@@ -64,8 +64,8 @@ template <class Value>
     asm volatile("" : : "m"(value));
 }
 
-/// What a method is made of: two functions, no base class. Every tracker of the thesis and the certified
-/// one are plugged in like this:
+/// What a method is made of: two functions, no base class. Every tracker of the thesis and the
+/// certified one are plugged in like this:
 ///
 ///     struct Tracker {
 ///         void reset(const Vec2& first) { foot.place_at(first); }

@@ -82,7 +82,8 @@ Reply ask(const Maker& maker, std::size_t method, const Case& one) {
     return reply;
 }
 
-/// All cases in a child, since libraries crash and loop on some; after each death a new one goes on.
+/// All cases in a child, since libraries crash and loop on some; after each death a new one goes
+/// on.
 Score score_of(const Maker& maker, std::size_t method, const std::vector<Case>& cases) {
     Score score;
     std::size_t next = 0;

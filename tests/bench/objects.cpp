@@ -84,7 +84,7 @@ constexpr double kTipRadius = 0.63e-3;
 constexpr double kSpeedRatio = 21.0;
 
 /// (-a, 0), (b, H), (-b, H), (a, 0): 3 H / 4 = 0.1 m high. At the tip, u = 1/2,
-///     C' = (1.5 (a - b), 0),  C'' = (0, -6 H),  radius = |C'|^2 / (6 H);   |C'(0)| = 3 |(a + b, H)|
+///    C' = (1.5 (a - b), 0),  C'' = (0, -6 H),  radius = |C'|^2 / (6 H);   |C'(0)| = 3 |(a + b, H)|
 /// which two equations give a + b and a - b.
 Object sharp_tip() {
     const double height = 0.4 / 3.0;

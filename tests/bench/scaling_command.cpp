@@ -22,7 +22,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The part of a ring that the hand can reach, and a margin on either side, as an object of its own.
+/// The part of a ring that the hand can reach, and a margin on either side, as an object of its
+/// own.
 Object reached(const Object& ring) {
     Object part = ring;
     if (part.curves.size() > kReached) {

@@ -117,7 +117,8 @@ Vec3 vec(const Point<double>& p) {
 
 constexpr std::size_t kGrid = 80;
 
-/// Newton's iteration on the square of the distance, inside the domain; an axis that leaves it is held.
+/// Newton's iteration on the square of the distance, inside the domain; an axis that leaves it is
+/// held.
 Truth<3> refine(const Surface& surface, const Vec3& hip, long double u, long double v) {
     const long double end_u = surface.knots_u.back();
     const long double end_v = surface.knots_v.back();

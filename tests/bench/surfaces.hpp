@@ -24,10 +24,12 @@ inline constexpr int kSurfaceDegree = 3;
 /// An 8 x 8 patch of 0.1 m with hills, all weights 1; and the same with weights e^-0.7 to e^0.7.
 [[nodiscard]] std::vector<Surface> contact_surfaces();
 
-/// HIP over the surface, <= 0.18 m/s, -3 to +3 mm along its normal, tremor and quantisation as hand_along.
+/// HIP over the surface, <= 0.18 m/s, -3 to +3 mm along its normal, tremor and quantisation as
+/// hand_along.
 [[nodiscard]] std::vector<Vec3> hand_over(const Surface& surface, double seconds);
 
-/// Long double: Newton's iteration from every local minimum of a grid of samples. Dense, not proved.
+/// Long double: Newton's iteration from every local minimum of a grid of samples. Dense, not
+/// proved.
 [[nodiscard]] std::vector<Truth<3>> truths(const Surface& surface, const std::vector<Vec3>& path);
 
 /// Corners of 2 n^2 triangles on the surface, row by row, (n + 1) a row.

@@ -24,7 +24,8 @@ struct TimingPlan {
     int cold_ticks = 300;        ///< spread over the path; 0: none
 };
 
-/// Counts of the processor's clock (on x86-64 the time stamp counter, in order), or of steady_clock.
+/// Counts of the processor's clock (on x86-64 the time stamp counter, in order), or of
+/// steady_clock.
 class Clock {
 public:
     Clock();  ///< measures its own rate and cost: takes 50 ms

@@ -22,8 +22,8 @@ using tests::differences;
 
 namespace {
 
-/// An experimenter at the desk who marks about every third attempt: while the first or the second interval
-/// is felt, at the question, at the gap after it, or when the next trial is ready.
+/// An experimenter at the desk who marks about every third attempt: while the first or the second
+/// interval is felt, at the question, at the gap after it, or when the next trial is ready.
 class Marking : public SimulatedObserver {
 public:
     Marking(const data::SessionSpec& spec,
@@ -125,7 +125,8 @@ SessionEnd run(Database& database,
                         .desk = &desk});
 }
 
-/// Every attempt in its order: what was felt, answered and taken in by the rule, and what was marked when.
+/// Every attempt in its order: what was felt, answered and taken in by the rule, and what was
+/// marked when.
 std::string attempts(Database& database) {
     std::string text;
     for (const char* sql : {"SELECT trial_id, plan_position, outcome, invalid_reason, "

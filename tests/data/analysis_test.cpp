@@ -42,8 +42,8 @@ int sum_of(const std::vector<std::vector<std::string>>& matrix) {
 
 }  // namespace
 
-// R. G. Newcombe, "Two-sided confidence intervals for the single proportion", Statistics in Medicine 17
-// (1998), table I, method 3 (score).
+// R. G. Newcombe, "Two-sided confidence intervals for the single proportion", Statistics in
+// Medicine 17 (1998), table I, method 3 (score).
 TEST_CASE("the Wilson interval agrees with the published values", "[analysis][golden]") {
     struct Published {
         std::int64_t k, n;

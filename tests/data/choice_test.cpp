@@ -215,8 +215,8 @@ TEST_CASE("similarities and biases of five items come back from the shares they 
     CHECK_THROWS_WITH(data::fit_similarity({{1, 1}, {1, 0}}), ContainsSubstring("item 2"));
 }
 
-// R: the slopes of glm(cbind(k, n - k) ~ 1, binomial(probit), offset = slope * x), x = -2, 3, k = 9 and 27 of 40, whose
-// deviance is 3.8415 above that of the best; a slope is 1 / sigma.
+// R: the slopes of glm(cbind(k, n - k) ~ 1, binomial(probit), offset = slope * x), x = -2, 3, k = 9
+// and 27 of 40, whose deviance is 3.8415 above that of the best; a slope is 1 / sigma.
 TEST_CASE("of two items and two answers sigma's interval is that of R's profiled glm", "[choice]") {
     const auto fit =
         data::fit_thurstone({{{31, 9}, {13, 27}}}, {.items = {-2.0, 3.0}, .lapse = 0.0});
@@ -235,7 +235,8 @@ TEST_CASE(
             ++row[static_cast<std::size_t>(random.below(5))];
         }
     }
-    // No model tells fewer shares apart than one of the responses alone, which is that of an infinite sigma.
+    // No model tells fewer shares apart than one of the responses alone, which is that of an
+    // infinite sigma.
     double flat = 0.0;
     for (std::size_t j = 0; j < 5; ++j) {
         double given = 0.0;
@@ -286,7 +287,8 @@ TEST_CASE("a change of sigma has a p below .05 where its interval leaves out non
           Approx(full.parts[1].shift_interval->low).margin(1e-3));
 }
 
-// A pair's similarity is the root of an odds ratio of a table of two: of n of n against k of n its profile is known.
+// A pair's similarity is the root of an odds ratio of a table of two: of n of n against k of n its
+// profile is known.
 TEST_CASE(
     "intervals of similarities hold what the answers do not refute, and are open where they bound "
     "nothing",
@@ -295,7 +297,8 @@ TEST_CASE(
     CHECK(none.similarity[0][1] == 0.0);
     CHECK(none.intervals[0][1].low == 0.0);
     CHECK(none.one_way.empty());
-    // P(1 | 1) P(2 | 2) = 1 / (1 + s r) 1 / (1 + s / r), the highest where r is that of equal shares of 20 and 30.
+    // P(1 | 1) P(2 | 2) = 1 / (1 + s r) 1 / (1 + s / r), the highest where r is that of equal
+    // shares of 20 and 30.
     const double s = none.intervals[0][1].high;
     double best = -1e9;
     for (double r = 0.2; r < 5.0; r += 1e-4) {

@@ -142,7 +142,8 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
                            data::RunKind::real));
     }
     CHECK(orders.size() == rows - 1);
-    // The last row is left for whoever comes back, whichever it was before; a note on the session stays.
+    // The last row is left for whoever comes back, whichever it was before; a note on the session
+    // stays.
     database.execute(
         "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) SELECT"
         " min(session_id), 'note', 'late', '', 0 FROM session");

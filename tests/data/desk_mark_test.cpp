@@ -35,8 +35,8 @@ public:
     std::map<std::size_t, int> attempts;  ///< begun, by position
 };
 
-/// An experimenter who marks an attempt while it is felt, by its position and number, and a session that
-/// is stopped at the gap after every `stop_every`-th attempt.
+/// An experimenter who marks an attempt while it is felt, by its position and number, and a session
+/// that is stopped at the gap after every `stop_every`-th attempt.
 class Marking : public tests::Patient {
 public:
     Marking(std::uint64_t seed, Placed& apparatus, OperatorDesk& desk, int stop_every)

@@ -154,8 +154,8 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
         REQUIRE(
             tests::same_bits(ticks[i], tests::random_ticks(1, 1, static_cast<std::int64_t>(i))[0]));
     }
-    // A busy machine lets the writer wait for its turn, and only ever adds to the age: the least disturbed
-    // save shows what the writer does of itself.
+    // A busy machine lets the writer wait for its turn, and only ever adds to the age: the least
+    // disturbed save shows what the writer does of itself.
     const auto least = std::ranges::min(said, {}, &Saved::age_ns);
     CHECK(std::chrono::nanoseconds(least.age_ns) < 120ms);
     CHECK(std::chrono::nanoseconds(least.age_ns) >= data::AsyncRecorder::kSaveEvery);

@@ -34,8 +34,8 @@ void replace(std::string& text, std::string_view from, std::string_view to) {
     text.replace(at, from.size(), to);
 }
 
-/// Two studies, one whose rule chooses, with three people: words that tables find hard, confidence, a mark, a
-/// session that was killed and resumed, one that is not finished.
+/// Two studies, one whose rule chooses, with three people: words that tables find hard, confidence,
+/// a mark, a session that was killed and resumed, one that is not finished.
 struct AwkwardLab {
     AwkwardLab() {
         std::string shapes =
@@ -183,7 +183,8 @@ TEST_CASE("bids-validator finds no error in an export", "[export]") {
     CHECK(done.code == 0);
     CHECK_THAT(done.out, ContainsSubstring("\"errors\":[]"));
     const std::string warned = done.out.substr(0, done.out.find("\"ignored\":"));
-    // 38: not everybody did everything. 82: motion.tsv has no head line, as the standard has it. 113: no authors.
+    // 38: not everybody did everything. 82: motion.tsv has no head line, as the standard has it.
+    // 113: no authors.
     for (std::size_t at = 0; (at = warned.find("\"code\":", at)) != std::string::npos; ++at) {
         const int code = std::atoi(warned.c_str() + at + 7);
         CHECK((code == 38 || code == 82 || code == 113));

@@ -36,7 +36,8 @@ void run(sqlite3* handle, const char* sql) {
     REQUIRE(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
 }
 
-/// Somebody's database with a log that is not yet in the file, as a program leaves it that was killed.
+/// Somebody's database with a log that is not yet in the file, as a program leaves it that was
+/// killed.
 /// @param checkpointed  whether tables are in the file already, or all of it is in the log
 void make_foreign(const std::string& file, bool checkpointed) {
     sqlite3* handle = nullptr;

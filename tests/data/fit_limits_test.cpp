@@ -23,8 +23,8 @@ std::vector<Level> counted(double first, std::int64_t n, const std::vector<std::
     return levels;
 }
 
-/// What a curve may say that the fit does not, on a grid that knows nothing of it: no point is higher than the fit, and
-/// all that the answers do not refute lies within the intervals.
+/// What a curve may say that the fit does not, on a grid that knows nothing of it: no point is
+/// higher than the fit, and all that the answers do not refute lies within the intervals.
 void hold_against_grid(const CurveModel& model, const CurveFit& fit) {
     constexpr std::array kQuantities{Quantity::threshold, Quantity::slope, Quantity::jnd,
                                      Quantity::weber};

@@ -291,8 +291,8 @@ TEST_CASE("bootstrap samples follow from seed and stream, and their spread is th
     }
 }
 
-// PALPATE_FIT_STUDIES=2000 holds the intervals to .93 - .97; without it fewer are drawn, and the limits are those
-// that a true .95 leaves in one of 2000 such tests.
+// PALPATE_FIT_STUDIES=2000 holds the intervals to .93 - .97; without it fewer are drawn, and the
+// limits are those that a true .95 leaves in one of 2000 such tests.
 TEST_CASE(
     "95 % intervals hold the truth in 95 % of simulated studies, and what is corrected is off by "
     "nothing",

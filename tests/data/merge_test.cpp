@@ -27,7 +27,8 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// Everything that a file says of sessions and people, row by row, without the ids that are its own.
+/// Everything that a file says of sessions and people, row by row, without the ids that are its
+/// own.
 std::string content_of(const std::string& file) {
     Database database(file, Access::read);
     std::string all;

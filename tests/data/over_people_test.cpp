@@ -13,7 +13,8 @@ double share_at(double logit) {
     return 1.0 / (1.0 + std::exp(-logit));
 }
 
-/// The mean share of people whose logits are normal, by Simpson's rule over 8 deviations to each side.
+/// The mean share of people whose logits are normal, by Simpson's rule over 8 deviations to each
+/// side.
 double true_mean(double centre, double spread) {
     constexpr int kSteps = 1600;
     double sum = 0.0;
@@ -131,8 +132,8 @@ TEST_CASE("beyond 40 people the sign-flip p is drawn, and near that of a normal 
     CHECK(test.p == Approx(std::erfc(std::fabs(sum) / std::sqrt(2.0 * square))).margin(0.005));
 }
 
-// R. G. Newcombe, "Interval estimation for the difference between independent proportions", Statistics in
-// Medicine 17 (1998) 873, table II, method 10.
+// R. G. Newcombe, "Interval estimation for the difference between independent proportions",
+// Statistics in Medicine 17 (1998) 873, table II, method 10.
 TEST_CASE("the interval of a difference of two shares agrees with the published values",
           "[golden]") {
     struct Published {

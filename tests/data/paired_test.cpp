@@ -13,7 +13,8 @@ using namespace palpate::data;
 
 namespace {
 
-/// Extra hours of sleep of ten people, drug 1 less drug 2 (A. R. Cushny, A. R. Peebles, 1905): R's data set `sleep`.
+/// Extra hours of sleep of ten people, drug 1 less drug 2 (A. R. Cushny, A. R. Peebles, 1905): R's
+/// data set `sleep`.
 const std::vector<double> kSleep{-1.2, -2.4, -1.3, -1.3, 0.0, -1.0, -1.8, -0.8, -4.6, -1.4};
 
 double probability_below(double z) {
@@ -22,8 +23,8 @@ double probability_below(double z) {
 
 }  // namespace
 
-// R 4.2.2, t.test(extra ~ group, data = sleep, paired = TRUE); vignette of the package BayesFactor 0.9.12,
-// ttestBF(x = diffScores): 17.25888, r = 0.707.
+// R 4.2.2, t.test(extra ~ group, data = sleep, paired = TRUE); vignette of the package BayesFactor
+// 0.9.12, ttestBF(x = diffScores): 17.25888, r = 0.707.
 TEST_CASE("a paired t and its Bayes factor are those that R prints of Student's own data",
           "[people][golden]") {
     const PairedT test = paired_t(kSleep).value();
@@ -65,8 +66,8 @@ TEST_CASE("a Bayes factor is the noncentral t's density over the prior, by that 
     CHECK(jzs_bayes_factor(-t, n, r) == jzs_bayes_factor(t, n, r));
 }
 
-// M. Hollander, D. A. Wolfe, Nonparametric Statistical Methods, 1973, p. 29, depression scores; R's example of
-// wilcox.test prints V = 40, p-value = 0.01953 of one side.
+// M. Hollander, D. A. Wolfe, Nonparametric Statistical Methods, 1973, p. 29, depression scores; R's
+// example of wilcox.test prints V = 40, p-value = 0.01953 of one side.
 TEST_CASE("the signed-rank test agrees with a published one, and zeros are left out",
           "[people][golden]") {
     const std::vector<double> first{1.83, 0.50, 1.62, 2.48, 1.68, 1.88, 1.55, 3.06, 1.30};

@@ -153,7 +153,8 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
         CHECK(opened.progress.pending().has(1));
         CHECK_FALSE(opened.progress.pending().has(0));
         CHECK_FALSE(opened.progress.pending().has(2));
-        // What was aborted stays where it was; the marked one is somewhere after where it might have been next.
+        // What was aborted stays where it was; the marked one is somewhere after where it might
+        // have been next.
         std::vector<std::size_t> others = opened.progress.pending().order();
         std::erase(others, 1U);
         CHECK(others == std::vector<std::size_t>{3, 4, 5});
@@ -250,7 +251,8 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
 }
 
 TEST_CASE("UTF-8 is told from what is none, byte by byte as RFC 3629 has it", "[people]") {
-    // Every sequence of one, two and three bytes against the ranges of the RFC's table 3-7 in Unicode.
+    // Every sequence of one, two and three bytes against the ranges of the RFC's table 3-7 in
+    // Unicode.
     const auto by_table = [](unsigned a, unsigned b, unsigned c) -> std::size_t {
         const auto tail = [](unsigned x) {
             return x >= 0x80 && x <= 0xBF;

@@ -14,7 +14,8 @@ struct Answered {
     std::vector<std::size_t> responses;
 };
 
-/// `trials` of five shapes, each as often; a share of the answers is right, the others are any shape.
+/// `trials` of five shapes, each as often; a share of the answers is right, the others are any
+/// shape.
 Answered answered(std::mt19937_64& random, std::size_t trials, double right) {
     std::uniform_real_distribution<double> uniform;
     Answered all;

@@ -57,8 +57,8 @@ struct Instant {
     SessionProgress known;
 };
 
-/// What is known after the first attempts and events of a session, gone through from the beginning with the
-/// answers that count then: no step builds on the one before.
+/// What is known after the first attempts and events of a session, gone through from the beginning
+/// with the answers that count then: no step builds on the one before.
 struct Oracle {
     PendingTrials pending;
     AdaptiveRuns runs;

@@ -36,8 +36,8 @@ struct Exported {
     fs::path out;
 };
 
-/// Every number of trials.csv and of the ticks against the file, with Python's standard library alone and the
-/// reader that ships.
+/// Every number of trials.csv and of the ticks against the file, with Python's standard library
+/// alone and the reader that ships.
 constexpr const char* kPython = R"py(
 import csv, gzip, json, sqlite3, struct, sys
 file, out = sys.argv[1:3]

@@ -83,8 +83,9 @@ TEST_CASE("a session that cannot go on is let go", "[store][law]") {
     CHECK_NOTHROW(data::SessionLock(database, session));
 }
 
-// A plan's hash tells its seed, so a plan that was made from another seed is refused by its hash. What is
-// refused here is a caller who gives the plan of one seed and the hand and answers of another.
+// A plan's hash tells its seed, so a plan that was made from another seed is refused by its hash.
+// What is refused here is a caller who gives the plan of one seed and the hand and answers of
+// another.
 TEST_CASE("a session goes on only with its own seed, also when the order is the same",
           "[store][law]") {
     const TemporaryFolder folder;

@@ -268,8 +268,8 @@ TEST_CASE("information is log2 of what is told apart, none where answers ignore 
     const auto blind = std::string("(VALUES ('a','a',2), ('a','b',4), ('b','a',3), ('b','b',6))");
     CHECK(asked.real("SELECT mutual_information(column1, column2, column3) FROM " + blind) ==
           Approx(0.0).margin(1e-13));
-    // A binary channel with an error of 0.11: 1 - H(0.11) bits (T. M. Cover, J. A. Thomas, Elements of
-    // Information Theory, 7.1.4).
+    // A binary channel with an error of 0.11: 1 - H(0.11) bits (T. M. Cover, J. A. Thomas, Elements
+    // of Information Theory, 7.1.4).
     CHECK(
         asked.real(
             "SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,89), (0,1,11),"

@@ -11,8 +11,9 @@
 using namespace palpate::engine;
 using namespace palpate::tests;
 
-// The closed forms of arcs and lines against the rational quadratic that they are (Piegl & Tiller, The NURBS
-// Book, 7.3), against centre and radius, and against the same curve as a cubic, which no closed form knows.
+// The closed forms of arcs and lines against the rational quadratic that they are (Piegl & Tiller,
+// The NURBS Book, 7.3), against centre and radius, and against the same curve as a cubic, which no
+// closed form knows.
 
 namespace {
 

@@ -13,7 +13,8 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-/// A free handle whose encoders and motors hang on a card's counters and outputs, on a virtual clock.
+/// A free handle whose encoders and motors hang on a card's counters and outputs, on a virtual
+/// clock.
 class RigOnCard {
 public:
     RigOnCard(const Connection& encoders, const Connection& motors)

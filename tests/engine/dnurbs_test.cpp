@@ -54,7 +54,8 @@ DnurbsSpec random_curve(Random& random, bool rational) {
     return spec;
 }
 
-/// B-splines and their derivatives by recursion on the degree (Piegl & Tiller eq. 2.9), in long double.
+/// B-splines and their derivatives by recursion on the degree (Piegl & Tiller eq. 2.9), in long
+/// double.
 long double spline(const std::vector<double>& t, std::size_t i, int p, long double u, int order) {
     if (order == 0) {
         return basis(t, i, p, u);
@@ -195,8 +196,8 @@ std::vector<Vec2> exact_rest(const DnurbsSpec& spec, double u, const Vec2& force
     return q;
 }
 
-/// The motion of the bow's two free points, Runge and Kutta's fourth order in steps of 10 us: M and D are multiples
-/// of one matrix.
+/// The motion of the bow's two free points, Runge and Kutta's fourth order in steps of 10 us: M and
+/// D are multiples of one matrix.
 std::vector<Vec2> fine_motion(const DnurbsSpec& spec, double u, const Vec2& force, double time) {
     const Matrices m = oracle_of(spec);
     const auto r = rational_basis(spec, u);
@@ -266,7 +267,8 @@ Energy energy_of(const Dnurbs& curve, const std::vector<Vec2>& q, const std::vec
 
 TEST_CASE("a bow that is pressed in its middle gives way by 3 F / (4 (3 alpha + 36 beta))",
           "[deformation]") {
-    // Both free points move alike by q: C moves by 3 u (1 - u) q, whose derivatives are 3 (1 - 2u) q and -6 q.
+    // Both free points move alike by q: C moves by 3 u (1 - u) q, whose derivatives are 3 (1 - 2u)
+    // q and -6 q.
     Random random(1);
     for (int i = 0; i < 50; ++i) {
         DnurbsSpec spec = bow();

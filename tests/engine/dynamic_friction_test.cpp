@@ -11,7 +11,8 @@ using tests::Random;
 
 namespace {
 
-/// One tick of dz/ds = rate(z, sgn) over the travel, by many steps of the classical Runge-Kutta rule.
+/// One tick of dz/ds = rate(z, sgn) over the travel, by many steps of the classical Runge-Kutta
+/// rule.
 double finely(double z, double travel, int steps, const std::function<double(double)>& rate) {
     const double h = std::fabs(travel) / steps;
     for (int i = 0; i < steps; ++i) {
@@ -51,7 +52,8 @@ TEST_CASE("Dahl's law is its differential equation, solved finely, for every exp
 }
 
 TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[friction][law]") {
-    // From rest under constant load: f / f_c = 1 - (1 - (1 - alpha) sigma x / f_c)^(1 / (1 - alpha)).
+    // From rest under constant load: f / f_c = 1 - (1 - (1 - alpha) sigma x / f_c)^(1 / (1 -
+    // alpha)).
     const double alpha = GENERATE(0.0, 0.3, 0.5, 0.9);
     CAPTURE(alpha);
     const FrictionLaw law({.kind = LawKind::dahl, .exponent = alpha}, {.mu_s = 0.5, .mu_d = 0.5},

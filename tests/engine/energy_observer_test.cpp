@@ -23,8 +23,9 @@ Vec2 spring_of(const Contact& contact, const Vec2& hip) {
     return contact.mode == Mode::free ? Vec2{} : contact.go - hip;
 }
 
-/// The largest energy that a force gave the hand over any stretch, J: forces held from tick to tick,
-/// less what a device of damping b takes. By the running minimum of the sum, not by the observer.
+/// The largest energy that a force gave the hand over any stretch, J: forces held from tick to
+/// tick, less what a device of damping b takes. By the running minimum of the sum, not by the
+/// observer.
 class Given {
 public:
     void add(const Vec2& force, const Vec2& step, double damping, double period) {
@@ -93,7 +94,8 @@ TEST_CASE("a sampled spring with friction, cut and ramped, never raises the ener
 }
 
 TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
-    // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse counts.
+    // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse
+    // counts.
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{150}));
     CAPTURE(seed);
     Random random(seed);

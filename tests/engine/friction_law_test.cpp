@@ -57,8 +57,9 @@ TEST_CASE("friction stays inside the cone: |F_T| <= mu F_N and mu <= mu_s on eve
     CHECK(excess <= 1e-11);
 }
 
-// On a circle of centre c and radius R the slipping GO sees HIP at angle atan(mu) off its own normal:
-// in the triangle c, h, GO the law of sines gives sin(angle at h) = R sin(atan mu) / |h - c|.
+// On a circle of centre c and radius R the slipping GO sees HIP at angle atan(mu) off its own
+// normal: in the triangle c, h, GO the law of sines gives sin(angle at h) = R sin(atan mu) / |h -
+// c|.
 TEST_CASE("a slipping god-object rests where the law of sines puts it", "[friction][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
@@ -125,8 +126,8 @@ TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tic
     CHECK(worst <= 1e-9);
 }
 
-// Moving the GO along the surface in the direction of the stretch never raises E = K/2 |GO - HIP|^2,
-// so an episode that begins from outside returns at most the sampling leak K/2 sum |dh|^2.
+// Moving the GO along the surface in the direction of the stretch never raises E = K/2 |GO -
+// HIP|^2, so an episode that begins from outside returns at most the sampling leak K/2 sum |dh|^2.
 TEST_CASE("a contact is passive: work on the user <= K/2 sum |dh|^2 in every episode",
           "[friction][law]") {
     int episodes = 0;
@@ -173,9 +174,9 @@ namespace {
 ///
 ///     K (3 |dh| + v_r T) + pull (v_r T + 2 |dh|) / rho_v + (mu_s - mu_d) F_N T / tau_slip + 0.02 N
 ///
-/// The first term moves HIP and GO, the second turns the normal of a vertex fan, the third relaxes mu.
-/// While the fan holds the GO outside its cone, turning it swings the whole stretch r into the load,
-/// so that the second term's pull is |F| + K |r| sqrt(1 + mu_s^2) and not |F| alone.
+/// The first term moves HIP and GO, the second turns the normal of a vertex fan, the third relaxes
+/// mu. While the fan holds the GO outside its cone, turning it swings the whole stretch r into the
+/// load, so that the second term's pull is |F| + K |r| sqrt(1 + mu_s^2) and not |F| alone.
 int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
     const double k = scene.spec().stiffness;
     const double period = scene.spec().period;

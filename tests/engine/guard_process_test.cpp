@@ -34,8 +34,8 @@ bool gone(pid_t pid) {
     return !file || state == "Z" || state == "X";
 }
 
-/// A process that presses, at last. Where the machine is so busy that the guard took its force before anybody
-/// saw it, another one begins.
+/// A process that presses, at last. Where the machine is so busy that the guard took its force
+/// before anybody saw it, another one begins.
 std::unique_ptr<Presser> pressing(const EmulatedBoard& board,
                                   Presser::End end = Presser::End::signal,
                                   const Calibration& calibration = haply_machine()) {

@@ -183,7 +183,8 @@ TEST_CASE(
         }
     }
     CAPTURE(flips, refused, harmless);
-    // What is left are signs, 2 of 72, and twice or half a count that is whole again: 9.5 % seen, as jumps.
+    // What is left are signs, 2 of 72, and twice or half a count that is whole again: 9.5 % seen,
+    // as jumps.
     CHECK(flips - refused - harmless <= flips / 10);
     CHECK(refused > flips * 8 / 10);
 }

@@ -21,7 +21,8 @@ namespace {
 constexpr std::uint64_t kCases = 27 * kNastyRound;
 
 /// The worst of 100,000 seeds, one a pair of families, for a solver that took one rounding level
-/// for a whole span and knew only u, not 1 - u: it was wrong there by 0.25 of the size down to 1e-12.
+/// for a whole span and knew only u, not 1 - u: it was wrong there by 0.25 of the size down to
+/// 1e-12.
 constexpr std::array<std::uint64_t, 36> kWorst{
     14226, 30527, 69021, 37139, 86862, 57526, 19146, 86444, 60016, 95812, 80288, 35582,
     83803, 89485, 38964, 41547, 54012, 8500,  19318, 96420, 81144, 26885, 55822, 49850,
@@ -69,7 +70,8 @@ TEST_CASE("the oracle proves its distance, and no sample of the curve beats it",
                 nurbs_point(nasty.curve, share == 1.0L ? to : from + (to - from) * share);
             sampled = std::min(sampled, std::hypot(p[0] - nasty.query.x, p[1] - nasty.query.y));
         }
-        // And it is the distance of a point of the curve: 1e-11 for steep weights, where u is coarse.
+        // And it is the distance of a point of the curve: 1e-11 for steep weights, where u is
+        // coarse.
         const auto foot = nurbs_point(nasty.curve, found.u);
         const long double there = std::hypot(foot[0] - nasty.query.x, foot[1] - nasty.query.y);
         const bool holds = std::fabs(there - found.distance) <= 1e-11L * scale &&

@@ -46,7 +46,8 @@ TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definiti
     Random random(seed);
     const double size = random.decade(-6.0, 3.0);
     const double decades = seed % 3U == 0U ? 0.0 : 3.0;
-    // Curve points of rational spans are quotients of sums of positive terms: 2 p + a few roundings.
+    // Curve points of rational spans are quotients of sums of positive terms: 2 p + a few
+    // roundings.
     CHECK(1e15 * worst_error(random_nurbs<2>(random, size, decades), size) < 4.0);
     CHECK(1e15 * worst_error(random_nurbs<3>(random, size, decades), size) < 4.0);
 }
@@ -70,7 +71,8 @@ TEST_CASE("derivatives are those of the definition", "[geometry][law]") {
             const double first = static_cast<double>((after[i] - before[i]) / (2.0L * e));
             const double second =
                 static_cast<double>((after[i] - 2.0L * middle[i] + before[i]) / (e * e));
-            // Central differences: error e^2 of the third and fourth derivative, far below 1e-4 here.
+            // Central differences: error e^2 of the third and fourth derivative, far below 1e-4
+            // here.
             CHECK(jet.first[k] * width == Approx(first * width).margin(2e-6));
             CHECK(jet.second[k] * width * width == Approx(second * width * width).margin(2e-4));
         }
@@ -97,7 +99,8 @@ TEST_CASE(
     const double far = curve.is_its_taylor_series() ? random.in(-1.0, 1.0) : 1e-5;
     const Jet<2> there = curve.at(u + far);
     const Jet<2> carried = curve.beside(curve.at(u), far);
-    // Elsewhere the point errs by a sixth of the third derivative times far^3, C' by a half of it times far^2.
+    // Elsewhere the point errs by a sixth of the third derivative times far^3, C' by a half of it
+    // times far^2.
     const double third = curve.is_its_taylor_series() ? 0.0 : 3000.0 * size;
     const double rounding = 5e-14 * size;
     CHECK(glm::length(carried.point - there.point) <= rounding + third * std::pow(far, 3.0));

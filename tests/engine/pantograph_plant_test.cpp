@@ -26,8 +26,8 @@ PlantModel bare() {
     return model;
 }
 
-/// The same machine by Lagrange's equation, from nothing but the handle's place: the kinetic energy's
-/// derivatives are differences, the integrator is Runge-Kutta of order 4.
+/// The same machine by Lagrange's equation, from nothing but the handle's place: the kinetic
+/// energy's derivatives are differences, the integrator is Runge-Kutta of order 4.
 class Lagrangian {
 public:
     Lagrangian(const PlantModel& model, const JointAngles& q, const Vec2& aim)

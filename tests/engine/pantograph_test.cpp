@@ -41,8 +41,8 @@ Vec2 unit(double angle) {
 
 }  // namespace
 
-// Position quantum of one count and worst-direction force at 0.123 N m, as published for these poses
-// with the golden Jacobians of five_bar_test.cpp, to the digits given there.
+// Position quantum of one count and worst-direction force at 0.123 N m, as published for these
+// poses with the golden Jacobians of five_bar_test.cpp, to the digits given there.
 TEST_CASE("quantum and weakest force agree with the golden table of real devices",
           "[device][golden]") {
     struct Golden {
@@ -142,7 +142,8 @@ TEST_CASE("poses near a singular one, or in another working mode, are no places"
         spec.clearance = clearance;
         const Pantograph machine(spec);
         const double reach = spec.linkage.driven_1 + spec.linkage.free_1;
-        // Straight out from pivot 1, to the left of both: pivot 2 has a longer way, so take its reach.
+        // Straight out from pivot 1, to the left of both: pivot 2 has a longer way, so take its
+        // reach.
         const Vec2 pivot_2 = Vec2{spec.linkage.base, 0.0} - spec.origin;
         const Vec2 way = unit(2.0);
         CHECK(machine.reach(pivot_2 + way * (reach - clearance - 1e-9)));

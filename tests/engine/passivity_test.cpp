@@ -8,8 +8,8 @@
 using namespace palpate::engine;
 using namespace palpate::tests;
 
-// The table of the virtual wall's stability: m = 0.15 kg, T = 1 ms; roots of the exact zero-order-hold
-// polynomial, and the growth of a stepped wall beside them.
+// The table of the virtual wall's stability: m = 0.15 kg, T = 1 ms; roots of the exact
+// zero-order-hold polynomial, and the growth of a stepped wall beside them.
 TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polynomial",
           "[passivity][golden]") {
     struct Row {

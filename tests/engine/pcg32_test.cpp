@@ -9,8 +9,8 @@
 
 using namespace palpate;
 
-// Expected: test-high/expected/check-pcg32.out of the library pcg-c, seed 42, stream 54, round 1. The
-// words are printed, stepped back over and printed again; coins, rolls and cards follow them.
+// Expected: test-high/expected/check-pcg32.out of the library pcg-c, seed 42, stream 54, round 1.
+// The words are printed, stepped back over and printed again; coins, rolls and cards follow them.
 TEST_CASE("PCG32 draws, flips, rolls and deals as pcg-c does", "[random]") {
     Pcg32 random(42, 54);
     for (const std::uint32_t word :

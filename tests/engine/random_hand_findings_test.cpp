@@ -77,8 +77,8 @@ TEST_CASE("repeated control points at an end are no cusp, and a fold is one", "[
     CHECK(
         cusps_of({std::vector<Vec2>{a, a, a, a, b, c}, even}).empty());  // C' ~ u^3: still for 2e-5
     CHECK(cusps_of({std::vector<Vec2>{c, b, a, a, a, a}, even}).empty());
-    // t^8 along a line, t = 2u - 1: to and fro, so still about the turn that halving would take 2^35
-    // pieces to see through. e_8 of the blossom at j ones and 8 - j minus ones is (-1)^(8-j).
+    // t^8 along a line, t = 2u - 1: to and fro, so still about the turn that halving would take
+    // 2^35 pieces to see through. e_8 of the blossom at j ones and 8 - j minus ones is (-1)^(8-j).
     std::vector<Vec2> fold;
     for (int j = 0; j <= 8; ++j) {
         fold.push_back(Vec2{j % 2 == 0 ? 0.05 : -0.05, 0.0});
@@ -171,7 +171,8 @@ TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out
 
 TEST_CASE("left of an open end whose control points repeat nothing is felt, however light the rest",
           "[contact][law]") {
-    // Worst found by search: weights 0.0107 and 1000, felt at 11 of 40 distances along the normal of the end.
+    // Worst found by search: weights 0.0107 and 1000, felt at 11 of 40 distances along the normal
+    // of the end.
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         CAPTURE(seed);
         Random random(seed + 2912);

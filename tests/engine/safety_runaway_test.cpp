@@ -13,8 +13,8 @@ namespace {
 
 using Machine = std::array<Vec2, 2>;
 
-/// What a 2DIY of the third generation at 135 and 20 degrees makes of a force when its motors get the
-/// torques of `wrong`: F' = J^-T W J^T F. J: the table of published kinematics, m/rad.
+/// What a 2DIY of the third generation at 135 and 20 degrees makes of a force when its motors get
+/// the torques of `wrong`: F' = J^-T W J^T F. J: the table of published kinematics, m/rad.
 Machine miswired(const Machine& wrong) {
     constexpr double a = -0.046895835131;
     constexpr double b = -0.024700450478;
@@ -92,8 +92,8 @@ TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard
 
 namespace {
 
-/// Whether a handle trips that comes at `came` m/s and from `at` m on goes on at `on` m/s, by a command that
-/// is full from there on or never, read once a ms in steps of 0.1 mm.
+/// Whether a handle trips that comes at `came` m/s and from `at` m on goes on at `on` m/s, by a
+/// command that is full from there on or never, read once a ms in steps of 0.1 mm.
 bool trips(double came, double on, double at, bool full = true) {
     RunawayWatch watch;
     double y = 0.05;

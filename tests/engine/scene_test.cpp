@@ -68,7 +68,8 @@ TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") 
             for (const Vec2& h : scene_hand(seed)) {
                 const Contact contact = scene.tick(state, h);
                 const bool inside = feet.closest(h).inside;
-                // A sliding contact may still hold for the tick in which HIP leaves over another side.
+                // A sliding contact may still hold for the tick in which HIP leaves over another
+                // side.
                 if (!inside && !was_inside) {
                     REQUIRE(contact.mode == Mode::free);
                 }

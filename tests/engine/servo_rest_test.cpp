@@ -22,7 +22,8 @@ Scene rest_scene() {
     return {stimuli::make_outline({.curvature = 5.0}), {}};
 }
 
-/// 1 ms of a thermal time constant of 1000 s: theta grows by 100^2 / 1e6 a tick, cold motors last 100 ticks.
+/// 1 ms of a thermal time constant of 1000 s: theta grows by 100^2 / 1e6 a tick, cold motors last
+/// 100 ticks.
 constexpr double kHeatStep = 1e-6;
 constexpr std::size_t kColdTicks = 100;
 

@@ -113,7 +113,8 @@ TEST_CASE("the standard machine is passive at the study's stiffness, and says wh
     CHECK(traits.gives_force);
     CHECK(std::fabs(traits.delay_ticks - 1.15) < 1e-12);
     CHECK(traits.damping.value() > 1000.0 * 1e-3 * (0.5 + traits.delay_ticks));
-    // At the symmetric pose joint damping at the handle is b / (2 lever^2) along y and x: never less.
+    // At the symmetric pose joint damping at the handle is b / (2 lever^2) along y and x: never
+    // less.
     const PlantModel plant;
     const Pantograph machine(plant.machine);
     for (const double y : {0.0, 0.02, 0.04, 0.06}) {

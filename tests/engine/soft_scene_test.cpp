@@ -39,7 +39,8 @@ Dnurbs curves(double compliance) {
     return Dnurbs(spec);
 }
 
-/// A hand that goes from place to place through the surface, in a sixth of a second or so, and trembles.
+/// A hand that goes from place to place through the surface, in a sixth of a second or so, and
+/// trembles.
 class RoamingHand {
 public:
     explicit RoamingHand(Random& random)

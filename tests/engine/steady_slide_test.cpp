@@ -52,8 +52,9 @@ void stroke_on(const Scene& scene, const Stroke& stroke, double seconds, Each&& 
 
 }  // namespace
 
-// The case in which CHAI3D 3.3.0's finger proxy jams on a triangle mesh of the concave object at 0.1 m/s and
-// above (stuck 79 to 91 % of the path, up to 18 N where 2 N is right), and renders mu = 0.23 at 0.05 m/s.
+// The case in which CHAI3D 3.3.0's finger proxy jams on a triangle mesh of the concave object at
+// 0.1 m/s and above (stuck 79 to 91 % of the path, up to 18 N where 2 N is right), and renders mu =
+// 0.23 at 0.05 m/s.
 TEST_CASE("a finger sliding on a concave, straight or convex side never jams and feels mu_d",
           "[friction][law]") {
     const double curvature = GENERATE(-kSagitta5mm, 0.0, kSagitta5mm);
@@ -103,8 +104,8 @@ TEST_CASE("a flat frictionless wall has no ripple", "[rendering][law]") {
 
 namespace {
 
-/// A hand on its way along an open outline, and how far from 200 kHz it may feel, N: the largest difference and
-/// the rms at 1, 4 and 10 kHz.
+/// A hand on its way along an open outline, and how far from 200 kHz it may feel, N: the largest
+/// difference and the rms at 1, 4 and 10 kHz.
 struct Ride {
     const char* name;
     std::shared_ptr<const Outline> outline;

@@ -166,8 +166,8 @@ TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop al
                                 friction.tau_slip;
             over =
                 std::max(over, glm::length(c.force - last.force) - (kStiffness * (dh + dg) + drop));
-            // The GO is dragged, it does not leap: on these gentle shapes it goes hardly farther than
-            // HIP, plus what the drop lets go. A missed patch or a wrong root would show here.
+            // The GO is dragged, it does not leap: on these gentle shapes it goes hardly farther
+            // than HIP, plus what the drop lets go. A missed patch or a wrong root would show here.
             way_over = std::max(way_over, dg - (3.0 * dh + 2.0 * drop / kStiffness));
         }
         last = c;

@@ -6,8 +6,8 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/thesis_objects.hpp"
 
-// What Algorithm 1 does when it is taken at its word. Numbers: closed forms on a straight edge, where
-// the tracked GO lags by v / lambda - v T and mu = mu_d + (mu_s - mu_d) lag / Psi_0.
+// What Algorithm 1 does when it is taken at its word. Numbers: closed forms on a straight edge,
+// where the tracked GO lags by v / lambda - v T and mu = mu_d + (mu_s - mu_d) lag / Psi_0.
 
 using namespace palpate::engine;
 using namespace palpate::tests;
@@ -159,8 +159,8 @@ TEST_CASE("a dead band of 1 mm/s hides the reversal, and friction then drives th
     for (int k = 1; k <= 4000; ++k) {
         hand.at(-0.02 * std::cos(2.0 * M_PI * 0.5 * k * kTick), 0.004);
     }
-    // One stroke back at mu_d F_N = 2 N over 40 mm is 80 mJ, and the lag of GO adds to mu; friction.md
-    // section 1 has up to 94 mJ. The elastic store is 4 mJ.
+    // One stroke back at mu_d F_N = 2 N over 40 mm is 80 mJ, and the lag of GO adds to mu;
+    // friction.md section 1 has up to 94 mJ. The elastic store is 4 mJ.
     CHECK(hand.returned() > 0.080);
     CHECK(hand.returned() < 0.100);
 }

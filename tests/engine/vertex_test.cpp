@@ -24,8 +24,8 @@ std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
 }  // namespace
 
 TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "[vertex][law]") {
-    // HIP passes under a shallow convex corner while the GO is stuck before it: the force stays that of
-    // the spring, in a straight line with HIP, although the closest feature changes.
+    // HIP passes under a shallow convex corner while the GO is stuck before it: the force stays
+    // that of the spring, in a straight line with HIP, although the closest feature changes.
     const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}),
                       {.friction = kVertexFriction, .slew = kSlew});
     ContactState state;
@@ -78,7 +78,8 @@ TEST_CASE("slew spreads the corner: smaller steps of force than without", "[vert
         }
         return max;
     };
-    // Without: the closest-point normal flips by atan(0.4) at once, a jump near 2 K d sin(turn / 2).
+    // Without: the closest-point normal flips by atan(0.4) at once, a jump near 2 K d sin(turn /
+    // 2).
     CHECK(largest_step({}) > 0.9);
     CHECK(largest_step(kSlew) < 0.3);
 }

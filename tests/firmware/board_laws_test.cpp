@@ -7,8 +7,8 @@
 using namespace palpate::engine;
 using namespace palpate::tests;
 
-// What the open board promises, whoever runs its firmware: this machine's processor or, where simavr is
-// installed, the two chips, cycle by cycle.
+// What the open board promises, whoever runs its firmware: this machine's processor or, where
+// simavr is installed, the two chips, cycle by cycle.
 #if defined(PALPATE_FIRMWARE_328P)
 #define BOARDS OnHost, On328p, On2560
 #else

@@ -10,8 +10,8 @@ using namespace palpate::engine;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
-// The very binary behind a pseudo-terminal in real time, and real processes before it. Nothing is asserted
-// about time.
+// The very binary behind a pseudo-terminal in real time, and real processes before it. Nothing is
+// asserted about time.
 
 namespace {
 

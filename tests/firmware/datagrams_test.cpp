@@ -12,8 +12,8 @@
 using namespace palpate::engine;
 using namespace palpate::tests;
 
-// The driver of `--device board:udp:HOST:PORT` against the firmware, with a network between that loses datagrams,
-// doubles them and brings them late. One clock, the board's.
+// The driver of `--device board:udp:HOST:PORT` against the firmware, with a network between that
+// loses datagrams, doubles them and brings them late. One clock, the board's.
 
 namespace {
 

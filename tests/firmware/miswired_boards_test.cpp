@@ -17,7 +17,8 @@ using namespace palpate::engine;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
-// The same miswirings on both kinds of boards, by the driver that a session uses, on the board's own clock.
+// The same miswirings on both kinds of boards, by the driver that a session uses, on the board's
+// own clock.
 
 namespace {
 

@@ -70,7 +70,8 @@ TEST_CASE("frames of the open board are those of its protocol's table", "[open]"
     CHECK(open_crc({reinterpret_cast<const std::uint8_t*>(check.data()), check.size()}) == 0x906E);
 }
 
-// Worked out by a script with a bitwise CRC and a COBS by splitting at zeros, which shares nothing with ours.
+// Worked out by a script with a bitwise CRC and a COBS by splitting at zeros, which shares nothing
+// with ours.
 TEST_CASE("frames of three axes are longer by a number for each array, and nothing else",
           "[open][gantry]") {
     const auto frame = [](const OpenBytes& body) {

@@ -53,8 +53,8 @@ inline constexpr Chip kAtmega2560{.name = "atmega2560",
                                   .connect = 0xA0,
                                   .duty = {0xA8, 0xAA, 0xAC}};
 
-/// The very binary of the firmware in simavr, with a plant on its pins: bytes come and go at 1,000,000 baud,
-/// encoders turn an edge at a time. Its time is that of its cycles.
+/// The very binary of the firmware in simavr, with a plant on its pins: bytes come and go at
+/// 1,000,000 baud, encoders turn an edge at a time. Its time is that of its cycles.
 class SimBoard : public engine::PortBoard {
 public:
     /// @param plant  outlives the board

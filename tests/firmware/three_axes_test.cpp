@@ -14,7 +14,8 @@ using namespace palpate::engine;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
-// What the open board promises of a third axis: on this machine's processor and, where simavr is installed, on the chip.
+// What the open board promises of a third axis: on this machine's processor and, where simavr is
+// installed, on the chip.
 #if defined(PALPATE_FIRMWARE_328P)
 #define BOARDS_OF_3 OnHost, On2560Of3
 #else

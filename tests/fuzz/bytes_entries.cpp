@@ -14,7 +14,8 @@
 namespace palpate::fuzz {
 
 void chunk(Bytes bytes) {
-    // Row: parts, ticks (two bytes), first tick and period (two each); the checksum is right, or nothing is read.
+    // Row: parts, ticks (two bytes), first tick and period (two each); the checksum is right, or
+    // nothing is read.
     constexpr std::size_t kRow = 7;
     if (bytes.size() < kRow) {
         return;

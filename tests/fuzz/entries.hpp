@@ -5,13 +5,15 @@
 #include <span>
 #include <string_view>
 
-/// What the fuzzers feed: any bytes are fine, and nothing but a documented refusal may come of them. A
-/// law that does not hold ends the program (std::abort), so that a fuzzer and a test both see it.
+/// What the fuzzers feed: any bytes are fine, and nothing but a documented refusal may come of
+/// them. A law that does not hold ends the program (std::abort), so that a fuzzer and a test both
+/// see it.
 namespace palpate::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Bytes as NURBS curves and a surface, felt for a few ticks: closest points, contacts, finite forces.
+/// Bytes as NURBS curves and a surface, felt for a few ticks: closest points, contacts, finite
+/// forces.
 void geometry(Bytes bytes);
 
 // Bytes as the text of a file. What was read reads back from its own text, where it has one.

@@ -15,7 +15,8 @@ using tests::palpate_command;
 using tests::TemporaryFolder;
 
 TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
-    // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to 2.2930053.
+    // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to
+    // 2.2930053.
     const std::vector<double> sleep{1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4};
     const auto found = equivalence(sleep, 2.2);
     REQUIRE(found);

@@ -21,7 +21,8 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// Hides, retitles, turns the line round, is no UTF-8: ESC, C1's CSI, BEL, DEL, an override, a lone byte.
+/// Hides, retitles, turns the line round, is no UTF-8: ESC, C1's CSI, BEL, DEL, an override, a lone
+/// byte.
 const std::string kOrders =
     "A\x1b[2J\x1b]0;t\x07\x7f\xc2\x9b"
     "31m\xe2\x80\xae"

@@ -25,9 +25,9 @@ using palpate::tests::Random;
 using protocols::RigTrust;
 using protocols::Trust;
 
-// A commissioned rig changes between two trials: another board, other plugs, a handle that lies elsewhere, a disc that
-// slipped. Driver, proofs and trust are palpate's own; board, handle and the person who brings it are not. All live on
-// one clock.
+// A commissioned rig changes between two trials: another board, other plugs, a handle that lies
+// elsewhere, a disc that slipped. Driver, proofs and trust are palpate's own; board, handle and the
+// person who brings it are not. All live on one clock.
 
 namespace {
 
@@ -164,7 +164,8 @@ Change random_change(Random& random) {
     return change;
 }
 
-/// The session's way from the change to a proof: events go through the fold, and the person does what is said.
+/// The session's way from the change to a proof: events go through the fold, and the person does
+/// what is said.
 RigTrust proved_after(Bench& bench, const RigRecord& record, const Change& change) {
     RigTrust trust{.state = Trust::proved};
     const auto change_it = [&] {

@@ -24,8 +24,8 @@ using tests::TemporaryFolder;
 using tests::times;
 using tests::TypedTo;
 
-// A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal whose handle
-// nobody holds, an operator who types, and what is left in files and on the wire.
+// A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal
+// whose handle nobody holds, an operator who types, and what is left in files and on the wire.
 
 namespace {
 
@@ -136,7 +136,8 @@ TEST_CASE("a free handle on a board is commissioned over its port by an operator
                rig.record->dynamics.handle_damping == Approx(0.5).epsilon(0.25) &&
                rig.record->dynamics.handle_friction == Approx(0.03).epsilon(0.25);
     };
-    // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than was asked for.
+    // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than
+    // was asked for.
     REQUIRE((found() || found() || found() || found() || found()));
     CHECK(rig.record->round_trip > 0.0);
     CHECK(rig.record->stiffness > 200.0);
@@ -151,7 +152,8 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
         fmt::format("commission --device {} --calibration '{}' --handle-g 100 -o '{}'",
                     device.word(), calibration, folder.file("rig.toml"));
     Finished end = operated(folder, device, commission, "0,0");
-    // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than was asked for.
+    // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than
+    // was asked for.
     for (int again = 0; again < 4 && end.error.find("is not explained by") != std::string::npos;
          ++again) {
         device.bring("0,0");

@@ -8,9 +8,10 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
 
-// What may go wrong around a person at the desk while a force is on, done to the program itself: a real window, a
-// board on a pseudo-terminal with a hand on it, and the torques that the board gets. Nothing is asserted about
-// time but that a force goes off within seconds that used to stay for ever.
+// What may go wrong around a person at the desk while a force is on, done to the program itself: a
+// real window, a board on a pseudo-terminal with a hand on it, and the torques that the board gets.
+// Nothing is asserted about time but that a force goes off within seconds that used to stay for
+// ever.
 
 using namespace palpate;
 using tests::eventually;
@@ -33,7 +34,8 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
           "[window][haply][safety][law]") {
     std::optional<PressedDesk> lasting;
     bool lasted = false;
-    // A machine that is too busy to draw for so long has a screen that stands still: then once more.
+    // A machine that is too busy to draw for so long has a screen that stands still: then once
+    // more.
     for (int attempt = 0; attempt < 3 && !lasted; ++attempt) {
         lasting.emplace(PressingHand::Does::presses);
         REQUIRE(lasting->feel());
@@ -60,7 +62,8 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
 TEST_CASE("a board that is kept from answering for 20 ms takes the force away, and ends no trial",
           "[window][haply][safety][law]") {
     PressedDesk desk(PressingHand::Does::presses);
-    // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same trial.
+    // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same
+    // trial.
     const auto gaps = [&] {
         const tests::Finished finished = tests::palpate_command(
             {"sql", desk.file, "--csv", "-c",
@@ -82,8 +85,8 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
         seen = gaps();
     }
     CHECK(seen);
-    // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever is rendered
-    // (a hand that rests against such a force has 0.37 N rendered).
+    // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever
+    // is rendered (a hand that rests against such a force has 0.37 N rendered).
     const auto reads = [&](const std::string& what) {
         return tests::palpate_command(
                    {"sql", desk.file, "--csv", "-c",

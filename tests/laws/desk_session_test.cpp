@@ -15,8 +15,8 @@ using tests::pause;
 using tests::TemporaryFolder;
 using tests::WindowSession;
 
-// The experimenter's desk while the shipped program runs a session in a window: what its chords leave in
-// the database, and that nothing begins without a press.
+// The experimenter's desk while the shipped program runs a session in a window: what its chords
+// leave in the database, and that nothing begins without a press.
 
 namespace {
 
@@ -26,7 +26,8 @@ std::string with_text(std::string text, const std::string& what, const std::stri
     return text.replace(at, what.size(), by);
 }
 
-/// A session in which every key is pressed as often as it takes, and never while another screen comes.
+/// A session in which every key is pressed as often as it takes, and never while another screen
+/// comes.
 class Desk {
 public:
     Desk(const TemporaryFolder& folder, const std::string& protocol, const std::string& device)

@@ -17,8 +17,9 @@ std::string demo_hash(const std::string& file, const std::string& seed) {
 }  // namespace
 
 // The golden hash is this program's own, of its first release build: it holds for every build type,
-// sanitizer and x86-64 machine, or a recorded trace would not replay there. It changes only with the
-// stimulus, the law, the schedule, the schema or the demo's secret, and whoever changes one of these writes it anew.
+// sanitizer and x86-64 machine, or a recorded trace would not replay there. It changes only with
+// the stimulus, the law, the schedule, the schema or the demo's secret, and whoever changes one of
+// these writes it anew.
 TEST_CASE("same seed, same plan, same content: in two runs, and in every build",
           "[determinism][law]") {
     const TemporaryFolder folder;

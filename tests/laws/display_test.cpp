@@ -19,8 +19,8 @@ using tests::TemporaryFolder;
 using tests::WindowSession;
 using tests::XHand;
 
-// The display of a session: one that a person sees, all of it in a real session, and what remains when
-// it dies.
+// The display of a session: one that a person sees, all of it in a real session, and what remains
+// when it dies.
 
 namespace {
 

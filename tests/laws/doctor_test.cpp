@@ -11,8 +11,8 @@ using tests::TemporaryFolder;
 
 namespace {
 
-// Every check of the issue's list is there once, with a status, a detail where all is well and a remedy where
-// not; prints how many have failed.
+// Every check of the issue's list is there once, with a status, a detail where all is well and a
+// remedy where not; prints how many have failed.
 constexpr const char* kReader = R"(
 import json, sys
 report = json.load(open(sys.argv[1]))

@@ -188,8 +188,8 @@ TickOrder order_at(const Fault& fault, int tick, double period) {
     return order;
 }
 
-/// May `trip` be what this fault is recorded as? An encoder that stands still can also lead HIP out of
-/// the workspace.
+/// May `trip` be what this fault is recorded as? An encoder that stands still can also lead HIP out
+/// of the workspace.
 bool fits(const Fault& fault, Trip trip) {
     switch (fault.kind) {
         case Kind::nan_reading:
@@ -303,8 +303,8 @@ void run(std::uint64_t seed, Tally& tally) {
     FaultyDevice device(fault, period);
     device.begin(random_hand_plan(random));
     SafetyLimits limits = protocols::servo_spec(protocol, device).limits;
-    // What a strong damper makes of noise is a buzz as well, and 30 mm at 1 m/s against the full force a
-    // runaway: neither is what these schedules are about.
+    // What a strong damper makes of noise is a buzz as well, and 30 mm at 1 m/s against the full
+    // force a runaway: neither is what these schedules are about.
     limits.watch_buzz = fault.kind != Kind::energy;
     limits.watch_runaway = fault.kind != Kind::over_speed;
     const Scene scene(stimuli::make_outline({.curvature = random.in(-10.0, 10.0)}),
@@ -346,7 +346,8 @@ void run(std::uint64_t seed, Tally& tally) {
     tally.tripped += trip != Trip::none ? 1 : 0;
     tally.not_latched += latched ? 0 : 1;
     tally.over_limit += device.strongest <= limits.max_force * (1.0 + 1e-12) ? 0 : 1;
-    // A hand that rests shows no encoder that stands still: it must have gone four strokes and more.
+    // A hand that rests shows no encoder that stands still: it must have gone four strokes and
+    // more.
     const bool due =
         strong && (fault.kind != Kind::stuck_encoder || glm::length(high - low) > 0.05);
     tally.missed += due && trip == Trip::none ? 1 : 0;

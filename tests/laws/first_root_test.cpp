@@ -8,9 +8,10 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/slurp.hpp"
 
-// The god-object slides to the first place of its way that lies in its friction cone, and nowhere further: scenes in
-// which earlier walks of ours went wrong, two or three ticks each, with the place that the exact law gives. Some of their
-// outlines cross themselves, which `palpate render` refuses: the engine is asked.
+// The god-object slides to the first place of its way that lies in its friction cone, and nowhere
+// further: scenes in which earlier walks of ours went wrong, two or three ticks each, with the
+// place that the exact law gives. Some of their outlines cross themselves, which `palpate render`
+// refuses: the engine is asked.
 using namespace palpate;
 
 namespace {

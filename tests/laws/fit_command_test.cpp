@@ -37,7 +37,8 @@ constexpr const char* kTwoConditions = R"(stimulus,n,k,participant,condition
 7,40,37,P1,on
 )";
 
-/// glm's fit of each link, the profile of the threshold by a glm through it, and the test of equal slopes.
+/// glm's fit of each link, the profile of the threshold by a glm through it, and the test of equal
+/// slopes.
 constexpr const char* kInR = R"R(
 d <- read.csv(commandArgs(TRUE)[1]); exact <- list(epsilon = 1e-15, maxit = 200)
 fit <- function(f, data, link) glm(f, binomial(link), data, control = exact)
@@ -122,8 +123,9 @@ TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what 
     }
 }
 
-// Values: psignifit 3 (github.com/mih/Psignifit-3.x, tests/interface_test.py, TestMapestimate.test_old_doctest), two
-// alternatives, logistic of (x - a) / b, lapses flat in 0 to 0.1. Its search stops where the deviance is 2e-8 above the least.
+// Values: psignifit 3 (github.com/mih/Psignifit-3.x, tests/interface_test.py,
+// TestMapestimate.test_old_doctest), two alternatives, logistic of (x - a) / b, lapses flat in 0 to
+// 0.1. Its search stops where the deviance is 2e-8 above the least.
 TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][law]") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"),

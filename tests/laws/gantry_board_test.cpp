@@ -19,7 +19,8 @@ using tests::TemporaryFolder;
 using tests::TypedTo;
 using tests::WindowSession;
 
-// The shipped program on a board of three axes, its firmware behind a pseudo-terminal, from outside.
+// The shipped program on a board of three axes, its firmware behind a pseudo-terminal, from
+// outside.
 
 namespace {
 
@@ -31,7 +32,8 @@ std::string changed(std::string text, const std::string& from, const std::string
     return text.replace(at, from.size(), to);
 }
 
-/// Two patches of the shipped study: a hand that strokes across one is pressed somewhere on every stroke.
+/// Two patches of the shipped study: a hand that strokes across one is pressed somewhere on every
+/// stroke.
 std::string two_patches(int repetitions) {
     std::string text;
     for (const auto& shipped : protocols::shipped_protocols()) {
@@ -101,7 +103,8 @@ struct Desk {
         }
         return false;
     }
-    /// Explores each trial for some seconds and answers. A busy machine may fault a trial: it is run again.
+    /// Explores each trial for some seconds and answers. A busy machine may fault a trial: it is
+    /// run again.
     [[nodiscard]] bool finishes() {
         int felt = 0;
         for (int i = 0; i < 2400 && session->ask("SELECT finished FROM session") != "1"; ++i) {
@@ -119,7 +122,8 @@ struct Desk {
         return session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause IN (" + causes +
                             ")") == "1";
     }
-    /// Explores until a trial has ended so, for some seconds; a busy machine may end one for another reason.
+    /// Explores until a trial has ended so, for some seconds; a busy machine may end one for
+    /// another reason.
     [[nodiscard]] bool ends_by(const std::string& causes, int looks) {
         for (int i = 0; i < looks && !faulted(causes); ++i) {
             const std::string screen = session->screen_name();
@@ -187,7 +191,8 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
             "min(count_2) > 500" +
             whole) == "1");
     CHECK(row("SELECT count(*) FROM trace_chunk WHERE holds LIKE '%hip%'") == "0");
-    // F = K (GO - HIP) upwards, and the third motor was told to: 0.8 codes a mN m of a drum of 10 mm, a tick later.
+    // F = K (GO - HIP) upwards, and the third motor was told to: 0.8 codes a mN m of a drum of 10
+    // mm, a tick later.
     CHECK(row("SELECT max(abs(rendered_z_n - 800 * (go_z_m - hip_z_m))) < 1e-9 AND "
               "max(rendered_z_n) > 1 AND min(hip_z_m) < -0.002 FROM sample WHERE mode <> "
               "'free'") == "1");

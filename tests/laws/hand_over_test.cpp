@@ -41,7 +41,8 @@ std::string by_sql(const std::string& file, const std::string& query) {
     return out.substr(out.find('\n') + 1);
 }
 
-/// Two people of a small study without a rule: two shapes, names of frictions that do not sort as their friction does.
+/// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
+/// their friction does.
 std::string identified(const TemporaryFolder& folder) {
     std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 2");

@@ -12,8 +12,8 @@ using namespace palpate::engine;
 using namespace palpate::tests;
 using palpate::protocols::load_calibration;
 
-// Calibration file -> emulated machine -> board -> bytes -> driver -> HIP. Expected is where the handle
-// truly is: closed form from the hand's joint angles.
+// Calibration file -> emulated machine -> board -> bytes -> driver -> HIP. Expected is where the
+// handle truly is: closed form from the hand's joint angles.
 
 namespace {
 

@@ -14,8 +14,8 @@ using namespace palpate;
 using protocols::Outcome;
 using protocols::TrialId;
 
-// Whole sessions over an emulated board, in real time, with board and guard as processes of their own.
-// Nothing is asserted about time.
+// Whole sessions over an emulated board, in real time, with board and guard as processes of their
+// own. Nothing is asserted about time.
 
 namespace {
 

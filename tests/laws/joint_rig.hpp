@@ -17,9 +17,9 @@
 #include "tests/support/random.hpp"
 #include "tests/support/scripted_guard.hpp"
 
-// Board, wire, processes and screen fail together, one to three things at a time, while a hand presses. All of
-// palpate's own is real: tick, chain, driver and, on an open board, its firmware. The guard process is modelled by
-// what it promises, and all live on one clock.
+// Board, wire, processes and screen fail together, one to three things at a time, while a hand
+// presses. All of palpate's own is real: tick, chain, driver and, on an open board, its firmware.
+// The guard process is modelled by what it promises, and all live on one clock.
 
 namespace palpate::tests::joint {
 
@@ -54,8 +54,8 @@ struct Event {
 
 constexpr double kMs = 1e-3;
 constexpr double kNever = 1e9;
-/// s: without a reading in the chain, of the board's watchdog, the guard's patience and the screen's; a tick
-/// and the wire beside.
+/// s: without a reading in the chain, of the board's watchdog, the guard's patience and the
+/// screen's; a tick and the wire beside.
 constexpr double kSilence = 0.014;
 constexpr double kWatchdog = 0.022;
 constexpr double kGuardPatience = 0.028;
@@ -65,7 +65,8 @@ constexpr double kSoon = 0.006;
 /// s until zero is proved.
 constexpr double kProof = 0.050;
 
-/// ms that half a packet may stay the last word: the guard's zeros to a host that hangs are so far apart.
+/// ms that half a packet may stay the last word: the guard's zeros to a host that hangs are so far
+/// apart.
 constexpr int kAstray = 21;
 
 /// A rig at which a hand presses on a line, and what befalls it.
@@ -152,7 +153,8 @@ private:
 
     /// By when the force must be off, whoever sees to it.
     void due(double within) { deadline_ = std::min(deadline_, now() + within); }
-    /// The same of what the host has to see: a stall keeps it waiting, and with its death others take over.
+    /// The same of what the host has to see: a stall keeps it waiting, and with its death others
+    /// take over.
     void host_due(double within) {
         if (host_alive_) {
             host_deadline_ = std::min(host_deadline_, std::max(now(), stalled_until_) + within);
@@ -310,8 +312,8 @@ private:
         still(device);
     }
 
-    /// Five zeros after a death, and one that has to be answered; five after 25 ms without a packet while the force
-    /// is on, then one every 5 ms while the host has not taken the force back.
+    /// Five zeros after a death, and one that has to be answered; five after 25 ms without a packet
+    /// while the force is on, then one every 5 ms while the host has not taken the force back.
     void guard_acts() {
         if (!guard_.alive) {
             return;

@@ -16,8 +16,8 @@ constexpr const char* kLetterZ = "#52";
 
 }  // namespace
 
-// The Czech layout has letters where others have digits and changes Y with Z, the Russian one has no Latin
-// letter at all.
+// The Czech layout has letters where others have digits and changes Y with Z, the Russian one has
+// no Latin letter at all.
 TEST_CASE("answers and the experimenter's chords are heard on every keyboard layout",
           "[window][law]") {
     const char* layout = GENERATE("cz", "ru");

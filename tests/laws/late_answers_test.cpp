@@ -11,8 +11,8 @@ using tests::eventually;
 using tests::TemporaryFolder;
 using tests::WindowSession;
 
-// What befalls a board and its wire while a session runs, done to the shipped program: an emulator that is typed
-// to, a window, and the file.
+// What befalls a board and its wire while a session runs, done to the shipped program: an emulator
+// that is typed to, a window, and the file.
 
 namespace {
 

@@ -37,8 +37,9 @@ Finished done(const std::vector<std::string>& words) {
     return end;
 }
 
-/// Two versions of a protocol with a rule of exclusion; of the first, five simulated people: A does not consent, an
-/// answer of B is marked, C broke the rule, D's only session was withdrawn, E; and F, who is real. Of the second X and Y.
+/// Two versions of a protocol with a rule of exclusion; of the first, five simulated people: A does
+/// not consent, an answer of B is marked, C broke the rule, D's only session was withdrawn, E; and
+/// F, who is real. Of the second X and Y.
 std::string mixed_study(const TemporaryFolder& folder) {
     const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
                              "\n[exclusion]\nsessions_finished = true\n";
@@ -190,7 +191,8 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     edit(file, "UPDATE session SET session_kind = 'simulated'");
     CHECK(rows(file, who) ==
           "study_name,session_kind,who,n\nfour_trials,simulated,\"B,C,E,F,X,Y\",23\n");
-    // Another study in the same file: a row of its own. A catch trial's object is in no picture: no answer is right.
+    // Another study in the same file: a row of its own. A catch trial's object is in no picture: no
+    // answer is right.
     done({"run", PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "--participant", "G", "--db",
           file, "--headless"});
     CHECK(rows(file, "SELECT count(DISTINCT study_name) AS n FROM main_trial") == "n\n2\n");

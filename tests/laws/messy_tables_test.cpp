@@ -109,7 +109,8 @@ TEST_CASE(
         WARN("R is not installed: not checked");
         return;
     }
-    // A slice of the script, without the mixed model: it must parse, read its table and find the people.
+    // A slice of the script, without the mixed model: it must parse, read its table and find the
+    // people.
     const Finished r =
         Process(
             {"Rscript", "-e",

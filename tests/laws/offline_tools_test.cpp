@@ -252,8 +252,8 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     CHECK(number(still, "vx1_m_per_s", 0) == 0.0);
     CHECK(still.at("t_s").at(0) == "inf");
 
-    // Both free points move as one mass: m y'' + g y' + k y = F r, a damped oscillation from rest. Their form
-    // 3 u (1 - u) has the square integral 3/10, and k is as above.
+    // Both free points move as one mass: m y'' + g y' + k y = F r, a damped oscillation from rest.
+    // Their form 3 u (1 - u) has the square integral 3/10, and k is as above.
     const double m = 0.1 * 0.3;
     const double g = 0.5 * 0.3;
     const double k = 3.0 * 10.0 + 36.0 * 0.5;

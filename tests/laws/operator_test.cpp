@@ -10,7 +10,8 @@
 #include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
-// What whoever runs a session meets: which sessions are real, what a press may do, and what the terminal says.
+// What whoever runs a session meets: which sessions are real, what a press may do, and what the
+// terminal says.
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;

@@ -16,8 +16,8 @@
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 
-// What somebody outside the lab makes of an export: protocol, seed, the list of all codes and this program's own
-// code are known, the file is not.
+// What somebody outside the lab makes of an export: protocol, seed, the list of all codes and this
+// program's own code are known, the file is not.
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;

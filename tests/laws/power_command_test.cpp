@@ -68,7 +68,8 @@ TEST_CASE("palpate power says where there is no effect, and never an error of 0"
                              ContainsSubstring("type I error.") && !ContainsSubstring("takes") &&
                              !ContainsSubstring("times as large") &&
                              !ContainsSubstring("For the pre-registration"));
-    // Four people, the least p of signed ranks is 1/8: never significant. Wilson: 1.96^2 / (n + 1.96^2).
+    // Four people, the least p of signed ranks is 1/8: never significant. Wilson: 1.96^2 / (n +
+    // 1.96^2).
     const auto never = palpate_command({"power", study, "--effect", "-2", "--test", "signed_rank",
                                         "--observer", folder.file("quick.toml"), "--participants",
                                         "4", "--studies", "20", "--hands", "1"});

@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::size_t kClicked = 1;
 
-/// Strokes of the real pointer in the left side A-V, up and down, from the start pose and off again.
+/// Strokes of the real pointer in the left side A-V, up and down, from the start pose and off
+/// again.
 void explore(XHand& hand, const XHand::Window& window) {
     const ui::PointerMap map{
         {static_cast<double>(window.width), static_cast<double>(window.height)}};

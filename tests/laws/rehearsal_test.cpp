@@ -16,7 +16,8 @@ using tests::palpate_command;
 using tests::TemporaryFolder;
 using tests::TypedTo;
 
-// README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in a window.
+// README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in
+// a window.
 
 namespace {
 

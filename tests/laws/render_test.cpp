@@ -48,7 +48,8 @@ std::string answer(const std::string& command, const std::string& scene, const s
 
 constexpr const char* kRubs = "[friction]\nlaw = \"gos\"\nmu_s = 0.6\nmu_d = 0.4\n";
 
-/// A bow of one convex piece, its ends on y = 0, with another bow beside it: a closest point that jumps.
+/// A bow of one convex piece, its ends on y = 0, with another bow beside it: a closest point that
+/// jumps.
 std::string bows(Random& random) {
     const auto p = [&](double x, double y) {
         return fmt::format("[{}, {}]", x + random.in(-2e-3, 2e-3), y + random.in(-2e-3, 2e-3));

@@ -14,8 +14,8 @@ using tests::Finished;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
-// What people set right afterwards, with the program itself: whose a session is, that it is left out, which of two notes
-// is right, and what is destroyed on request.
+// What people set right afterwards, with the program itself: whose a session is, that it is left
+// out, which of two notes is right, and what is destroyed on request.
 
 namespace {
 
@@ -109,7 +109,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     done({"participant", file, "P3", "--is-really", "P2", "--reason", "yes", "--session", "2"});
     CHECK(asked(file, kWhose) == once);
     done({"verify", file});
-    // A file from before follows, in any order; exports have the number of whose it is, and no code.
+    // A file from before follows, in any order; exports have the number of whose it is, and no
+    // code.
     for (const auto& [one, other] : {std::pair(file, before), std::pair(before, file)}) {
         const std::string all = folder.file("all.sqlite");
         done({"merge", all, one});

@@ -28,7 +28,8 @@ namespace {
 /// Codes that occur in no word of the page.
 const std::vector<std::string> kCodes{"Zanzibar7", "Quokka8", "Xylem9"};
 
-/// Three simulated people, 32 trials each with confidence; one answer is marked, one person is left out by a rule.
+/// Three simulated people, 32 trials each with confidence; one answer is marked, one person is left
+/// out by a rule.
 std::string made_study(const TemporaryFolder& folder) {
     std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 4");
@@ -230,8 +231,8 @@ TEST_CASE(
         CHECK_THAT(named, ContainsSubstring(code));
     }
 
-    // Another kind of sessions, be it of the same person, is another page: nothing of one is in the other, but how
-    // many people that has.
+    // Another kind of sessions, be it of the same person, is another page: nothing of one is in the
+    // other, but how many people that has.
     data::Database(file, data::Access::write)
         .execute(
             "UPDATE session SET session_kind = 'pilot', session_number = 2, participant_id = "

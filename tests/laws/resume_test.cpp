@@ -214,7 +214,8 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
     CHECK(number(file, "SELECT count(*) FROM event WHERE event_kind = 'interrupted'") == 0);
 }
 
-// The first has opened the session and is held up where it says so: its output is a pipe nobody empties.
+// The first has opened the session and is held up where it says so: its output is a pipe nobody
+// empties.
 TEST_CASE("a program that is held up before its first trial keeps its session", "[crash][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");

@@ -59,7 +59,8 @@ std::vector<std::string> parts_of(const std::string& text, const std::string& be
     return parts;
 }
 
-/// The target of the first link in `text`, from the tree's top, and what follows the link; empty without one.
+/// The target of the first link in `text`, from the tree's top, and what follows the link; empty
+/// without one.
 std::pair<std::string, std::string> link_of(const std::string& text) {
     const std::string open = "](../";
     const std::size_t at = text.find(open);

@@ -20,7 +20,8 @@ using tests::write;
 
 namespace {
 
-/// Lines from corner to corner and back, clockwise; the last ends at `last`. Each table has four lines.
+/// Lines from corner to corner and back, clockwise; the last ends at `last`. Each table has four
+/// lines.
 std::string lines_through(const std::vector<Vec2>& corners, const Vec2& last) {
     std::string text;
     for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -60,8 +60,9 @@ std::vector<Row> rows_of(const std::string& file, const std::string& query) {
     return rows_of(done.out, ',', {});
 }
 
-/// Two hillsides of several spans each, with uneven knots that do not begin at 0 and a kink within the first.
-/// They meet at vertex 0, which is that of a two-curve object as well; a base line closes them.
+/// Two hillsides of several spans each, with uneven knots that do not begin at 0 and a kink within
+/// the first. They meet at vertex 0, which is that of a two-curve object as well; a base line
+/// closes them.
 const std::vector<NurbsData<2>> kHill{
     {2,
      {0, 0, 0, 0.3, 1, 1, 2, 2, 2},
@@ -184,7 +185,8 @@ Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& 
     return felt;
 }
 
-/// What the recorded hand felt is what `render` makes of its path, and both name places of the same segments.
+/// What the recorded hand felt is what `render` makes of its path, and both name places of the same
+/// segments.
 void check_rendered(const Felt& felt, bool hill, bool rubs, std::map<int, int>& visits) {
     for (std::size_t i = 0; i < felt.sample.size(); ++i) {
         const Row& tick = felt.sample[i];

@@ -26,7 +26,8 @@ struct Counted {
     std::array<int, 8> hits;  ///< of 40, at 1 to 8
 };
 
-/// Drawn from normal curves of thresholds 3.5, 4.2 and 3, slopes 1.2, 0.9 and 1.5, and a lapse rate of 0.05.
+/// Drawn from normal curves of thresholds 3.5, 4.2 and 3, slopes 1.2, 0.9 and 1.5, and a lapse rate
+/// of 0.05.
 constexpr std::array<Counted, 6> kPeople{{{"P0", "a", {0, 4, 12, 23, 37, 39, 34, 39}},
                                           {"P0", "b", {0, 0, 6, 21, 31, 38, 38, 38}},
                                           {"P0", "c", {0, 1, 18, 35, 38, 37, 36, 38}},
@@ -51,8 +52,8 @@ std::string table(const auto& all) {
     return text;
 }
 
-/// The joint likelihood by optim: rate, thresholds, slopes; ends of the profiles of the rate and the first threshold; the
-/// likelihood ratio's p of equal thresholds and slopes of the first two.
+/// The joint likelihood by optim: rate, thresholds, slopes; ends of the profiles of the rate and
+/// the first threshold; the likelihood ratio's p of equal thresholds and slopes of the first two.
 constexpr const char* kInR = R"R(
 d <- read.csv(commandArgs(TRUE)[1]); guess <- commandArgs(TRUE)[2] == 'guess'
 for (p in d$participant[1]) {

@@ -57,7 +57,8 @@ const char* const kQueries[] = {
     "BY trial_id ROWS BETWEEN 3 PRECEDING AND 1 FOLLOWING)",
 };
 
-/// Lines of comma-separated values are the same: numbers to the last of 15 digits, texts to the letter.
+/// Lines of comma-separated values are the same: numbers to the last of 15 digits, texts to the
+/// letter.
 void check_same(const std::string& ours, const std::string& theirs) {
     std::istringstream a(ours);
     std::istringstream b(theirs);

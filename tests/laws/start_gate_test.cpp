@@ -11,7 +11,8 @@ using tests::pause;
 using tests::TemporaryFolder;
 using tests::WindowSession;
 
-// Where a trial begins, and how a question ends that nobody answers: the shipped program in a window.
+// Where a trial begins, and how a question ends that nobody answers: the shipped program in a
+// window.
 
 namespace {
 

@@ -21,8 +21,8 @@ using tests::write;
 
 namespace {
 
-/// Made-up people of any lab: three shapes, two frictions, a break every 15 trials; one person is left out, and some
-/// trials are. Friction makes everybody worse, more or less.
+/// Made-up people of any lab: three shapes, two frictions, a break every 15 trials; one person is
+/// left out, and some trials are. Friction makes everybody worse, more or less.
 std::string made_up(std::size_t people, int trials, bool excluded) {
     const std::vector<std::string> shapes{"concave", "straight", "convex"};
     std::mt19937_64 random(17);

@@ -4,9 +4,9 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/stop_ways.hpp"
 
-// Ways to stop a force that need no window's focus, and windows out of reach, tried on the program itself: a real
-// window, a board on a pseudo-terminal with a hand that presses, the experimenter's terminal, another shell and a
-// pipe in place of a button. Nothing is asserted about time.
+// Ways to stop a force that need no window's focus, and windows out of reach, tried on the program
+// itself: a real window, a board on a pseudo-terminal with a hand that presses, the experimenter's
+// terminal, another shell and a pipe in place of a button. Nothing is asserted about time.
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;

@@ -101,7 +101,8 @@ p(sprintf('%.3f   %.3f to %.3f   within person, %d people; sign-flip p = %.3g (a
     mean(x), t$conf.int[1], t$conf.int[2], length(x), mean(abs(flips) >= abs(sum(x)) - 1e-9), 2^length(x)))
 )R";
 
-/// mean, sd and quantiles of a posterior on a grid; `post` has columns named as the summary names them.
+/// mean, sd and quantiles of a posterior on a grid; `post` has columns named as the summary names
+/// them.
 constexpr const char* kRulesInR = R"R(
 say <- function(name, v, w) {
     o <- order(v); v <- v[o]; w <- w[o] / sum(w)

@@ -19,7 +19,8 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// The shipped study with one repetition and without practice: eight trials. @param edit  one more edit
+/// The shipped study with one repetition and without practice: eight trials. @param edit one more
+/// edit
 std::string study(const TemporaryFolder& folder,
                   const std::pair<std::string, std::string>& edit = {}) {
     std::string text;
@@ -84,7 +85,8 @@ TEST_CASE("a session on surfaces is stored whole, and verify finds nothing in it
     const Finished verify = palpate_command({"verify", session.file});
     CHECK(verify.code == 0);
     CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
-    // Nothing is stored in full: HIP follows from its columns, the contact from HIP, the command from both.
+    // Nothing is stored in full: HIP follows from its columns, the contact from HIP, the command
+    // from both.
     CHECK(row(session.file, "SELECT count(*) FROM trace_chunk WHERE holds <> ''") == "0");
     CHECK(row(session.file, "SELECT sum(length(data)) < 8 * sum(ticks) FROM trace_chunk") == "1");
     CHECK(row(session.file, "SELECT device FROM session") == "simulated gantry");
@@ -110,7 +112,8 @@ TEST_CASE("what sample says of surfaces is what their geometry and laws ask for"
                   of) == "1");
     CHECK(row(file, "SELECT max(rendered_tangential_n) > 0.5 AND max(mu) = 0.6 AND min(mu) = 0.4" +
                         of + " AND p.friction = 'on' AND mode <> 'stuck'") == "1");
-    // Within the patch the god-object lies on a sphere of 125 mm, below or above its middle, or on z = 0.
+    // Within the patch the god-object lies on a sphere of 125 mm, below or above its middle, or on
+    // z = 0.
     const std::string within = of + " AND u BETWEEN 1 AND 2 AND v BETWEEN 1 AND 2";
     const auto on_sphere = [](const char* centre) {
         return std::string("SELECT max(abs(sqrt(go_x_m * go_x_m + go_y_m * go_y_m + (go_z_m - (") +
@@ -125,7 +128,8 @@ TEST_CASE("what sample says of surfaces is what their geometry and laws ask for"
               "SELECT min(go_z_m) FILTER (WHERE abs(go_y_m) < 0.002 AND abs(go_x_m) > 0.01) > "
               "0 AND max(go_z_m) FILTER (WHERE abs(go_x_m) < 0.002 AND abs(go_y_m) > 0.01) < 0" +
                   within + " AND felt_object = 'saddle'") == "1");
-    // No other point of the object is nearer than the closest one; without friction the god-object is it.
+    // No other point of the object is nearer than the closest one; without friction the god-object
+    // is it.
     CHECK(row(file,
               "SELECT max(abs(cp_x_m - go_x_m) + abs(cp_y_m - go_y_m) + abs(cp_z_m - go_z_m)) "
               "< 1e-9" +

@@ -68,7 +68,8 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     CHECK(ask(file, "SELECT count(*) FROM trial") == before);
     CHECK(ask(file, "SELECT count(*) FROM event") == events);
 
-    // Another calibration is another rig; this one is meant. The next resumption knows the last, not the first.
+    // Another calibration is another rig; this one is meant. The next resumption knows the last,
+    // not the first.
     CHECK(palpate_command(words(file, "sim", {"--calibration", "haplet"})).code == 2);
     const auto end =
         palpate_command(words(file, "sim", {"--calibration", "haplet", "--other-device"}));

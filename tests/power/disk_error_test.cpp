@@ -22,7 +22,8 @@ using tests::wrong;
 
 namespace {
 
-/// Another program takes all that is free as soon as a trial has `ticks`, and before each trial from then on.
+/// Another program takes all that is free as soon as a trial has `ticks`, and before each trial
+/// from then on.
 class Filling : public Noting {
 public:
     Filling(protocols::Recorder& recorder,

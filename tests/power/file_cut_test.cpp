@@ -32,7 +32,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Does `work` in a folder, and checks what a power cut at any of its calls leaves there, in so many ways.
+/// Does `work` in a folder, and checks what a power cut at any of its calls leaves there, in so
+/// many ways.
 /// @param check  of the folder left, and whether the work had come back before
 void cut_everywhere(const TemporaryFolder& folder,
                     const std::function<void()>& work,

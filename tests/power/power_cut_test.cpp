@@ -75,8 +75,8 @@ void check_left(const std::string& file,
     }
 }
 
-/// Cuts the power at every `step`-th call of the session in `folder`, and goes on with each 16th of what
-/// that left.
+/// Cuts the power at every `step`-th call of the session in `folder`, and goes on with each 16th of
+/// what that left.
 void cut_everywhere(const TemporaryFolder& folder,
                     const data::SessionSpec& spec,
                     SaveEvery save_every,

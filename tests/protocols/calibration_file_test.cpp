@@ -92,7 +92,8 @@ Calibration any_calibration(Random& random) {
 
 }  // namespace
 
-// Link lengths, encoders and golden poses of the hAPI's examples; see pantographs.toml for the sources.
+// Link lengths, encoders and golden poses of the hAPI's examples; see pantographs.toml for the
+// sources.
 TEST_CASE("the machines that ship have the numbers of their makers", "[calibration][golden]") {
     struct Golden {
         const char* name;

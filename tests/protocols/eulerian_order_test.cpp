@@ -61,8 +61,8 @@ double excess_of_chi_square(std::map<Sequence, std::size_t> counts, std::size_t 
     return (chi_square - freedom) / std::sqrt(2.0 * freedom);
 }
 
-/// What not to do: walk by unused pairs at random, and take back steps from dead ends. (To begin anew at
-/// a dead end would be uniform, but from k = 8 on hardly ever ends.)
+/// What not to do: walk by unused pairs at random, and take back steps from dead ends. (To begin
+/// anew at a dead end would be uniform, but from k = 8 on hardly ever ends.)
 bool backtracking(std::size_t k,
                   Sequence& sequence,
                   std::set<std::pair<std::size_t, std::size_t>>& used,
@@ -104,8 +104,8 @@ TEST_CASE("a first-order balanced sequence has every ordered pair once", "[euler
     CHECK(sequence.front() == sequence.back());
 }
 
-// BEST: circuits = k^(k-2) trees * (k-1)!^k; each opens at k^2 places, of which k begin with a given
-// symbol. k = 2: 1 * 1 = 1 circuit, 4 sequences. k = 3: 3 * 8 = 24 circuits, 216 sequences.
+// BEST: circuits = k^(k-2) trees * (k-1)!^k; each opens at k^2 places, of which k begin with a
+// given symbol. k = 2: 1 * 1 = 1 circuit, 4 sequences. k = 3: 3 * 8 = 24 circuits, 216 sequences.
 TEST_CASE("first-order balanced sequences are uniform over all, as many as the BEST theorem counts",
           "[eulerian][law]") {
     const std::size_t k = GENERATE(std::size_t{2}, std::size_t{3});

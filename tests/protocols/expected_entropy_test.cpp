@@ -14,8 +14,8 @@ using palpate::tests::Random;
 
 namespace {
 
-/// The definition, written out: the posterior of every outcome, its entropy with libm's logarithm, and the
-/// mean of these. `kept`: the axes whose marginal posterior counts.
+/// The definition, written out: the posterior of every outcome, its entropy with libm's logarithm,
+/// and the mean of these. `kept`: the axes whose marginal posterior counts.
 std::vector<double> by_definition(const OutcomeModel& model,
                                   const Grid& stimuli,
                                   const Grid& parameters,
@@ -176,8 +176,8 @@ TEST_CASE("of stimuli that are equally good the first is shown", "[quest_plus][l
     CHECK(first_of_least(std::vector<double>{3.0, 2.0, 2.0, 2.5}) == 1);
     CHECK(first_of_least(std::vector<double>{2.0 + 1e-12, 2.0 - 0.5e-12, 3.0}) == 0);
     CHECK(first_of_least(std::vector<double>{2.0 + 1e-11, 2.0, 3.0}) == 1);
-    // A problem that is its own mirror image: x and -x tell equally much, and the left one is shown,
-    // whatever rounding makes of them.
+    // A problem that is its own mirror image: x and -x tell equally much, and the left one is
+    // shown, whatever rounding makes of them.
     for (int n = 2; n < 40; ++n) {
         const auto points = static_cast<std::size_t>(2 * n);
         const QuestPlus quest({.model = psychometric_model(Family::logistic, LapseForm::two_sided),

@@ -23,8 +23,8 @@ double arc_length(double curvature) {
     return curvature == 0.0 ? kChord : 2.0 / curvature * std::asin(0.5 * curvature * kChord);
 }
 
-/// Where the share s of an arc's length lies: of the rational quadratic with end weights 1, middle weight
-/// cos(half), half the angle of the arc, the parameter at the angle a from its start is
+/// Where the share s of an arc's length lies: of the rational quadratic with end weights 1, middle
+/// weight cos(half), half the angle of the arc, the parameter at the angle a from its start is
 /// sin(a / 2) / (sin(a / 2) + sin(half - a / 2)).
 double parameter_at(double share, double curvature) {
     const double half = std::asin(0.5 * std::fabs(curvature) * kChord);

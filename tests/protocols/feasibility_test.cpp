@@ -17,7 +17,8 @@ using engine::Vec3;
 
 namespace {
 
-/// A device with the traits asked for and the force of a pantograph, of a disc, or none that is known.
+/// A device with the traits asked for and the force of a pantograph, of a disc, or none that is
+/// known.
 class FakeDevice : public engine::Device {
 public:
     engine::DeviceTraits what{};

@@ -69,7 +69,8 @@ double distance_to(const std::vector<Vec2>& polyline, const Vec2& p) {
     return least;
 }
 
-/// Ticks of a finger that presses `depth` deep all along an object, by a spring of the study's stiffness.
+/// Ticks of a finger that presses `depth` deep all along an object, by a spring of the study's
+/// stiffness.
 std::vector<engine::TickRecord> felt(const Protocol& protocol, std::size_t object, double depth) {
     std::vector<engine::TickRecord> ticks;
     const auto outline = outline_of(protocol, object);

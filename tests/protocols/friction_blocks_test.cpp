@@ -178,8 +178,9 @@ TEST_CASE("catch trials are felt with the friction of their block, spread evenly
     }
 }
 
-// 3 catch trials of one friction and 25 main trials: places 1 to 25 or later of a block. With one catch
-// trial in a block its place is uniform over 25; chi-square of 24 degrees passes 66 once in 100,000.
+// 3 catch trials of one friction and 25 main trials: places 1 to 25 or later of a block. With one
+// catch trial in a block its place is uniform over 25; chi-square of 24 degrees passes 66 once in
+// 100,000.
 TEST_CASE("a catch trial comes at every place of its block but the first, equally often",
           "[friction_blocks]") {
     Protocol protocol = study(FrictionBlocks::abba);
@@ -199,8 +200,8 @@ TEST_CASE("a catch trial comes at every place of its block but the first, equall
     CHECK(chi_square(places, 25) < 66.0);
 }
 
-// Objects are alike to the limit. Four degrees of freedom; 35 is passed once in 2e6, at any of 25 places
-// of 4 blocks once in 20,000.
+// Objects are alike to the limit. Four degrees of freedom; 35 is passed once in 2e6, at any of 25
+// places of 4 blocks once in 20,000.
 TEST_CASE("in a friction block every object is equally likely at every place",
           "[friction_blocks][law]") {
     const Protocol protocol = study(FrictionBlocks::abba);

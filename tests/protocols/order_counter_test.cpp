@@ -15,7 +15,8 @@ using namespace palpate::tests;
 
 namespace {
 
-/// Up to 8 trials of up to 3 objects and 3 frictions, conditions as they come: unequal counts, holes.
+/// Up to 8 trials of up to 3 objects and 3 frictions, conditions as they come: unequal counts,
+/// holes.
 Order some_trials(Random& random) {
     const int objects = 1 + random.below(3);
     const int frictions = 1 + random.below(3);
@@ -163,7 +164,8 @@ TEST_CASE("the acceptance is the number of admissible orders over the number of 
           Approx(kept / static_cast<double>(admissible(trials, {}).size())).epsilon(1e-12));
 }
 
-// By two ways that leave different things to chance, and by 1.9e-5 of 10^7 shuffles counted earlier.
+// By two ways that leave different things to chance, and by 1.9e-5 of 10^7 shuffles counted
+// earlier.
 TEST_CASE("the default study's acceptance is estimated alike by counting and by shuffling",
           "[order]") {
     const Acceptance acceptance =

@@ -22,8 +22,8 @@ struct Seen {
     double max_energy = 0.0;  ///< J
 };
 
-/// A trial of the simulated hand of `speed` m/s, with all limits of the protocol for a device that gives
-/// force. The ticks go through a second chain, to see its energy.
+/// A trial of the simulated hand of `speed` m/s, with all limits of the protocol for a device that
+/// gives force. The ticks go through a second chain, to see its energy.
 Seen feel(const Protocol& protocol, const Condition& condition, double speed, Random& random) {
     const double period = 1.0 / protocol.apparatus.rate_hz;
     engine::SimulatedPantograph device({}, period);
@@ -89,8 +89,8 @@ TEST_CASE("ordinary exploration of the shipped studies trips nothing and is hard
         }
     }
     CHECK(all.contact > all.ticks / 10);
-    // Measured: none in 398,000 ticks of contact, and 7.5 mJ of the 100 allowed. The stress test, which is
-    // no study, drops friction to a fifth at once: 0.6 % of its ticks.
+    // Measured: none in 398,000 ticks of contact, and 7.5 mJ of the 100 allowed. The stress test,
+    // which is no study, drops friction to a fifth at once: 0.6 % of its ticks.
     const double max = shipped.name == "stress" ? 1e-2 : 1e-3;
     CHECK(static_cast<double>(all.slewed) < max * static_cast<double>(all.contact));
     CHECK(all.max_energy < 0.1 * protocol.safety.energy_limit);

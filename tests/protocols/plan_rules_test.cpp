@@ -92,8 +92,9 @@ double longest_runs(std::size_t draws, const Draw& draw) {
 
 }  // namespace
 
-// All objects are alike to the limits, and all frictions: every condition is as likely as any other at
-// every place. Nine degrees of freedom; 46 is passed once in 1.5e6, at any of 100 places once in 15,000.
+// All objects are alike to the limits, and all frictions: every condition is as likely as any other
+// at every place. Nine degrees of freedom; 46 is passed once in 1.5e6, at any of 100 places once in
+// 15,000.
 TEST_CASE("within limits every condition is equally likely at every place, in 1e5 orders",
           "[order][law]") {
     struct Case {
@@ -106,8 +107,9 @@ TEST_CASE("within limits every condition is equally likely at every place, in 1e
     CHECK(worst_place(trials, draws, [&] { return sampler.draw(random).order; }) < 46.0);
 }
 
-// Conditions by place cannot tell: swaps know no condition from another either. What they change is how
-// often runs come. Both sides of 20 standard deviations (measured: sd of the mean of 2,000 orders 0.05).
+// Conditions by place cannot tell: swaps know no condition from another either. What they change is
+// how often runs come. Both sides of 20 standard deviations (measured: sd of the mean of 2,000
+// orders 0.05).
 TEST_CASE("repair by swaps has other runs than uniform orders of the default study", "[order]") {
     const Order trials = factorial_of(5, 2, 10);
     const RunLimits limits{.object = 2, .friction = 3};
@@ -214,8 +216,8 @@ TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
     CHECK(summarise(plan).longest_friction_run <= 3);
 }
 
-// Equal with gcc 12 and clang 14, libstdc++ and libc++, -O0 and -O2. Another compiler, library or version
-// of this program must give the same plans, or a session could not be resumed there.
+// Equal with gcc 12 and clang 14, libstdc++ and libc++, -O0 and -O2. Another compiler, library or
+// version of this program must give the same plans, or a session could not be resumed there.
 TEST_CASE("plans of many designs are the same in every build", "[plan][golden]") {
     const std::array designs = {
         study(5, 2, {}),

@@ -136,8 +136,8 @@ TEST_CASE("numbers are written as short as they can be", "[protocol]") {
     CHECK_THAT(text, Catch::Matchers::ContainsSubstring("noise_per_m = 2.62\n"));
 }
 
-// The two hashes are those of texts without a table [safety], a damper, blocks or another order. They were
-// written anew when the guard time came, which every text says.
+// The two hashes are those of texts without a table [safety], a damper, blocks or another order.
+// They were written anew when the guard time came, which every text says.
 TEST_CASE("a study without younger keys keeps the hash that it had before they were there",
           "[protocol][law]") {
     const auto hash = [](const char* name) {

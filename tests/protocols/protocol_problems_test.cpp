@@ -26,8 +26,8 @@ std::string refusal(const std::string& text) {
     return "accepted";
 }
 
-/// One change to the default study, and what must be said about it. `at` marks, in the changed text,
-/// where the message must point.
+/// One change to the default study, and what must be said about it. `at` marks, in the changed
+/// text, where the message must point.
 struct Change {
     const char* from;
     const char* to;

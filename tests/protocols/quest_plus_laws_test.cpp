@@ -74,8 +74,9 @@ std::vector<double> errors(const QuestPlusSpec& spec, std::size_t k, int runs) {
 
 TEST_CASE("QUEST+ finds the threshold of a simulated observer without bias", "[quest_plus][law]") {
     const Spread error = spread_of(errors(yes_no(), 0, 60));
-    // The best stimulus gives about .64 / sd^2 of Fisher information a trial on the threshold of a yes/no
-    // task (at F = 1/2): with sd 2 and 120 trials no unbiased estimate spreads less than .23.
+    // The best stimulus gives about .64 / sd^2 of Fisher information a trial on the threshold of a
+    // yes/no task (at F = 1/2): with sd 2 and 120 trials no unbiased estimate spreads less than
+    // .23.
     CHECK(std::fabs(error.mean) < 3.0 * error.deviation / std::sqrt(60.0));
     CHECK(error.deviation < 2.0 * 0.23);
 }
@@ -183,8 +184,9 @@ TEST_CASE("a run that is rebuilt from its responses has the hash of the run", "[
 
 TEST_CASE("the state of a run is the same to the bit with every compiler and C library",
           "[procedure][golden]") {
-    // Computed by this program on x86-64 with gcc 12 -O0, gcc 12 -O3 -march=native and clang 14 -O2, which
-    // agree: the arithmetic uses nothing of libm that is not exact, so any other IEEE-754 machine must too.
+    // Computed by this program on x86-64 with gcc 12 -O0, gcc 12 -O3 -march=native and clang 14
+    // -O2, which agree: the arithmetic uses nothing of libm that is not exact, so any other
+    // IEEE-754 machine must too.
     QuestPlus quest(yes_no());
     QuestPlus five(identification());
     Quest threshold({.guess = 0.3});

@@ -26,8 +26,8 @@ QuestPlusSpec watson(std::vector<double> slopes, std::vector<double> lapses) {
             .trials = 200};
 }
 
-/// Follows a published run. Where the published stimulus is as good as ours to 1e-12 bit, it is shown in
-/// place of ours, and counted.
+/// Follows a published run. Where the published stimulus is as good as ours to 1e-12 bit, it is
+/// shown in place of ours, and counted.
 template <class Stimuli>
 std::size_t follow(QuestPlus& quest, const Stimuli& stimuli, std::string_view answers) {
     REQUIRE(answers.size() == stimuli.size());

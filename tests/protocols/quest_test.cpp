@@ -10,8 +10,8 @@ using namespace palpate::protocols;
 using palpate::tests::Random;
 
 TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
-    // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler, whose QUEST is A. Straw's
-    // translation of D. Pelli's. Two right, two wrong, and again.
+    // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler, whose QUEST is A.
+    // Straw's translation of D. Pelli's. Two right, two wrong, and again.
     Quest quest(
         {.guess = 50.0, .sd = 50.0, .range = 100.0, .lowest = 0.0, .highest = 100.0, .trials = 10});
     constexpr std::array kShown{50.0,
@@ -37,7 +37,8 @@ TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
 }
 
 TEST_CASE("QUEST finds the threshold of a simulated observer", "[quest][law]") {
-    // Watson & Pelli 1983 start two standard deviations of doubt away; 60 trials leave about .08 log10 units.
+    // Watson & Pelli 1983 start two standard deviations of doubt away; 60 trials leave about .08
+    // log10 units.
     const auto rule = static_cast<QuestRule>(GENERATE(0, 1, 2));
     const PsychometricFunction shape{.family = Family::weibull_log10,
                                      .form = LapseForm::guessing,
@@ -123,8 +124,8 @@ TEST_CASE("QUEST's posterior is Bayes on a grid", "[quest][law]") {
 }
 
 TEST_CASE("QUEST's quirks are those of its publication", "[quest]") {
-    // Order of the quantile for gamma .5 and delta .01, from the formula in double precision by hand:
-    // pL = .5, pH = .995.
+    // Order of the quantile for gamma .5 and delta .01, from the formula in double precision by
+    // hand: pL = .5, pH = .995.
     const Quest quest({});
     const double low = 0.5;
     const double high = 0.995;

@@ -159,8 +159,8 @@ TEST_CASE(
     CHECK(answered.size() == plan.trials.size());
     CHECK(std::set(answered.begin(), answered.end()).size() == plan.trials.size());
     CHECK(repeated_at_once.size() <= 2);  // only the last one of practice, and of the session
-    // Breaks after as many answers as planned, and the numbers on the screen never tell a repetition: practice
-    // is counted to its end, then the others.
+    // Breaks after as many answers as planned, and the numbers on the screen never tell a
+    // repetition: practice is counted to its end, then the others.
     constexpr std::size_t kPractice = 6;
     std::vector<std::size_t> rests;
     for (const PlannedTrial& planned : plan.trials) {

@@ -197,9 +197,9 @@ TEST_CASE("normal and exponential draws have their moments", "[observer][law]") 
     CHECK(std::fabs(waits / kDraws - 1.0) < 4.0 * std::sqrt(1.0 / kDraws));
 }
 
-// Near value: a script in another language, with libm's logarithm. Exact value: this code's own, the
-// same from debug and optimised builds; it must never change, or recorded simulations could not be
-// repeated.
+// Near value: a script in another language, with libm's logarithm. Exact value: this code's own,
+// the same from debug and optimised builds; it must never change, or recorded simulations could not
+// be repeated.
 TEST_CASE("draws are the same to the last bit in every build", "[observer][golden]") {
     Pcg32 random(42, 54);
     double sum = 0.0;

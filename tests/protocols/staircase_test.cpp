@@ -33,7 +33,8 @@ void check_same(const std::vector<double>& got, const std::vector<double>& wante
     }
 }
 
-/// Mean chance of a right answer at the levels that a long staircase visits, for a logistic observer.
+/// Mean chance of a right answer at the levels that a long staircase visits, for a logistic
+/// observer.
 double mean_level(StaircaseSpec spec, std::uint64_t seed) {
     spec.trials = 6000;
     Staircase staircase(spec);
@@ -50,8 +51,8 @@ double mean_level(StaircaseSpec spec, std::uint64_t seed) {
 }  // namespace
 
 // The answers and levels of these two are tabulated in PsychoPy's test of its StairHandler: a
-// 1-up-3-down staircase that moves by single answers until its first reversal. The answers: four right, four
-// wrong, and again.
+// 1-up-3-down staircase that moves by single answers until its first reversal. The answers: four
+// right, four wrong, and again.
 TEST_CASE("a staircase of linear steps runs a published sequence", "[staircase][golden]") {
     Staircase staircase({.start = 0.8,
                          .down = 3,
@@ -126,8 +127,8 @@ TEST_CASE("the targets are Levitt's and Kaernbach's", "[staircase]") {
 
 TEST_CASE("a staircase settles at its target on a simulated logistic observer",
           "[staircase][law]") {
-    // The small step keeps the curvature of the function out; 6,000 trials leave a spread of about .05 on
-    // the axis, where a wrong rule would be off by .5 or more.
+    // The small step keeps the curvature of the function out; 6,000 trials leave a spread of about
+    // .05 on the axis, where a wrong rule would be off by .5 or more.
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         for (std::size_t down = 1; down <= 4; ++down) {
             const double p = std::pow(0.5, 1.0 / static_cast<double>(down));
@@ -195,7 +196,8 @@ TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][l
         alone[track].update(alone[track].level(), right);
         run.update(run.next(), right ? 1 : 0);
     }
-    // Chi-square over the pairs of neighbours: 8 degrees of freedom, 26.1 is passed once in a thousand.
+    // Chi-square over the pairs of neighbours: 8 degrees of freedom, 26.1 is passed once in a
+    // thousand.
     double chi = 0.0;
     for (const auto& row : after) {
         for (const int count : row) {

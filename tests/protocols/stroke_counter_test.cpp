@@ -14,7 +14,8 @@ using protocols::StrokeCounter;
 
 namespace {
 
-/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls it back.
+/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls
+/// it back.
 TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0) {
     const Vec2 t{std::cos(angle), std::sin(angle)};
     const Vec2 n{-t.y, t.x};

@@ -7,8 +7,8 @@
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/random.hpp"
 
-/// Ticks of a hand that strokes a two-curve object, made from circles by trigonometry: no engine code
-/// renders them.
+/// Ticks of a hand that strokes a two-curve object, made from circles by trigonometry: no engine
+/// code renders them.
 namespace palpate::tests {
 
 struct StrokeSpec {

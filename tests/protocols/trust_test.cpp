@@ -39,8 +39,9 @@ private:
     TrialId trial_ = 0;
 };
 
-/// A rig with the truth beside what is believed: it changes at faults and in breaks, and is proved by steps that
-/// fail for the first tries after each change. No force may be felt on one that was not looked at since.
+/// A rig with the truth beside what is believed: it changes at faults and in breaks, and is proved
+/// by steps that fail for the first tries after each change. No force may be felt on one that was
+/// not looked at since.
 class ChangingRig : public FaultyApparatus {
 public:
     ChangingRig(World& world, int wrong, Trip cause)
@@ -127,8 +128,8 @@ SessionEnd run(const Protocol& protocol, ChangingRig& rig, Patient& observer, Ki
 
 TEST_CASE("trust is no more than what was proved since the rig could last have changed",
           "[session][trust][law]") {
-    // The law, said without the fold: what of place and pulses was proved after the last event that could have
-    // changed it.
+    // The law, said without the fold: what of place and pulses was proved after the last event that
+    // could have changed it.
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
     CAPTURE(seed);
     Random random(seed);

@@ -30,8 +30,8 @@ struct Drawn {
     }
 };
 
-/// How far a point is from the exact surface, m: its profile in the plane y = 0 is an arc of curvature k
-/// through the origin, revolved about the line y = 0, z = -1 / c.
+/// How far a point is from the exact surface, m: its profile in the plane y = 0 is an arc of
+/// curvature k through the origin, revolved about the line y = 0, z = -1 / c.
 double off(const SurfacePatch& patch, const Vec3& p) {
     const double k = patch.curvature_x;
     const double c = patch.curvature_y;

@@ -9,10 +9,11 @@
 ///
 ///     dg/ds = t / |t|   to the first g with |t| <= mu max(nu, 0);   r = h - g = t - nu n
 ///
-/// in long double, from the surface's definition: the Runge-Kutta pair of Dormand & Prince of orders 5 and 4 in the
-/// surface's own parameters, each step halved until no stage of it lies within the cone or beyond an edge, or its end
-/// is the place where that begins (regula falsi on the length of the step). It shares no code with the engine but for
-/// which patch lies beyond an edge.
+/// in long double, from the surface's definition: the Runge-Kutta pair of Dormand & Prince of
+/// orders 5 and 4 in the surface's own parameters, each step halved until no stage of it lies
+/// within the cone or beyond an edge, or its end is the place where that begins (regula falsi on
+/// the length of the step). It shares no code with the engine but for which patch lies beyond an
+/// edge.
 namespace palpate::stress {
 
 struct FlowEnd {

@@ -119,8 +119,8 @@ Signs signs_of(const Row& f, const Row& noise) {
     return starts && i == f.size() ? Signs::falls : Signs::other;
 }
 
-/// Where min(a, b) + share noise falls through 0, once: secants between the two ends, each followed by one of
-/// twice the length, so that both ends close in (Alefeld, Potra & Shi 1995), or halvings.
+/// Where min(a, b) + share noise falls through 0, once: secants between the two ends, each followed
+/// by one of twice the length, so that both ends close in (Alefeld, Potra & Shi 1995), or halvings.
 Real closed_in(const Row& a, const Row& b, const Row& noise, Real share) {
     const Row with_a = plus(a, noise, share);
     const Row with_b = plus(b, noise, share);

@@ -6,7 +6,8 @@
 
 #include "engine/geometry/rational_bezier.hpp"
 
-/// Drive and load of a span in long double, by Bernstein rows made afresh for each HIP, and their first root.
+/// Drive and load of a span in long double, by Bernstein rows made afresh for each HIP, and their
+/// first root.
 namespace palpate::stress {
 
 using Real = long double;
@@ -69,8 +70,8 @@ struct SpanRows {
 [[nodiscard]] Point point_of(const SpanRows& span, Real x, Real y);
 [[nodiscard]] Point tangent_of(const SpanRows& span, Real x, Real y);
 
-/// How far the tangent at x may be turned in doubles, rad, up to 2: derivatives are differences of coordinates
-/// and weights.
+/// How far the tangent at x may be turned in doubles, rad, up to 2: derivatives are differences of
+/// coordinates and weights.
 [[nodiscard]] Real turned_in_doubles(const SpanRows& span, Real x, Real y);
 
 /// Ahead of a place on a span, in the direction of travel, seen from h.
@@ -87,7 +88,8 @@ struct Ahead {
 /// @param x, y  of the way along the span in the direction of travel, x + y = 1
 [[nodiscard]] Ahead ahead_of(const SpanRows& span, const engine::Vec2& h, Real mu, Real x, Real y);
 
-/// The first root of min(a, b) on [0, 1]: between lo and hi. Where rounding decides, all that it may be.
+/// The first root of min(a, b) on [0, 1]: between lo and hi. Where rounding decides, all that it
+/// may be.
 struct Root {
     Real lo;
     Real hi;

@@ -11,8 +11,8 @@ using engine::RationalBezier;
 using engine::Seam;
 using engine::SeamKind;
 using engine::Vec2;
-/// Rounding of a stretch in doubles, relative to coordinates: a walk may see the edge of the cone on
-/// either side.
+/// Rounding of a stretch in doubles, relative to coordinates: a walk may see the edge of the cone
+/// on either side.
 constexpr double kBand = 32.0 * engine::kEpsilon;
 
 /// The law, from place to place.

@@ -5,8 +5,8 @@
 #include "engine/friction/god_object.hpp"
 #include "tests/stress/exact_forms.hpp"
 
-/// Where a god-object has to stop, found again by other means: in long double, by halving Bernstein forms
-/// made afresh from the control points seen from HIP. Shares no code with the walk.
+/// Where a god-object has to stop, found again by other means: in long double, by halving Bernstein
+/// forms made afresh from the control points seen from HIP. Shares no code with the walk.
 namespace palpate::stress {
 
 /// A place where a walk may end.
@@ -35,15 +35,15 @@ struct ExactOutline {
     double extent = 0.0;  ///< largest coordinate, m
 };
 
-/// From `from` in the direction of the drive to the first place where |tau| <= mu max(nu, 0), over vertices by
-/// their rules. @param outline  with every coordinate below 1e9 m, and so is h
+/// From `from` in the direction of the drive to the first place where |tau| <= mu max(nu, 0), over
+/// vertices by their rules. @param outline with every coordinate below 1e9 m, and so is h
 [[nodiscard]] ExactAnswer exact_walk(const ExactOutline& outline,
                                      const engine::GodObject& from,
                                      const engine::Vec2& h,
                                      double mu);
 
-/// Some curve has a foot of h, no farther than `within` and not at an end, whose normal says that h is outside: so it
-/// is where two curves lie upon each other back to back. By sampling and thirds.
+/// Some curve has a foot of h, no farther than `within` and not at an end, whose normal says that h
+/// is outside: so it is where two curves lie upon each other back to back. By sampling and thirds.
 [[nodiscard]] bool outside_of_some(const ExactOutline& outline,
                                    const engine::Vec2& h,
                                    double within);

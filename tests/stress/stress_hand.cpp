@@ -169,7 +169,8 @@ private:
         }
     }
 
-    /// Straight from outside at a place of the outline, through it, to its centre of curvature or beyond.
+    /// Straight from outside at a place of the outline, through it, to its centre of curvature or
+    /// beyond.
     void press(int ticks) {
         const std::size_t span = any_span();
         const double u =

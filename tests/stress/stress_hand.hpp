@@ -5,8 +5,8 @@
 #include "engine/geometry/outline.hpp"
 #include "tests/support/random.hpp"
 
-/// Random hands: they rub along the outline, press towards centres of curvature and vertices, wander,
-/// rest and jump; some ticks are not finite. Up to 10 m/s where the object is large enough.
+/// Random hands: they rub along the outline, press towards centres of curvature and vertices,
+/// wander, rest and jump; some ticks are not finite. Up to 10 m/s where the object is large enough.
 namespace palpate::stress {
 
 struct HandSpec {

@@ -33,7 +33,8 @@ struct Case {
     std::vector<engine::Vec2> path;
 };
 
-/// Of the processor, by this thread alone, s: on a busy machine the clock on the wall tells of others.
+/// Of the processor, by this thread alone, s: on a busy machine the clock on the wall tells of
+/// others.
 [[nodiscard]] double processor_seconds();
 
 /// Scene and hand of a seed; nothing if Outline refuses the chain.

@@ -35,7 +35,8 @@ NurbsData<2> line(const Vec2& from, const Vec2& to) {
     return bezier({from, to}, {1.0, 1.0});
 }
 
-/// Random curves that share their ends; weights, repeated knots and points as random_nurbs has them.
+/// Random curves that share their ends; weights, repeated knots and points as random_nurbs has
+/// them.
 Chain random_curves(Random& random) {
     Chain chain;
     const int count = 1 + random.below(4);

@@ -31,8 +31,8 @@ enum class Mood : std::uint8_t {
 /// What every mood is called.
 inline constexpr std::array<const char*, 5> kMoods{"gentle", "wild", "study", "cusp", "huge"};
 
-/// One seed is one scene. Wild: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, with
-/// kinks, cusps, spikes and vertices of any angle; any law, stiffness, damper and slew.
+/// One seed is one scene. Wild: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to
+/// 1e3 m, with kinks, cusps, spikes and vertices of any angle; any law, stiffness, damper and slew.
 [[nodiscard]] StressScene random_scene(std::uint64_t seed, Mood mood);
 
 /// As `palpate render` reads it, every number with all its digits.

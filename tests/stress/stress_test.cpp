@@ -46,8 +46,8 @@ TEST_CASE(
 TEST_CASE("where doubles do not tell, and where an excess does not fall, the first root is found",
           "[stress][law]") {
     Tally tally;
-    // Broken without the second search in twice the digits (205 to 1178), or where Newton's iteration goes
-    // on without a proof (209 to 868).
+    // Broken without the second search in twice the digits (205 to 1178), or where Newton's
+    // iteration goes on without a proof (209 to 868).
     for (const std::uint64_t seed : {205U, 323U, 913U, 1178U, 209U, 640U, 655U, 868U}) {
         const auto c = random_case(seed, Mood::wild);
         REQUIRE(c);
@@ -62,10 +62,11 @@ TEST_CASE("scenes in which long runs once found a law broken hold every law", "[
         Mood mood;
         std::uint64_t seed;
     };
-    // A smooth seam whose two sides each drive the god-object to the other (the first four); a first root
-    // beside a centre of curvature, a walk between heavy weights, a slip that ended within its cone; a hand that
-    // went exactly as far as it was away, to the last digit, and was not looked at; closest points beside ends
-    // a million times lighter than what follows. And three where the law asked for more than doubles can tell.
+    // A smooth seam whose two sides each drive the god-object to the other (the first four); a
+    // first root beside a centre of curvature, a walk between heavy weights, a slip that ended
+    // within its cone; a hand that went exactly as far as it was away, to the last digit, and was
+    // not looked at; closest points beside ends a million times lighter than what follows. And
+    // three where the law asked for more than doubles can tell.
     const auto found =
         GENERATE(Found{Mood::gentle, 35147}, Found{Mood::gentle, 42317}, Found{Mood::wild, 3031},
                  Found{Mood::wild, 5906}, Found{Mood::gentle, 40863}, Found{Mood::wild, 5496},
@@ -117,7 +118,8 @@ TEST_CASE("every tick of random hands over surfaces in pieces holds every law",
 TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law",
           "[stress][surface][law]") {
     // Found by palpate_stress: narrow valleys next to centres of curvature, borders met at a slant,
-    // poles, sheets that fold back, lie on themselves or run away, rises before the cone, weights of 1e-3 to 1e3.
+    // poles, sheets that fold back, lie on themselves or run away, rises before the cone, weights
+    // of 1e-3 to 1e3.
     Tally tally;
     for (const std::uint64_t seed : {72U, 91U, 131U, 221U, 350U, 352U, 441U, 554U, 561U}) {
         check_surface(seed, Mood::gentle, tally);
@@ -126,8 +128,8 @@ TEST_CASE("surfaces on which the god-object was once left outside of its cone ho
          {20U, 25U, 59U, 82U, 117U, 127U, 167U, 187U, 239U, 348U, 4023U, 4733U, 30127U}) {
         check_surface(seed, Mood::wild, tally);
     }
-    // A foot that came to rest only in the tick after; a corner that a pole shares, and a crease of which one
-    // side carries, where the god-object went from side to side.
+    // A foot that came to rest only in the tick after; a corner that a pole shares, and a crease of
+    // which one side carries, where the god-object went from side to side.
     for (const std::uint64_t seed : {10180U, 13275U, 20674U}) {
         const auto c = random_patches_case(seed, Mood::wild);
         REQUIRE(c);

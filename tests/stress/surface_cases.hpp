@@ -28,8 +28,8 @@ struct SurfaceCase {
 /// them. Wild: degrees 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, folded and degenerate
 /// sheets, edges that are a point, heavy control points far away, hands that jump.
 [[nodiscard]] SurfaceCase random_surface_case(std::uint64_t seed, Mood mood);
-/// The same in two or four pieces, turned at random; in half of the cases bent, so that their joints are creases.
-/// None where folds lie on each other, which are no object.
+/// The same in two or four pieces, turned at random; in half of the cases bent, so that their
+/// joints are creases. None where folds lie on each other, which are no object.
 [[nodiscard]] std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood);
 
 /// What is felt, ready for a scene.

@@ -60,8 +60,8 @@ engine::SurfaceScene scene_with(const std::vector<SurfaceData>& pieces,
     return {tests::made(pieces), engine::SurfaceSceneSpec{.contact = spec}};
 }
 
-/// How far the forces on a whole surface and on the same cut along u differ beyond 1e-10 of the size, as a share of the
-/// largest, until a tick says that it is not proven.
+/// How far the forces on a whole surface and on the same cut along u differ beyond 1e-10 of the
+/// size, as a share of the largest, until a tick says that it is not proven.
 double cut_differs(const SurfaceCase& c, double share, std::size_t& compared) {
     const auto& knots = c.data.knots_u;
     const double cut = knots.front() + share * (knots.back() - knots.front());
@@ -107,7 +107,8 @@ TEST_CASE("a slide ends at the first place of its flow in the cone, where tangen
     const double mu = 1.0387081324726017;
     const Vec3 hand{0.0073534583185892333, -0.022385793048285869, 0.006215761193400407};
     engine::SurfacePlace from = object.surface(0).place_of(2.4120810303570717, 0.3035112498670674);
-    // RK4 in 25 digits: 1.57 mm before a later place in the cone, at which walks in steps once ended.
+    // RK4 in 25 digits: 1.57 mm before a later place in the cone, at which walks in steps once
+    // ended.
     const auto slide = engine::slide_on_surface<true>(object, from, hand - object.origin(), mu);
     const Vec3 later{0.011428080114877151, -0.019931800885345352, 0.0086226613129266189};
     CHECK(std::fabs(glm::length(slide.point + object.origin() - later) - 1.57e-3) < 0.005e-3);

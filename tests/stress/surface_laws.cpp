@@ -124,8 +124,8 @@ bool SurfaceLaws::held_for_a_reason(const Tick& now) const {
     return singular(c) || step_bends(now);
 }
 
-/// Where the tangents are nearly one: Newton's step to the foot bends as much as it leads, so that what is
-/// left along the surface is no measure of how far it is.
+/// Where the tangents are nearly one: Newton's step to the foot bends as much as it leads, so that
+/// what is left along the surface is no measure of how far it is.
 bool SurfaceLaws::step_bends(const Tick& now) const {
     const LongJet j = oracle(now.contact).jet(now.contact.go_u, now.contact.go_v);
     const Long3 r = minus(j.s, now.h);
@@ -182,7 +182,8 @@ void SurfaceLaws::check_contact(const Tick& now) {
             turned = std::min(turned, length(minus((1.0L / across) * area, c.normal)));
         }
     }
-    // Rounding turns the normal, by as much as the exact one shows here, and some times that beside it.
+    // Rounding turns the normal, by as much as the exact one shows here, and some times that beside
+    // it.
     const double loose =
         (singular(c) ? 1e-8 : std::min(8.0 * turned, 1e-8)) * glm::length(c.go - now.h);
     const bool springy =
@@ -233,8 +234,9 @@ void SurfaceLaws::check_walk(const Tick& now,
     }
 }
 
-/// A slide ends at the first place of its flow within the cone. Where a coefficient that differs by 1e-9, or a hand by
-/// rounding, leads elsewhere, or the flow has no end that doubles can tell, nothing is asked for.
+/// A slide ends at the first place of its flow within the cone. Where a coefficient that differs by
+/// 1e-9, or a hand by rounding, leads elsewhere, or the flow has no end that doubles can tell,
+/// nothing is asked for.
 void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     const SurfaceContact& c = now.contact;
     const engine::Friction& friction = scene_->spec().contact.friction;

@@ -21,7 +21,8 @@ public:
                                              const engine::SurfaceState& after,
                                              const engine::SurfaceContact& contact);
 
-    /// Slides that were held to the end of their flow, and those of them whose end hangs on rounding.
+    /// Slides that were held to the end of their flow, and those of them whose end hangs on
+    /// rounding.
     [[nodiscard]] std::uint64_t walks() const noexcept { return walks_; }
     [[nodiscard]] std::uint64_t ties() const noexcept { return ties_; }
 

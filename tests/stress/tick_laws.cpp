@@ -17,7 +17,8 @@ using engine::Place;
 using engine::SeamKind;
 using engine::Vec2;
 
-/// So does the foot that is followed where the distance has hardly a minimum: 5e-12 of the size was seen.
+/// So does the foot that is followed where the distance has hardly a minimum: 5e-12 of the size was
+/// seen.
 constexpr double kFootSlack = 10.0;
 
 /// How far from the exact first root a god-object may stop, of the object's size.
@@ -43,8 +44,8 @@ double extent_of(const engine::Outline& outline) noexcept {
     return extent;
 }
 
-/// A followed foot counts as sharp while f' is a tenth of |C'|^2: it may be ten times as far from one that
-/// was searched for as the rounding of four lengths.
+/// A followed foot counts as sharp while f' is a tenth of |C'|^2: it may be ten times as far from
+/// one that was searched for as the rounding of four lengths.
 constexpr double kBlunt = 40.0;
 
 }  // namespace
@@ -205,8 +206,8 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
     }
 }
 
-/// From where it was, in the direction of its drive, to the first place in the cone and no further; contact
-/// ends if HIP is outside there.
+/// From where it was, in the direction of its drive, to the first place in the cone and no further;
+/// contact ends if HIP is outside there.
 void TickLaws::check_first_root(const Tick& now,
                                 const engine::ContactState& before,
                                 const engine::ContactState& after) {
@@ -315,8 +316,8 @@ void TickLaws::check_recovery(const Tick& now) {
               (kBlunt * same_ + resolution(now.cp.place)));
 }
 
-/// What a slide leaves open at a place, m: it ends up to 2^19 last bits of u beyond the root, and those
-/// are worth most where a heavy control point makes |C'| large.
+/// What a slide leaves open at a place, m: it ends up to 2^19 last bits of u beyond the root, and
+/// those are worth most where a heavy control point makes |C'| large.
 double TickLaws::resolution(const Place& place) const noexcept {
     constexpr double kLastBits = 0x1p-33;
     return place.on_seam
@@ -325,8 +326,8 @@ double TickLaws::resolution(const Place& place) const noexcept {
                    glm::length(scene_->outline().spans()[place.index].at(place.parameter).first);
 }
 
-/// How far the last bits of u, and of the tangent itself, turn the tangent, rad: in a hairpin within a span they
-/// tell.
+/// How far the last bits of u, and of the tangent itself, turn the tangent, rad: in a hairpin
+/// within a span they tell.
 double TickLaws::turn_of_last_bits(const Place& place) const noexcept {
     if (place.on_seam || place.parameter == 0.0 || place.parameter == 1.0) {
         return 0.0;
@@ -358,8 +359,8 @@ bool TickLaws::on_end_normal(const Place& place, const Vec2& h) const noexcept {
     return std::fabs(glm::dot(gap, engine::end_tangent(span, last))) <= kFootSlack * same_;
 }
 
-/// Two curves run back along each other, less than 1e-6 rad apart: which of them is nearer to a hand beyond
-/// their tip, and so its side, rounding decides.
+/// Two curves run back along each other, less than 1e-6 rad apart: which of them is nearer to a
+/// hand beyond their tip, and so its side, rounding decides.
 bool TickLaws::on_knife_edge(const Place& place) const noexcept {
     constexpr double kNear = 1e-6;
     const engine::Outline& outline = scene_->outline();

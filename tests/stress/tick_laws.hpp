@@ -27,13 +27,15 @@ inline constexpr double kConeSlack = 100.0;
 /// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
 inline constexpr double kFar = 1e9;
 
-/// Watches one hand in one scene. Lengths count as equal within kSameLength of the largest length in
-/// play (size of the outline, HIP's distance from the world's origin), forces within K times that.
+/// Watches one hand in one scene. Lengths count as equal within kSameLength of the largest length
+/// in play (size of the outline, HIP's distance from the world's origin), forces within K times
+/// that.
 class TickLaws {
 public:
     explicit TickLaws(const engine::Scene& scene);
 
-    /// The first law that the tick broke. @param before, after  the states that the tick began and ended with
+    /// The first law that the tick broke. @param before, after the states that the tick began and
+    /// ended with
     [[nodiscard]] std::optional<Breach> look(const engine::Vec2& h,
                                              const engine::ContactState& before,
                                              const engine::ContactState& after,

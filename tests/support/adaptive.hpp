@@ -51,7 +51,8 @@ trials = 3
 
 using RunSession = std::function<void(protocols::Recorder&)>;
 
-/// Opens or resumes the session; `through` is given the recorder, and what runs the session with a port before it.
+/// Opens or resumes the session; `through` is given the recorder, and what runs the session with a
+/// port before it.
 protocols::SessionEnd run_simulated_through(
     data::Database& database,
     const data::SessionSpec& spec,

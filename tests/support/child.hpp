@@ -6,7 +6,8 @@
 
 namespace palpate::tests {
 
-/// In a child, first of all: ends it when `parent` ends, however that comes (a crash, ctest's time-out).
+/// In a child, first of all: ends it when `parent` ends, however that comes (a crash, ctest's
+/// time-out).
 void die_with(pid_t parent);
 
 /// Runs `work` in a child process, which ends after it. @return its id, to be killed and reaped

@@ -117,8 +117,8 @@ inline std::string value_of(data::Database& database,
     return now.step() ? now.text(0) : "another row";
 }
 
-/// One bit of one tick of a chunk changed, and all of it packed again in full, with the right checksum and
-/// the right hash: nothing of the chunk itself gives the change away.
+/// One bit of one tick of a chunk changed, and all of it packed again in full, with the right
+/// checksum and the right hash: nothing of the chunk itself gives the change away.
 inline void repack(data::Database& database,
                    std::int64_t row,
                    const std::set<std::string>& columns,

@@ -5,8 +5,8 @@
 #include "engine/device/simulated_pantograph.hpp"
 #include "tests/support/sampled_wall.hpp"
 
-/// The simulated pantograph on a virtual wall, at its symmetric pose: there x and y decouple, and the
-/// whole linkage is one mass with one damper.
+/// The simulated pantograph on a virtual wall, at its symmetric pose: there x and y decouple, and
+/// the whole linkage is one mass with one damper.
 namespace palpate::tests {
 
 struct DeviceWall {
@@ -48,8 +48,8 @@ inline SampledWall scalar_of(const DeviceWall& wall) {
             .delay = wall.model.delay_ticks};
 }
 
-/// Growth a tick of a handle that a weight presses into the wall, set free a little beside its rest.
-/// Infinity if it left the wall, NaN if the machine was lost.
+/// Growth a tick of a handle that a weight presses into the wall, set free a little beside its
+/// rest. Infinity if it left the wall, NaN if the machine was lost.
 inline double device_growth(const DeviceWall& wall, double stiffness, int ticks) {
     constexpr double kWeight = 2.0;  // N
     constexpr double kBeside = 0.2;  // of the depth: it stays in the wall for five times that

@@ -39,11 +39,11 @@ enum class Leaves : std::uint8_t {
 inline constexpr Leaves kLeaves[] = {Leaves::nothing, Leaves::everything, Leaves::some_calls,
                                      Leaves::sectors_512, Leaves::sectors_4k};
 
-/// Files and folders below one folder, with what of them is synced and what was done since: the harshest
-/// disk that POSIX allows. A file's bytes are safe after fsync(file), its name after fsync(folder), and
-/// the size is one thing, each sector another, but a resize takes effect as a whole. A sector is never half
-/// written. What was added to a file and
-/// did not come through reads as zeros.
+/// Files and folders below one folder, with what of them is synced and what was done since: the
+/// harshest disk that POSIX allows. A file's bytes are safe after fsync(file), its name after
+/// fsync(folder), and the size is one thing, each sector another, but a resize takes effect as a
+/// whole. A sector is never half written. What was added to a file and did not come through reads
+/// as zeros.
 class DiskModel {
 public:
     /// As the folder lies there now, all of it synced. Node 0 is the folder itself.
@@ -51,8 +51,8 @@ public:
 
     void apply(const DiskCall& call);
 
-    /// Writes into the empty folder `into` what may be found after a power cut now. The index of a log
-    /// (FILE-shm) is memory: it is missing or full of rubbish.
+    /// Writes into the empty folder `into` what may be found after a power cut now. The index of a
+    /// log (FILE-shm) is memory: it is missing or full of rubbish.
     void lay_out(Leaves leaves, Random& random, const std::filesystem::path& into) const;
 
     /// Nodes by their path below the folder, "" for the folder itself.

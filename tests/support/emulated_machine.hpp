@@ -9,8 +9,8 @@
 
 namespace palpate::tests {
 
-/// A Haply machine for tests of the engine alone, which knows no files: links, counts and wiring of the
-/// shipped calibrations, zeros at 0, home at (0, 60) mm above the middle of the workspace.
+/// A Haply machine for tests of the engine alone, which knows no files: links, counts and wiring of
+/// the shipped calibrations, zeros at 0, home at (0, 60) mm above the middle of the workspace.
 /// @param preset  "gen3", "gen2" or "haplet"
 /// @throws std::invalid_argument for another
 inline engine::Calibration emulated_calibration(std::string_view preset = "gen3") {

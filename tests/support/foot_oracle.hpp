@@ -10,8 +10,8 @@
 
 #include "tests/support/nurbs_oracle.hpp"
 
-/// The closest point of a NURBS curve, in long double and proved from both sides; shares no code with
-/// the engine.
+/// The closest point of a NURBS curve, in long double and proved from both sides; shares no code
+/// with the engine.
 namespace palpate::tests {
 
 struct OracleFoot {
@@ -27,11 +27,11 @@ struct OracleFoot {
 
 /// Branch and bound over Bezier pieces.
 ///
-/// A curve is split into Bezier spans once (blossoms, Cox-de Boor). For a query h each piece of a span is
-/// the homogeneous polygon g_i = w_i (P_i - h), w_i, cut by de Casteljau. |C - h|^2 = |g|^2 / w^2, and
-/// with Bernstein coefficients n_k of |g|^2 and v_k > 0 of w^2 it is at least min n_k / v_k on the whole
-/// piece. Every cut is a point of the curve, from above; Newton's iteration, which may go anywhere,
-/// sharpens it. What the bound leaves open is halved, best first, until
+/// A curve is split into Bezier spans once (blossoms, Cox-de Boor). For a query h each piece of a
+/// span is the homogeneous polygon g_i = w_i (P_i - h), w_i, cut by de Casteljau. |C - h|^2 = |g|^2
+/// / w^2, and with Bernstein coefficients n_k of |g|^2 and v_k > 0 of w^2 it is at least min n_k /
+/// v_k on the whole piece. Every cut is a point of the curve, from above; Newton's iteration, which
+/// may go anywhere, sharpens it. What the bound leaves open is halved, best first, until
 ///
 ///     distance - proved <= 1e-17 max(size, distance)
 ///
@@ -219,8 +219,9 @@ private:
         }
     }
 
-    /// Newton's iteration on (C - h) . C' = 0, as long as it does not go up. The distance is flat at
-    /// its minimum and cannot tell when u is right: steps go on until they are below the last bit.
+    /// Newton's iteration on (C - h) . C' = 0, as long as it does not go up. The distance is flat
+    /// at its minimum and cannot tell when u is right: steps go on until they are below the last
+    /// bit.
     void polish(Search& search, std::size_t s, long double t) const {
         const long double last_bit = 4.0L * std::numeric_limits<long double>::epsilon();
         for (int i = 0; i < 60; ++i) {

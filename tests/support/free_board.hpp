@@ -25,7 +25,8 @@ inline int times(const std::string& text, const std::string& what) {
     return found;
 }
 
-/// The place of the last "Bring the handle to (X, Y) mm" as the emulator takes it: "X,Y", in space "X,Y,Z".
+/// The place of the last "Bring the handle to (X, Y) mm" as the emulator takes it: "X,Y", in space
+/// "X,Y,Z".
 inline std::string last_place(const std::string& text) {
     const std::size_t from = text.rfind("mark (") != std::string::npos ? text.rfind("mark (") + 6
                                                                        : text.rfind("to (") + 4;
@@ -114,8 +115,9 @@ inline bool starved(const std::string& error) {
     return false;
 }
 
-/// What a command comes to that the operator at the desk sees through. A busy machine may leave the board
-/// without its turn in the middle of a pulse: the handle is brought back, and it is run again.
+/// What a command comes to that the operator at the desk sees through. A busy machine may leave the
+/// board without its turn in the middle of a pulse: the handle is brought back, and it is run
+/// again.
 inline Finished operated(const TemporaryFolder& folder,
                          FreeBoard& board,
                          const std::string& words,

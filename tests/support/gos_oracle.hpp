@@ -7,9 +7,9 @@
 
 namespace palpate::tests {
 
-/// The friction law on one arc or line, by plane trigonometry instead of iteration: where the cone is
-/// left, the law of sines in the triangle (centre, HIP, GO) says where the god-object comes to rest.
-/// Independent of the engine in geometry and method. Valid away from the ends of the curve.
+/// The friction law on one arc or line, by plane trigonometry instead of iteration: where the cone
+/// is left, the law of sines in the triangle (centre, HIP, GO) says where the god-object comes to
+/// rest. Independent of the engine in geometry and method. Valid away from the ends of the curve.
 class GosOracle {
 public:
     struct Law {

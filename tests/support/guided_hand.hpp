@@ -8,8 +8,8 @@
 
 namespace palpate::tests {
 
-/// A hand that holds the handle so firmly that no torque moves it: it goes where it is led, or where an
-/// exploration leads.
+/// A hand that holds the handle so firmly that no torque moves it: it goes where it is led, or
+/// where an exploration leads.
 class GuidedHand : public engine::BoardHand {
 public:
     /// At home. @param machine  has a home within reach

@@ -19,9 +19,10 @@ struct Cables {
     friend bool operator==(const Cables&, const Cables&) = default;
 };
 
-/// A free handle on three straight axes whose motors and encoders are not connected as its calibration says, on a
-/// virtual clock: a torque written at one tick acts from the next one on. Each axis is integrated by itself in
-/// explicit steps of 20 us, with a standstill that friction holds.
+/// A free handle on three straight axes whose motors and encoders are not connected as its
+/// calibration says, on a virtual clock: a torque written at one tick acts from the next one on.
+/// Each axis is integrated by itself in explicit steps of 20 us, with a standstill that friction
+/// holds.
 class MiswiredGantry : public engine::Device {
 public:
     MiswiredGantry(const engine::Calibration& machine,

@@ -8,8 +8,8 @@
 
 namespace palpate::tests {
 
-/// A free handle on a machine whose motors and encoders are not connected as its calibration says, on a
-/// virtual clock: a torque written at one tick acts from the next one on.
+/// A free handle on a machine whose motors and encoders are not connected as its calibration says,
+/// on a virtual clock: a torque written at one tick acts from the next one on.
 class MiswiredMachine : public engine::Device {
 public:
     /// @param plant  the machine as it is, with what its motors and its handle are

@@ -14,7 +14,8 @@ inline void run_headless(const TemporaryFolder& folder, const std::string& text)
                                        folder.file("a.sqlite"), "--headless"}));
 }
 
-/// Two sessions: pictures, answers with confidence and faults; a rule with two intervals. Short trials.
+/// Two sessions: pictures, answers with confidence and faults; a rule with two intervals. Short
+/// trials.
 inline std::string mixed_study(const TemporaryFolder& folder) {
     const std::pair<std::string, std::string> quick{"explore_min_s = 2", "explore_min_s = 0.2"};
     run_headless(

@@ -6,7 +6,8 @@
 #include "tests/support/nasty_families.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 
-/// Queries that break closest-point solvers: degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m.
+/// Queries that break closest-point solvers: degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3
+/// m.
 namespace palpate::tests {
 
 struct NastyCase {
@@ -16,7 +17,8 @@ struct NastyCase {
     engine::Vec2 query{};
 };
 
-/// A family of curves goes with a family of queries; kNastyRound seeds in a row are every pair once.
+/// A family of curves goes with a family of queries; kNastyRound seeds in a row are every pair
+/// once.
 inline constexpr std::uint64_t kNastyQueries = 13;
 inline constexpr std::uint64_t kNastyRound = kNastyCurves * kNastyQueries;
 

@@ -17,8 +17,8 @@ struct NurbsData {
     std::vector<double> weights;
 };
 
-/// N_i,p(u) by the recursion of Cox and de Boor (Piegl & Tiller, eq. 2.5) in long double, 0/0 = 0, the
-/// last span closed. Written from the definition, not from the code under test.
+/// N_i,p(u) by the recursion of Cox and de Boor (Piegl & Tiller, eq. 2.5) in long double, 0/0 = 0,
+/// the last span closed. Written from the definition, not from the code under test.
 inline long double basis(const std::vector<double>& t, std::size_t i, int p, long double u) {
     if (p == 0) {
         const bool last = u == t.back() && t[i] < t[i + 1] && t[i + 1] == t.back();

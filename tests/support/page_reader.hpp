@@ -75,7 +75,8 @@ struct Browsed {
     Finished done{};     ///< with --dump-dom the page as its script left it
     std::string net{};   ///< its log of the network
 
-    /// The browser itself asks its maker for news; what a page asks for has an initiator of its own.
+    /// The browser itself asks its maker for news; what a page asks for has an initiator of its
+    /// own.
     [[nodiscard]] bool asked_for_nothing() const {
         return net.size() > 10000 &&
                count_of(net, "\"initiator\":") == count_of(net, "\"initiator\":\"not an origin\"");

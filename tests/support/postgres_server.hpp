@@ -8,8 +8,8 @@
 
 namespace palpate::tests {
 
-/// A PostgreSQL server of the test's own: in a temporary folder, on a free port of the loopback, run by an
-/// ordinary user. Gone at the end.
+/// A PostgreSQL server of the test's own: in a temporary folder, on a free port of the loopback,
+/// run by an ordinary user. Gone at the end.
 class PostgresServer {
 public:
     /// Nothing where PostgreSQL is not installed.

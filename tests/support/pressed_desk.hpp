@@ -56,7 +56,8 @@ struct PressedDesk {
         session->press_at("welcome", "space");
     }
 
-    /// Holds Space until there is force. A busy machine may end it for another reason: then once more.
+    /// Holds Space until there is force. A busy machine may end it for another reason: then once
+    /// more.
     /// @return false if there never was any
     [[nodiscard]] bool feel() {
         for (int tries = 0; tries < 80 && board.motors().off(); ++tries) {
@@ -69,7 +70,8 @@ struct PressedDesk {
         }
         return !board.motors().off();
     }
-    /// Lets go of Space and presses it again: not at once, or SDL takes both for the key's own repetition.
+    /// Lets go of Space and presses it again: not at once, or SDL takes both for the key's own
+    /// repetition.
     void press_anew() {
         session->hand().release("space");
         for (int i = 0; i < 20; ++i) {
@@ -101,8 +103,8 @@ struct PressedDesk {
         }
         return faults(cause) == "1";
     }
-    /// Off for longer than a port whose answers a busy machine keeps back would have it; since when says
-    /// the board.
+    /// Off for longer than a port whose answers a busy machine keeps back would have it; since when
+    /// says the board.
     [[nodiscard]] bool force_ends() const {
         constexpr std::int64_t kBack = 100'000'000;  // ns
         return eventually([&] {

@@ -7,8 +7,9 @@
 
 namespace palpate::tests {
 
-/// A handle that a hand presses against a flat wall through the origin, rendered without friction and kept
-/// safe by the chain: what a commanded force does is what the machine makes of it, a tick later.
+/// A handle that a hand presses against a flat wall through the origin, rendered without friction
+/// and kept safe by the chain: what a commanded force does is what the machine makes of it, a tick
+/// later.
 struct PressedWall {
     double stiffness = 200.0;  ///< K, N/m
     double handle = 0.12;      ///< kg, with what of the hand moves with it

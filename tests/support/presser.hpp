@@ -9,8 +9,8 @@
 
 namespace palpate::tests {
 
-/// A process that drives the board at a port with a constant force at 1 kHz until something ends it.
-/// Start it before threads.
+/// A process that drives the board at a port with a constant force at 1 kHz until something ends
+/// it. Start it before threads.
 class Presser {
 public:
     /// What ends it, besides signals.

@@ -7,8 +7,8 @@
 
 namespace palpate::tests {
 
-/// A hand on an emulated board that no torque moves: it rests where the board is set up, then goes to the
-/// left side of a straight object and does one thing there for ever.
+/// A hand on an emulated board that no torque moves: it rests where the board is set up, then goes
+/// to the left side of a straight object and does one thing there for ever.
 class PressingHand : public engine::BoardHand {
 public:
     enum class Does : std::uint8_t {

@@ -44,7 +44,8 @@ inline constexpr const char* kTerminal = "PALPATE_TEST_TERMINAL";
 class Process {
 public:
     /// @param command      program and arguments
-    /// @param environment  "NAME=value" changes; "NAME" alone removes; kTerminal + "=/dev/pts/N" is its terminal
+    /// @param environment  "NAME=value" changes; "NAME" alone removes; kTerminal + "=/dev/pts/N" is
+    /// its terminal
     explicit Process(const std::vector<std::string>& command,
                      const std::vector<std::string>& environment = {});
     Process(const Process&) = delete;
@@ -70,8 +71,8 @@ private:
 /// The secret of new files in tests, so that a failure comes again.
 inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 
-/// Runs the program under test, headless unless the arguments say otherwise. `run` makes a new file with
-/// kRunSecret unless another --secret is given.
+/// Runs the program under test, headless unless the arguments say otherwise. `run` makes a new file
+/// with kRunSecret unless another --secret is given.
 [[nodiscard]] Finished palpate_command(const std::vector<std::string>& arguments);
 
 /// Path of the program under test.
@@ -86,8 +87,8 @@ inline void pause(double seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// False, with a warning, where the SQL extension is built with a sanitizer: its runtime would have to be in the
-/// program that loads it.
+/// False, with a warning, where the SQL extension is built with a sanitizer: its runtime would have
+/// to be in the program that loads it.
 [[nodiscard]] bool others_load_extension();
 
 }  // namespace palpate::tests

@@ -16,8 +16,9 @@
 
 namespace palpate::tests {
 
-/// Writes what `palpate commission` would of a right rig: a real session on an emulated board needs it.
-/// Of a machine with the handle of `palpate haply-emulator --free`, commissioned on a virtual clock.
+/// Writes what `palpate commission` would of a right rig: a real session on an emulated board needs
+/// it. Of a machine with the handle of `palpate haply-emulator --free`, commissioned on a virtual
+/// clock.
 /// @param device       the word for --device
 /// @param calibration  a shipped machine's name or a file
 /// @return the file, for --calibration

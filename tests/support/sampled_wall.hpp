@@ -16,14 +16,14 @@ struct SampledWall {
     int delay = 0;                 ///< ticks from a reading to its force, 0 or 1
 };
 
-/// b > K T (1/2 + delay) + |B| solved for K: the passivity bound of Colgate & Schenkel (1997) and what
-/// a delay adds to it.
+/// b > K T (1/2 + delay) + |B| solved for K: the passivity bound of Colgate & Schenkel (1997) and
+/// what a delay adds to it.
 inline double passive_stiffness(const SampledWall& wall) {
     return (wall.damping - std::fabs(wall.virtual_damping)) / (wall.period * (0.5 + wall.delay));
 }
 
-/// All roots of the polynomial c[0] + c[1] z + ... + c[n] z^n inside the unit circle: the recursion of
-/// Schur and Cohn.
+/// All roots of the polynomial c[0] + c[1] z + ... + c[n] z^n inside the unit circle: the recursion
+/// of Schur and Cohn.
 template <std::size_t N>
 bool schur_stable(std::array<double, N> c) {
     for (std::size_t n = N - 1; n >= 1; --n) {
@@ -39,8 +39,8 @@ bool schur_stable(std::array<double, N> c) {
     return true;
 }
 
-/// The closed loop's polynomial, from the exact zero-order-hold equivalent of 1 / (m s^2 + b s) and the
-/// force -(K + B (1 - 1/z) / T) x / z^delay.
+/// The closed loop's polynomial, from the exact zero-order-hold equivalent of 1 / (m s^2 + b s) and
+/// the force -(K + B (1 - 1/z) / T) x / z^delay.
 inline bool exactly_stable(const SampledWall& wall, double stiffness) {
     const double rate = wall.damping / wall.mass;
     const double left = std::exp(-rate * wall.period);
@@ -84,9 +84,9 @@ inline double exact_stiffness(const SampledWall& wall) {
                            [&](double k) { return exactly_stable(wall, k); });
 }
 
-/// Growth a tick, ln r, of an oscillation x_k = r^k cos(...), read off its samples:
-/// x_k x_(k+2s) - x_(k+s)^2 is multiplied by r^2 each tick, whatever phase and stride s. The sum over
-/// a window late in the path over that of one early in it, so that rounded samples do no harm.
+/// Growth a tick, ln r, of an oscillation x_k = r^k cos(...), read off its samples: x_k x_(k+2s) -
+/// x_(k+s)^2 is multiplied by r^2 each tick, whatever phase and stride s. The sum over a window
+/// late in the path over that of one early in it, so that rounded samples do no harm.
 inline double growth_of(const std::vector<double>& x, std::size_t stride) {
     const std::size_t settle = x.size() / 10;  // the fast roots have died away
     const std::size_t window = x.size() / 4;

@@ -26,8 +26,8 @@ inline bool settles(const engine::NurbsCurve<2>& curve,
 }
 
 /// The largest gain at which the feedback tracker settles on the foot u of a resting HIP, found by
-/// bisection without the formula, over the formula engine::critical_gain. NaN if neither half of the
-/// formula is stable nor its double unstable.
+/// bisection without the formula, over the formula engine::critical_gain. NaN if neither half of
+/// the formula is stable nor its double unstable.
 inline double stability_limit_ratio(const engine::NurbsCurve<2>& curve,
                                     double u,
                                     const engine::Vec2& hip,

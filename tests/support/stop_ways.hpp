@@ -14,7 +14,8 @@
 
 #include "tests/support/pressed_desk.hpp"
 
-// What ends a force without the window's focus: the experimenter's terminal, and a pipe in place of a button.
+// What ends a force without the window's focus: the experimenter's terminal, and a pipe in place of
+// a button.
 
 namespace palpate::tests {
 
@@ -60,7 +61,8 @@ private:
     termios before_{};
 };
 
-/// A pipe in place of a button. A process of its own keeps it open: a child of the test would go on doing so.
+/// A pipe in place of a button. A process of its own keeps it open: a child of the test would go on
+/// doing so.
 class StopButton {
 public:
     explicit StopButton(std::string file) : file_(std::move(file)) {

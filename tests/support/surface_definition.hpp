@@ -38,8 +38,8 @@ inline Long3 minus(const Long3& a, const engine::Vec3& h) {
     return {a[0] - h.x, a[1] - h.y, a[2] - h.z};
 }
 
-/// All N_i,p(u) of one degree on the piece [t_k, t_k+1] by Cox and de Boor (The NURBS Book, eq. 2.5),
-/// as polynomials of that piece: u may be its closed end.
+/// All N_i,p(u) of one degree on the piece [t_k, t_k+1] by Cox and de Boor (The NURBS Book, eq.
+/// 2.5), as polynomials of that piece: u may be its closed end.
 inline std::vector<long double> basis_row(
     const std::vector<double>& t, std::size_t piece, int p, std::size_t count, long double u) {
     std::vector<long double> n(t.size() - 1, 0.0L);

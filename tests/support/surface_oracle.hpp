@@ -10,8 +10,8 @@
 
 namespace palpate::tests {
 
-/// A surface and distances from it by its definition in long double, written from the book and not from
-/// the code under test.
+/// A surface and distances from it by its definition in long double, written from the book and not
+/// from the code under test.
 class SurfaceOracle {
 public:
     explicit SurfaceOracle(SurfaceData data) : d_(std::move(data)) {

@@ -21,8 +21,8 @@ inline std::vector<double> random_knots(Random& random, int degree, int inner, b
     return knots;
 }
 
-/// Anything goes: degrees 1 to 9, control points at random in a box, repeated points, folded sheets; but none repeated
-/// of degree 1, where a span could be a mere curve.
+/// Anything goes: degrees 1 to 9, control points at random in a box, repeated points, folded
+/// sheets; but none repeated of degree 1, where a span could be a mere curve.
 inline SurfaceData random_surface(
     Random& random, double size, double decades, int max_degree = 9, bool rough = true) {
     SurfaceData d;
@@ -90,8 +90,8 @@ struct Circle {
     }
 };
 
-/// A profile (distance from the axis, height) turned about z, u round the axis counter-clockwise. The
-/// profile runs upwards for an outward normal.
+/// A profile (distance from the axis, height) turned about z, u round the axis counter-clockwise.
+/// The profile runs upwards for an outward normal.
 inline SurfaceData revolved(const std::vector<engine::Vec2>& profile,
                             const std::vector<double>& weights,
                             int degree,

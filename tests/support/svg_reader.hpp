@@ -25,8 +25,9 @@ struct SvgElement {
     }
 };
 
-/// A strict reader of the little XML that a chart needs: throws std::runtime_error at anything that is
-/// not well-formed (tags that cross, attributes without quotes or twice, bare & or <, control characters).
+/// A strict reader of the little XML that a chart needs: throws std::runtime_error at anything that
+/// is not well-formed (tags that cross, attributes without quotes or twice, bare & or <, control
+/// characters).
 class SvgReader {
 public:
     explicit SvgReader(std::string_view text) : text_(text) {

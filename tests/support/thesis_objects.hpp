@@ -35,8 +35,8 @@ inline std::vector<engine::NurbsCurve<2>> two_cubics() {
             bezier({top, right, Vec2{0.042, 0.012}, Vec2{0.05, 0.0}})};
 }
 
-/// Distance from `h` to the nearest point of all curves, m, good to about 1e-12: 400 samples a curve,
-/// then golden section about the best. Written for tests alone.
+/// Distance from `h` to the nearest point of all curves, m, good to about 1e-12: 400 samples a
+/// curve, then golden section about the best. Written for tests alone.
 inline double true_distance(const std::vector<engine::NurbsCurve<2>>& curves,
                             const engine::Vec2& h) {
     constexpr int kSamples = 400;

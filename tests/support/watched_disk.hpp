@@ -10,10 +10,11 @@
 
 namespace palpate::tests {
 
-/// Watches one folder: every call by which this process changes it is written down, in its order, over all
-/// threads. What SQLite, zlib and the program itself ask of the system is caught, because watched_disk_calls.cpp
-/// defines open, write, fsync, rename, ... in front of the C library's; what the C library asks of
-/// itself (fopen, mkdtemp's folder) is not. Nothing is synced in earnest. One at a time.
+/// Watches one folder: every call by which this process changes it is written down, in its order,
+/// over all threads. What SQLite, zlib and the program itself ask of the system is caught, because
+/// watched_disk_calls.cpp defines open, write, fsync, rename, ... in front of the C library's; what
+/// the C library asks of itself (fopen, mkdtemp's folder) is not. Nothing is synced in earnest. One
+/// at a time.
 class WatchedDisk {
 public:
     /// @param folder  absolute; nothing in it is open
@@ -32,10 +33,11 @@ public:
 
     /// Calls that could have failed so far.
     [[nodiscard]] std::size_t tried() const;
-    /// The call of this number, from 0, of those that can, fails with `error` and does nothing; with
-    /// `for_good` all after it too.
+    /// The call of this number, from 0, of those that can, fails with `error` and does nothing;
+    /// with `for_good` all after it too.
     void fail(std::size_t call, int error, bool for_good);
-    /// From now on the folder's files, with those that are open without a name, can grow by `bytes` in all.
+    /// From now on the folder's files, with those that are open without a name, can grow by `bytes`
+    /// in all.
     void room(std::int64_t bytes);
 
     struct State;

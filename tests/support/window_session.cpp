@@ -22,7 +22,8 @@ std::vector<std::string> command_of(const std::vector<std::string>& arguments) {
 
 std::vector<std::string> with_display(std::vector<std::string> environment,
                                       const std::string& display) {
-    // Leaks of the desktop libraries behind SDL's x11 driver (dbus among them) are not ours to judge.
+    // Leaks of the desktop libraries behind SDL's x11 driver (dbus among them) are not ours to
+    // judge.
     environment.insert(environment.begin(), {"DISPLAY=" + display, "SDL_VIDEODRIVER=x11",
                                              "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0",
                                              "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR

@@ -10,9 +10,9 @@
 
 namespace palpate::tests {
 
-/// The program in a real window on a screen of its own, driven by keys and clicks, looked at through its
-/// title, its output and its database. Every wait is for something to be seen, and is generous: a machine
-/// under load is slow, not wrong.
+/// The program in a real window on a screen of its own, driven by keys and clicks, looked at
+/// through its title, its output and its database. Every wait is for something to be seen, and is
+/// generous: a machine under load is slow, not wrong.
 class WindowSession {
 public:
     static constexpr double kPatience = 150.0;  ///< s
@@ -23,7 +23,8 @@ public:
         bool second = false;  ///< a second screen, of 1024 x 768, and the program is on that
     };
 
-    /// Starts `palpate ARGUMENTS...`, e.g. run; its database is database(), to be named by the arguments.
+    /// Starts `palpate ARGUMENTS...`, e.g. run; its database is database(), to be named by the
+    /// arguments.
     /// @param folder  outlives this; holds database()
     WindowSession(const std::vector<std::string>& arguments,
                   std::string database,
@@ -32,22 +33,22 @@ public:
     WindowSession(const std::vector<std::string>& arguments, std::string database)
         : WindowSession(arguments, std::move(database), {}, Screen{}) {}
 
-    /// Waits until the program shows the screen `name` ("ready", "explore", ...) and the window has the
-    /// keyboard.
-    /// @throws std::runtime_error after kPatience, or when the program has ended: which screen it was, and
-    ///         what it printed
+    /// Waits until the program shows the screen `name` ("ready", "explore", ...) and the window has
+    /// the keyboard.
+    /// @throws std::runtime_error after kPatience, or when the program has ended: which screen it
+    ///         was, and what it printed
     XHand::Window wait_for_screen(const std::string& name);
     /// Waits until it shows another one than `name`.
     XHand::Window wait_past(const std::string& name);
     /// The name of what it shows now; empty: no window.
     [[nodiscard]] std::string screen_name();
 
-    /// Waits for `name`, presses `key` there until something else is shown. A press that comes too early for
-    /// the screen is made again.
+    /// Waits for `name`, presses `key` there until something else is shown. A press that comes too
+    /// early for the screen is made again.
     void press_at(const std::string& name, const std::string& key);
 
-    /// The first column of the first row of `query`, as text, read from outside; empty: no row, NULL, or no
-    /// such file yet.
+    /// The first column of the first row of `query`, as text, read from outside; empty: no row,
+    /// NULL, or no such file yet.
     [[nodiscard]] std::string ask(const std::string& query) const;
     /// Waits until `query` gives `wanted`. @throws std::runtime_error after kPatience
     void wait_until(const std::string& query, const std::string& wanted);

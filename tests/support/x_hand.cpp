@@ -64,8 +64,8 @@ XHand::XHand(const std::string& display) : x_(std::make_unique<Connection>()) {
         XTestQueryExtension(x_->display, &event, &error, &major, &minor) == 0) {
         throw std::runtime_error("no display " + display + " with XTest");
     }
-    // The server may be killed by a test; what is sent to it afterwards goes nowhere. Xlib's own first
-    // handler exits, and so does its second.
+    // The server may be killed by a test; what is sent to it afterwards goes nowhere. Xlib's own
+    // first handler exits, and so does its second.
     XSetIOErrorHandler([](Display*) { return 0; });
     XSetIOErrorExitHandler(
         x_->display, [](Display*, void*) {}, nullptr);

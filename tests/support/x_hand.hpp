@@ -8,8 +8,8 @@ namespace palpate::tests {
 
 /// A hand at the real X server: moves the pointer, presses keys and buttons through XTest.
 ///
-/// A window that is gone when it is asked for, and a server that dies, are no end of the test: Xlib's own
-/// handlers would exit.
+/// A window that is gone when it is asked for, and a server that dies, are no end of the test:
+/// Xlib's own handlers would exit.
 class XHand {
 public:
     /// @throws std::runtime_error if the display cannot be opened or has no XTest
@@ -29,8 +29,8 @@ public:
 
     /// The mapped top-level window whose title begins with `title`, as it is now.
     [[nodiscard]] Window find_window(const std::string& title);
-    /// Waits for one, and gives it the keyboard. A program may make its window anew while it starts: the one
-    /// that has the keyboard and is still there a moment later is taken.
+    /// Waits for one, and gives it the keyboard. A program may make its window anew while it
+    /// starts: the one that has the keyboard and is still there a moment later is taken.
     /// @throws std::runtime_error after `seconds`
     Window wait_for_window(const std::string& title, double seconds);
     /// Gives it the keyboard again, where it may have lost it.
@@ -38,8 +38,8 @@ public:
 
     void move(int x, int y);
     void click();
-    /// @param name  X keysym name: "space", "1", "Right", ...; or the number of a key of Linux's evdev and 8, as
-    ///              "#33": the place on the keyboard, whatever layout it has
+    /// @param name  X keysym name: "space", "1", "Right", ...; or the number of a key of Linux's
+    ///              evdev and 8, as "#33": the place on the keyboard, whatever layout it has
     void key(const std::string& name);
     /// With the control and the shift key held.
     void chord(const std::string& name);

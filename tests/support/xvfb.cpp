@@ -23,9 +23,9 @@ pid_t holder_of(int number) {
 }  // namespace
 
 Xvfb::Xvfb(int width, int height, bool second) {
-    // Displays are taken from the process id, so that tests side by side seldom meet; -displayfd would
-    // choose one by itself, but only tells it over a pipe that the child would have to inherit. Where two do
-    // meet, the lock file says whose the display is.
+    // Displays are taken from the process id, so that tests side by side seldom meet; -displayfd
+    // would choose one by itself, but only tells it over a pipe that the child would have to
+    // inherit. Where two do meet, the lock file says whose the display is.
     for (int attempt = 0; attempt < 50; ++attempt) {
         const int number = 100 + (static_cast<int>(getpid()) * 7 + attempt) % 800;
         if (holder_of(number) != 0) {

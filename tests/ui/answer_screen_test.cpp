@@ -25,8 +25,8 @@ Question question(ResponseKind kind, std::size_t answers, bool confidence = fals
             .confidence = confidence};
 }
 
-/// Somebody who does one thing and then another, the latter again and again until it was seen: nobody
-/// knows how long a screen takes to appear.
+/// Somebody who does one thing and then another, the latter again and again until it was seen:
+/// nobody knows how long a screen takes to appear.
 class Insisting {
 public:
     Insisting(std::function<void()> first, std::function<void()> then)

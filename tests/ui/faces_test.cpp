@@ -149,8 +149,8 @@ void check_layout(const Window& window, const Shown& face, double lowest = kBarT
     }
 }
 
-/// Small letters of DejaVu Sans are 0.547 of the type high, a line 1.164 (its font file). Minutes of arc
-/// from 1 m, on a screen 0.30 m high.
+/// Small letters of DejaVu Sans are 0.547 of the type high, a line 1.164 (its font file). Minutes
+/// of arc from 1 m, on a screen 0.30 m high.
 double minutes_of_arc(const Window& window, const Written& line) {
     const double metres = 0.30 * (line.size.y / 1.164) * 0.547 / window.size().y;
     return metres / 1.0 * 180.0 / M_PI * 60.0;

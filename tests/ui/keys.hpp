@@ -54,8 +54,9 @@ inline void move(const engine::Vec2& at) {
     SDL_PushEvent(&event);
 }
 
-/// Somebody who acts after the screen has appeared, also where drawing is slow (sanitizers), and again where
-/// a busy machine had not shown it by then: what comes before a screen is no answer to it.
+/// Somebody who acts after the screen has appeared, also where drawing is slow (sanitizers), and
+/// again where a busy machine had not shown it by then: what comes before a screen is no answer to
+/// it.
 class Later {
 public:
     explicit Later(std::function<void()> act, int after_ms = 500)

@@ -42,7 +42,8 @@ void fourier(std::vector<Complex>& x) {
     }
 }
 
-/// Mean power of each bin over `pieces` pieces of `n` samples (Welch 1967, Hann's window, no overlap).
+/// Mean power of each bin over `pieces` pieces of `n` samples (Welch 1967, Hann's window, no
+/// overlap).
 template <class Next>
 std::vector<double> spectrum(Next&& next, std::size_t n, int pieces) {
     std::vector<double> power(n / 2, 0.0);

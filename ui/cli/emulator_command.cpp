@@ -143,7 +143,8 @@ using SetDelay = std::function<void(double)>;
 /// What they do to its handle; false: nothing.
 using Obey = std::function<bool(const std::string&)>;
 
-/// "gain 2". @return none: it is another line   @throws std::invalid_argument for what is none in this range
+/// "gain 2". @return none: it is another line @throws std::invalid_argument for what is none in
+/// this range
 std::optional<double> number_after(const std::string& line,
                                    std::string_view word,
                                    double least,

@@ -5,7 +5,8 @@
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/protocol/protocol.hpp"
 
-/// A plan in counts, for people: what `palpate sequence` and `palpate check` print of it. Whole lines.
+/// A plan in counts, for people: what `palpate sequence` and `palpate check` print of it. Whole
+/// lines.
 namespace palpate::ui {
 
 /// Longest runs, how few shuffles keep the limits, and how the order was found.
@@ -26,7 +27,8 @@ namespace palpate::ui {
 /// What the objects that yield promise; empty where none does.
 [[nodiscard]] std::string softness_text(const protocols::Protocol& protocol);
 
-/// Of a plan whose stimuli a rule chooses: the rule, and the trials of each run by phase and interval.
+/// Of a plan whose stimuli a rule chooses: the rule, and the trials of each run by phase and
+/// interval.
 [[nodiscard]] std::string rule_text(const protocols::Protocol& protocol,
                                     const protocols::Plan& plan);
 

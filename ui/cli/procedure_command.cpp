@@ -27,7 +27,8 @@ struct ProcedureOptions {
 using protocols::Estimate;
 using protocols::Procedure;
 
-/// Columns of the stimulus: "stimulus", and "stimulus_covariate" for a further dimension of that name.
+/// Columns of the stimulus: "stimulus", and "stimulus_covariate" for a further dimension of that
+/// name.
 std::vector<std::string> stimulus_columns(const Procedure& procedure) {
     std::vector<std::string> columns;
     for (const std::string& name : procedure.stimulus_names()) {

@@ -144,8 +144,8 @@ void check_consent(const Person& person, const RunOptions& options, const RigSpe
     warn("{}", text);
 }
 
-/// Of a real session with somebody of another handedness than the protocol asks for: refused where the
-/// noted score is on the other side, said where it is weak or unknown.
+/// Of a real session with somebody of another handedness than the protocol asks for: refused where
+/// the noted score is on the other side, said where it is weak or unknown.
 void check_handedness(const Person& person, const RunOptions& options, const RigSpec& spec) {
     constexpr std::int64_t kClearly = 40;  // R. C. Oldfield's inventory, as it is commonly cut
     const protocols::Handedness asked = spec.study.protocol.handedness;
@@ -177,8 +177,8 @@ void check_handedness(const Person& person, const RunOptions& options, const Rig
     }
 }
 
-/// A number that leaves a gap is a slip, unless the sessions before are in the file of another rig. Looked at
-/// before a file is made.
+/// A number that leaves a gap is a slip, unless the sessions before are in the file of another rig.
+/// Looked at before a file is made.
 void check_number(const RunOptions& options, const std::string& study) {
     if (options.elsewhere || options.session.value_or(1) == 1) {
         return;

@@ -76,7 +76,8 @@ constexpr std::string_view kSpaceHead =
     "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n,"
     "held,slewed,unproven";
 
-/// Where the god-object stopped elsewhere than at the first place in its cone, and whether that is proven.
+/// Where the god-object stopped elsewhere than at the first place in its cone, and whether that is
+/// proven.
 struct Marks {
     bool held = false;      ///< by an open end, a border or a crease
     bool slewed = false;    ///< the budget of the vertex slew ended the walk
@@ -220,8 +221,9 @@ Feel thesis_feel(const SceneFile& file, double period) {
         };
 }
 
-/// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker decides the
-/// force. With friction our law needs no tracker in contact; the column cp alone would differ.
+/// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker
+/// decides the force. With friction our law needs no tracker in contact; the column cp alone would
+/// differ.
 bool by_thesis(const SceneFile& file) {
     const Law law = file.friction.law;
     return law == Law::thesis_literal || law == Law::thesis_latched ||

@@ -128,7 +128,8 @@ std::string shard_words(const SimulateOptions& options) {
     return words + (options.no_traces ? " --no-traces" : "");
 }
 
-/// The number of shards is written out: SLURM_ARRAY_TASK_COUNT is 1 where one failed task is submitted again.
+/// The number of shards is written out: SLURM_ARRAY_TASK_COUNT is 1 where one failed task is
+/// submitted again.
 std::string slurm_script(const SimulateOptions& options) {
     const std::size_t shards = static_cast<std::size_t>(options.slurm);
     if (shards > static_cast<std::size_t>(options.participants)) {

@@ -8,13 +8,15 @@
 
 namespace palpate::ui {
 
-/// What may be meant otherwise in a protocol that is right, a sentence each: long stretches without a break, no
-/// practice, no catch trials, friction that can be heard, laws of friction that creep, chatter or are not passive, instructions that the chosen language lacks, noise so
-/// loud that its peaks are cut.
+/// What may be meant otherwise in a protocol that is right, a sentence each: long stretches without
+/// a break, no practice, no catch trials, friction that can be heard, laws of friction that creep,
+/// chatter or are not passive, instructions that the chosen language lacks, noise so loud that its
+/// peaks are cut.
 [[nodiscard]] std::vector<std::string> advice_on(const protocols::Protocol& protocol,
                                                  const protocols::Plan& plan);
 
-/// Trials between two breaks, the most of them, and how long they take, s, each felt until the prompt.
+/// Trials between two breaks, the most of them, and how long they take, s, each felt until the
+/// prompt.
 struct Stretch {
     std::size_t first = 0;  ///< position of its first trial
     std::size_t trials = 0;

@@ -19,12 +19,12 @@ namespace palpate::ui {
 /// @throws data::CsvError if not: file:line, the value and a remedy
 void check_reach(const std::string& file, std::size_t line, std::string_view column, double metres);
 
-/// A path of a hand, checked as a whole when it is made and then read again row by row: it may be longer than the
-/// memory.
+/// A path of a hand, checked as a whole when it is made and then read again row by row: it may be
+/// longer than the memory.
 class Trajectory {
 public:
-    /// @throws data::CsvError for what is no table of finite numbers, a place out of reach, a time that does not grow or a
-    ///         tick above an hour: file:line, the value and a remedy
+    /// @throws data::CsvError for what is no table of finite numbers, a place out of reach, a time
+    ///         that does not grow or a tick above an hour: file:line, the value and a remedy
     Trajectory(const std::filesystem::path& file, int dimension);
 
     struct Tick {
@@ -37,7 +37,8 @@ public:
     class Rows {
     public:
         explicit Rows(const Trajectory& path);
-        /// @return false at the end @throws data::CsvError as Trajectory, if the file was changed meanwhile
+        /// @return false at the end @throws data::CsvError as Trajectory, if the file was changed
+        /// meanwhile
         [[nodiscard]] bool next();
         [[nodiscard]] const Tick& tick() const noexcept { return tick_; }
         [[nodiscard]] std::size_t line() const { return rows_.line(); }  ///< in the file, from 1

@@ -12,7 +12,8 @@
 #include <variant>
 #include <vector>
 
-/// Commands and the words they take. Each command declares its own in its file; CLI11 stays in parse.cpp.
+/// Commands and the words they take. Each command declares its own in its file; CLI11 stays in
+/// parse.cpp.
 namespace palpate::ui {
 
 /// The words or files given are wrong: exit code 2, nothing was created.
@@ -101,7 +102,8 @@ template <class Options>
 
 /// The command that the line names, its words read; else help, version or what is wrong is printed.
 /// @param version  "0.1.0"
-/// @return an index into `commands`, or the exit code of what was printed: 0, or kExitUsage for wrong words
+/// @return an index into `commands`, or the exit code of what was printed: 0, or kExitUsage for
+/// wrong words
 struct Parsed {
     std::optional<std::size_t> command{};
     int code = 0;

@@ -144,8 +144,8 @@ int said(const CLI::App& app, const CLI::Error& e) {
     return code;
 }
 
-/// The first word that is no command or no option of it, as a sentence: it is the reason of whatever else is
-/// missing. Empty if all are known.
+/// The first word that is no command or no option of it, as a sentence: it is the reason of
+/// whatever else is missing. Empty if all are known.
 std::string unknown_word(const CLI::App& app, int argc, const char* const* argv) {
     const auto chosen = app.get_subcommands();
     std::vector<std::string> known;

@@ -30,8 +30,8 @@ struct DeviceDemand {
 using LookAgain = std::function<void(const engine::Device&)>;
 using OpenDevice = std::function<std::shared_ptr<engine::Device>()>;
 
-/// Opens the device, writes zero force, reads it for 0.2 s, writes zero force again. Of a board that is
-/// asked and answers: how long an answer took when it was opened.
+/// Opens the device, writes zero force, reads it for 0.2 s, writes zero force again. Of a board
+/// that is asked and answers: how long an answer took when it was opened.
 /// @param word  as --device has it, for the text
 /// @param open  may throw: what it says becomes the remedy
 /// @param then  called with the device if it could be opened and read

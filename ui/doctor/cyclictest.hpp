@@ -21,7 +21,8 @@ struct Cyclictest {
     [[nodiscard]] double quantile_us(double share) const;
 };
 
-/// Reads what `cyclictest -q -h` prints, one thread. None if that is no such output, or without a cycle.
+/// Reads what `cyclictest -q -h` prints, one thread. None if that is no such output, or without a
+/// cycle.
 [[nodiscard]] std::optional<Cyclictest> parse_cyclictest(std::string_view output);
 
 [[nodiscard]] bool cyclictest_installed();

@@ -25,16 +25,17 @@ struct DeviceChoice {
     std::optional<std::int64_t> trial{};  ///< replay: trial id; none: the file's trials in turn
 };
 
-/// `sim`, `mouse`, `replay:FILE`, `replay:FILE:TRIAL`, `haply:PORT`, `haply-emulator`, `board:PORT`,
-/// `board:udp:HOST:PORT`, `comedi:FILE`. A replay's FILE may hold colons: only a last part that is a number is a trial.
+/// `sim`, `mouse`, `replay:FILE`, `replay:FILE:TRIAL`, `haply:PORT`, `haply-emulator`,
+/// `board:PORT`, `board:udp:HOST:PORT`, `comedi:FILE`. A replay's FILE may hold colons: only a last
+/// part that is a number is a trial.
 /// @throws std::invalid_argument naming the value and the choices
 [[nodiscard]] DeviceChoice parse_device(std::string_view text);
 
 /// A person can hold it: what it records may be a person's.
 [[nodiscard]] bool held_by_a_person(DeviceChoice::Kind kind) noexcept;
 
-/// What a person holds pushes back. A pointer does not (PointerDevice::traits): real sessions are held on it
-/// only where a protocol asks for it.
+/// What a person holds pushes back. A pointer does not (PointerDevice::traits): real sessions are
+/// held on it only where a protocol asks for it.
 [[nodiscard]] bool gives_force(DeviceChoice::Kind kind) noexcept;
 
 /// A real session of a study that asks for this class may be run on it.

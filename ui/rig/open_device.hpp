@@ -15,10 +15,11 @@ namespace palpate::ui {
 [[nodiscard]] engine::Calibration calibration_of(const DeviceChoice& choice,
                                                  const std::string& name_or_file);
 
-/// Opens a device that a person holds, or the pointer. Make it before threads: a Haply board's guard
-/// is forked.
+/// Opens a device that a person holds, or the pointer. Make it before threads: a Haply board's
+/// guard is forked.
 /// @param period  s between ticks
-/// @throws std::invalid_argument if the calibration is of another kind of device or `choice` is simulated
+/// @throws std::invalid_argument if the calibration is of another kind of device or `choice` is
+/// simulated
 /// @throws std::runtime_error if it cannot be opened: what, and the remedy
 [[nodiscard]] std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
                                                           const engine::Calibration& calibration,

@@ -20,7 +20,8 @@ std::string without_stop(std::string sentence) {
 
 using protocols::Progress;
 
-/// What to do about an attempt that does not count, by each of its reasons as why_invalid() words them.
+/// What to do about an attempt that does not count, by each of its reasons as why_invalid() words
+/// them.
 std::vector<std::string> advice_for(const protocols::TrialResult& result) {
     std::vector<std::string> advice;
     if (result.fault) {

@@ -12,15 +12,15 @@
 #include "protocols/session/session.hpp"
 #include "data/store/database.hpp"
 
-/// What a session says on the operator's terminal. A participant may see it: of people's sessions nothing about
-/// the stimulus or the answer.
+/// What a session says on the operator's terminal. A participant may see it: of people's sessions
+/// nothing about the stimulus or the answer.
 namespace palpate::ui {
 
 /// "trial 12 of 104", "practice 3 of 10": as the participant's screen numbers it.
 [[nodiscard]] std::string number_text(const protocols::TrialNumber& number);
 
-/// Of a faulted trial's line on the console: what happened, what to do. For the experimenter, but a participant
-/// may see it: nothing of the stimulus.
+/// Of a faulted trial's line on the console: what happened, what to do. For the experimenter, but a
+/// participant may see it: nothing of the stimulus.
 ///
 ///     fault: the handle was faster than the limit: move more slowly
 [[nodiscard]] std::string fault_text(const protocols::Fault& fault);
@@ -39,8 +39,9 @@ namespace palpate::ui {
 /// Why a session was given up with SessionEnd::Why::faulted, and how it goes on.
 [[nodiscard]] std::string given_up_text(const protocols::SessionEnd& end);
 
-/// The lines of a run, one an attempt. Each begins with the attempt's trial_id, by which mark, trace and report name it. What came before this run counts for the number of the attempt alone: the
-/// pace, and the trials that the alarm looks at, are of this run.
+/// The lines of a run, one an attempt. Each begins with the attempt's trial_id, by which mark,
+/// trace and report name it. What came before this run counts for the number of the attempt alone:
+/// the pace, and the trials that the alarm looks at, are of this run.
 class OperatorLog {
 public:
     /// Trials that the alarm looks back on, and how many of them must not count for it.
@@ -52,8 +53,9 @@ public:
     OperatorLog(std::map<std::size_t, std::size_t> attempts, double now_s)
         : attempts_(std::move(attempts)), ended_s_(now_s) {}
 
-    /// What became of an attempt, how many trials are left and for how long; after a trial that does not count
-    /// a second line if it is the kAlarm-th of the last kLookBack: why, and what to do.
+    /// What became of an attempt, how many trials are left and for how long; after a trial that
+    /// does not count a second line if it is the kAlarm-th of the last kLookBack: why, and what to
+    /// do.
     /// @param what  of an answer: whatever may be said of it
     [[nodiscard]] std::string line(const protocols::Progress& progress,
                                    const std::string& what,
@@ -73,8 +75,9 @@ private:
 /// As a shell takes it for one word.
 [[nodiscard]] std::string shell_word(const std::string& word);
 
-/// The command that goes on with a session: the words that it was run with, as a shell takes them, without what
-/// would begin something again. The launcher says how it was called itself (PALPATE_WORD).
+/// The command that goes on with a session: the words that it was run with, as a shell takes them,
+/// without what would begin something again. The launcher says how it was called itself
+/// (PALPATE_WORD).
 [[nodiscard]] std::string go_on_command(const std::vector<std::string>& words);
 
 /// What the attempts of a run came to: answered, not counting, faulted, minutes, late ticks.

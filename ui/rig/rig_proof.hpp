@@ -16,7 +16,8 @@
 /// handle rest where it should, and does it still move as it did?
 namespace palpate::ui {
 
-/// What was said and found when a rig was opened: a key of the record, a value, a sentence for people.
+/// What was said and found when a rig was opened: a key of the record, a value, a sentence for
+/// people.
 struct OpeningFact {
     std::string key;
     std::string value;
@@ -25,7 +26,8 @@ struct OpeningFact {
 
 /// @param device       as --device has it
 /// @param calibration  as --calibration has it; empty: the device's own
-/// @return why no real session may be run with this record, a sentence with the remedy; empty: it may
+/// @return why no real session may be run with this record, a sentence with the remedy; empty: it
+/// may
 [[nodiscard]] std::string objection(const engine::RigRecord* record,
                                     const engine::Calibration& machine,
                                     const std::string& device,
@@ -33,9 +35,11 @@ struct OpeningFact {
 
 /// Says `text` on the terminal and waits for "yes".
 /// @param beforehand  it was said by a word of the command: nobody is asked
-/// @throws std::runtime_error for another answer, at the end of standard input, or once interrupted()
+/// @throws std::runtime_error for another answer, at the end of standard input, or once
+/// interrupted()
 void ask_for_yes(const std::string& text, bool beforehand);
-/// Says `text` and waits for Enter. @return false at the end of standard input, or once interrupted()
+/// Says `text` and waits for Enter. @return false at the end of standard input, or once
+/// interrupted()
 [[nodiscard]] bool wait_for_enter(const std::string& text);
 /// What is typed after a question. @return none: standard input ended, or the program is to stop
 [[nodiscard]] std::optional<std::string> typed_after(const std::string& question);
@@ -51,8 +55,8 @@ void in_real_time(const std::function<void()>& work);
 /// pose for. @throws as ask_for_yes
 void ask_for_home(const engine::Calibration& calibration, bool beforehand);
 
-/// After it was opened: the handle rests, at home; at the second mark the encoders say that it is there; and weak
-/// pulses, one in each direction, move it as when it was commissioned. Takes 5 s.
+/// After it was opened: the handle rests, at home; at the second mark the encoders say that it is
+/// there; and weak pulses, one in each direction, move it as when it was commissioned. Takes 5 s.
 /// @param beforehand  the operator has given their word for home, in place of the second mark
 /// @throws std::runtime_error  what is wrong, with the remedy; no force was more than record.force
 [[nodiscard]] std::vector<OpeningFact> prove_opening(engine::Device& device,
@@ -61,8 +65,8 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
                                                      double period,
                                                      bool beforehand);
 
-/// The same between trials, where nobody sits at a terminal: home and mark count as soon as the handle rests there to
-/// within kAtPlace. See engine::MarkProof.
+/// The same between trials, where nobody sits at a terminal: home and mark count as soon as the
+/// handle rests there to within kAtPlace. See engine::MarkProof.
 [[nodiscard]] protocols::RigProof proof_between_trials(const engine::Calibration& calibration,
                                                        const engine::RigRecord& record,
                                                        double period);

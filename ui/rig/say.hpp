@@ -11,9 +11,9 @@
 
 namespace palpate::ui {
 
-/// The one way to a terminal: all that people read goes out here, and nothing in it is an order to the terminal
-/// (engine/base/plain_text.hpp). Writes at once. That nobody reads it any more, or that a log's disk is
-/// full, is no error here: a session goes on without listeners.
+/// The one way to a terminal: all that people read goes out here, and nothing in it is an order to
+/// the terminal (engine/base/plain_text.hpp). Writes at once. That nobody reads it any more, or
+/// that a log's disk is full, is no error here: a session goes on without listeners.
 inline void say_to(std::FILE* file, const std::string& text) noexcept {
     const std::string shown = plain(text, Lines::kept);
     static_cast<void>(std::fwrite(shown.data(), 1, shown.size(), file));

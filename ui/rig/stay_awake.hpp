@@ -6,9 +6,9 @@
 
 namespace palpate::ui {
 
-/// Keeps the machine from sleeping for as long as it lives, where systemd is there to be asked: a force
-/// that nobody renews while the machine wakes up is nothing to hold. It ends with this program, however
-/// that comes: the inhibitor waits for the end of a pipe.
+/// Keeps the machine from sleeping for as long as it lives, where systemd is there to be asked: a
+/// force that nobody renews while the machine wakes up is nothing to hold. It ends with this
+/// program, however that comes: the inhibitor waits for the end of a pipe.
 class StayAwake {
 public:
     StayAwake();

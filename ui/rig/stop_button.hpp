@@ -5,9 +5,9 @@
 
 namespace palpate::ui {
 
-/// A button named for the rig, as a device of Linux's evdev (/dev/input/by-id/...), or a named pipe into which another
-/// program writes such events. Any key of it stops. While this lives no other program gets its presses (EVIOCGRAB);
-/// of a pipe nobody can promise that.
+/// A button named for the rig, as a device of Linux's evdev (/dev/input/by-id/...), or a named pipe
+/// into which another program writes such events. Any key of it stops. While this lives no other
+/// program gets its presses (EVIOCGRAB); of a pipe nobody can promise that.
 class StopButton {
 public:
     /// What was seen since the last look.
@@ -17,7 +17,8 @@ public:
         gone,     ///< unplugged, or it cannot be read
     };
 
-    /// @throws std::invalid_argument if it is not there, is no such device, is pressed, or belongs to another program
+    /// @throws std::invalid_argument if it is not there, is no such device, is pressed, or belongs
+    /// to another program
     explicit StopButton(std::string file);
     StopButton(const StopButton&) = delete;
     StopButton& operator=(const StopButton&) = delete;

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-/// `palpate stop` and the session that it stops: a socket in Linux's abstract names, which end with their process, so
-/// that nothing is left of a crash. It is named for the database's file system and inode; several sessions on one
-/// file have one each.
+/// `palpate stop` and the session that it stops: a socket in Linux's abstract names, which end with
+/// their process, so that nothing is left of a crash. It is named for the database's file system
+/// and inode; several sessions on one file have one each.
 namespace palpate::ui {
 
 /// The session's side.
@@ -20,8 +20,9 @@ public:
 
     /// To be polled for reading; -1: all names are taken, nobody can call.
     [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
-    /// Takes one caller. Whoever runs as the same user or as root may stop, and whoever can open the database for
-    /// writing: its open file comes with the call. Waits 20 ms at most for one of another user.
+    /// Takes one caller. Whoever runs as the same user or as root may stop, and whoever can open
+    /// the database for writing: its open file comes with the call. Waits 20 ms at most for one of
+    /// another user.
     /// @param stop  called before the caller is answered
     template <class Stop>
     void take(const Stop& stop) {
@@ -42,7 +43,8 @@ private:
     unsigned long long inode_ = 0;
 };
 
-/// Stops the sessions that run on a database, or, without one, every session that this user may stop.
+/// Stops the sessions that run on a database, or, without one, every session that this user may
+/// stop.
 struct Stopped {
     std::size_t sessions = 0;
     std::string labels{};  ///< a line each

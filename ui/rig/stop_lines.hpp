@@ -13,12 +13,12 @@
 
 namespace palpate::ui {
 
-/// What stops a session's force without its window: Enter or Escape at the terminal of `run` (a line, where standard
-/// input is a pipe), `palpate stop` from any shell, and a button. A thread of its own waits for them, so that neither
-/// the screen nor the session's loop has to be quick.
+/// What stops a session's force without its window: Enter or Escape at the terminal of `run` (a
+/// line, where standard input is a pipe), `palpate stop` from any shell, and a button. A thread of
+/// its own waits for them, so that neither the screen nor the session's loop has to be quick.
 ///
-/// The terminal stays as it is but for one thing: Escape ends a line as Enter does (VEOL), until this is gone. A
-/// program that is killed leaves that behind, and no shell minds it.
+/// The terminal stays as it is but for one thing: Escape ends a line as Enter does (VEOL), until
+/// this is gone. A program that is killed leaves that behind, and no shell minds it.
 class StopLines {
 public:
     struct Acts {

@@ -50,7 +50,8 @@ std::string find_id(const unsigned char* at, std::size_t size) {
 }  // namespace
 
 std::string build_id() {
-    // The kernel tells where it put the program's headers (getauxval(3)); they say where the notes are.
+    // The kernel tells where it put the program's headers (getauxval(3)); they say where the notes
+    // are.
     const auto* headers = reinterpret_cast<const unsigned char*>(getauxval(AT_PHDR));
     const std::size_t count = getauxval(AT_PHNUM);
     std::uintptr_t base = 0;

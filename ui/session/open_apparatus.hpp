@@ -24,10 +24,12 @@ struct OpenedApparatus {
     std::vector<std::pair<std::string, std::string>> provenance;  ///< calibration, real-time rights
 };
 
-/// A person holds a rig in it that gives force and that nobody proved: kUnprovedForce is all that it may give.
+/// A person holds a rig in it that gives force and that nobody proved: kUnprovedForce is all that
+/// it may give.
 [[nodiscard]] bool unproved(const RigSpec& spec);
 
-/// Opens the device and its servo; a rig with a record is proved first. Call it before windows: guard and emulated board are forked.
+/// Opens the device and its servo; a rig with a record is proved first. Call it before windows:
+/// guard and emulated board are forked.
 /// @throws std::invalid_argument, std::runtime_error with the remedy if the device cannot be opened
 [[nodiscard]] OpenedApparatus open_apparatus(const RigSpec& spec);
 

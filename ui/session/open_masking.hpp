@@ -16,8 +16,8 @@ struct OpenedMasking {
 };
 
 /// Opens what the protocol asks for, for people alone: nothing is played for simulated hands. With
-/// --no-sound, and in a pilot without a sound device, the session is silent, and standard error and the
-/// note say so.
+/// --no-sound, and in a pilot without a sound device, the session is silent, and standard error and
+/// the note say so.
 /// @throws std::runtime_error in a real session without a sound device that somebody may hear
 [[nodiscard]] OpenedMasking open_masking(const RigSpec& spec);
 

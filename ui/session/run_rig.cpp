@@ -100,7 +100,8 @@ struct Observers {
     [[nodiscard]] protocols::Observer& port() const { return screen ? *screen : *simulated; }
 };
 
-/// The screen of a person needs no plan: a window that cannot be had is said before a session is made.
+/// The screen of a person needs no plan: a window that cannot be had is said before a session is
+/// made.
 Observers observers_before_the_plan(const RigSpec& spec,
                                     protocols::Apparatus& apparatus,
                                     protocols::OperatorDesk& desk) {
@@ -174,7 +175,8 @@ double now_s() {
     return static_cast<double>(monotonic_ns()) * 1e-9;
 }
 
-/// Says what this run came to when it is over, however it ends; after the last answer is on the disk.
+/// Says what this run came to when it is over, however it ends; after the last answer is on the
+/// disk.
 class SummaryAtEnd {
 public:
     SummaryAtEnd(data::Database& database, const data::OpenedSession& opened, const RigSpec& spec)

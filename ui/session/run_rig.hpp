@@ -26,7 +26,8 @@ struct RigEnd {
 [[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
     const DeviceChoice& device);
 
-/// Opens what the session is felt on, and says what should be known of it. Before windows, as open_apparatus().
+/// Opens what the session is felt on, and says what should be known of it. Before windows, as
+/// open_apparatus().
 /// @throws as that; std::invalid_argument for what nobody should hold
 [[nodiscard]] OpenedApparatus open_and_check(const RigSpec& spec);
 

@@ -11,7 +11,8 @@
 namespace palpate::ui {
 namespace {
 
-/// @throws std::invalid_argument if there is no such monitor, or SDL would put the window on another
+/// @throws std::invalid_argument if there is no such monitor, or SDL would put the window on
+/// another
 void require_monitor(const std::vector<std::string>& monitors, std::size_t number) {
     std::string all;
     for (std::size_t i = 0; i < monitors.size(); ++i) {

@@ -9,7 +9,8 @@ namespace palpate::ui {
 void add_screen_words(CommandWords& words, ScreenOptions& screen);
 
 /// A window can be opened here and was not declined.
-/// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the session
+/// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the
+/// session
 [[nodiscard]] bool wants_window(const ScreenOptions& screen);
 
 }  // namespace palpate::ui

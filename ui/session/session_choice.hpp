@@ -33,9 +33,9 @@ struct SessionChoice {
     std::string kind{};     ///< with which it has begun; empty: it has no trial yet
 };
 
-/// The session asked for, else the participant's last one, else the first. Its seed is the one asked for,
-/// else that with which it was begun, else the protocol's; its secret that with which it was begun,
-/// else the file's.
+/// The session asked for, else the participant's last one, else the first. Its seed is the one
+/// asked for, else that with which it was begun, else the protocol's; its secret that with which it
+/// was begun, else the file's.
 [[nodiscard]] SessionChoice choose_session(data::Database& database,
                                            const Study& study,
                                            const std::string& participant,
@@ -49,9 +49,10 @@ void require_kind(const SessionChoice& choice,
                   data::RunKind kind,
                   const std::string& file);
 
-/// The session with its plan, as data::plan_and_open_session(). Whoever changes its device on purpose says so
-/// beforehand, or types whose session it is.
-/// @throws std::invalid_argument where there is no terminal to ask, or std::runtime_error for another answer
+/// The session with its plan, as data::plan_and_open_session(). Whoever changes its device on
+/// purpose says so beforehand, or types whose session it is.
+/// @throws std::invalid_argument where there is no terminal to ask, or std::runtime_error for
+/// another answer
 [[nodiscard]] data::OpenedSession open_meant(data::Database& database,
                                              data::SessionSpec& session,
                                              bool other_device);

@@ -24,8 +24,9 @@ namespace {
 
 constexpr std::int64_t kMidnight = 946'684'800'000'000'000;  ///< 1 January 2000, ns since 1970
 
-/// The row of a participant: sets of all rows one after the other, each in an order of its own, so that of any first
-/// n participants no row has two more than another, and nobody has to know who else was simulated.
+/// The row of a participant: sets of all rows one after the other, each in an order of its own, so
+/// that of any first n participants no row has two more than another, and nobody has to know who
+/// else was simulated.
 protocols::RowHistory dealt_row(const SimulatedStudy& of,
                                 std::size_t index,
                                 std::size_t rows,

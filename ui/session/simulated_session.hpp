@@ -14,8 +14,8 @@
 #include "data/store/database.hpp"
 #include "ui/session/load_study.hpp"
 
-/// Simulated participants: the way of a session of `palpate run` on the simulated pantograph, but for a clock that
-/// waits for nobody and files that nobody sees.
+/// Simulated participants: the way of a session of `palpate run` on the simulated pantograph, but
+/// for a clock that waits for nobody and files that nobody sees.
 namespace palpate::ui {
 
 /// What all simulated participants of a study share.
@@ -44,10 +44,12 @@ public:
     /// What is to be known of device and protocol together (OpenedApparatus::findings).
     [[nodiscard]] const std::vector<std::string>& findings() const noexcept { return findings_; }
 
-    /// Runs it to its end and keeps it in a database in memory. Its rows say that it began at midnight of
-    /// 1 January 2000, UTC, and lasted as long as a person would have taken. Its uuid follows from what it is.
+    /// Runs it to its end and keeps it in a database in memory. Its rows say that it began at
+    /// midnight of 1 January 2000, UTC, and lasted as long as a person would have taken. Its uuid
+    /// follows from what it is.
     /// @param provenance  of the program, as provenance(protocol)
-    /// @return nothing: interrupted(). @throws std::runtime_error if the force went off and nobody mended it
+    /// @return nothing: interrupted(). @throws std::runtime_error if the force went off and nobody
+    /// mended it
     [[nodiscard]] std::unique_ptr<data::Database> run(
         const std::vector<std::pair<std::string, std::string>>& provenance);
 

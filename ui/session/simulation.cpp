@@ -43,7 +43,8 @@ std::vector<std::size_t> indices_of(const SimulationSpec& spec) {
     return indices;
 }
 
-/// The codes of a file's participants. @throws std::invalid_argument if it holds anything but these simulated people
+/// The codes of a file's participants. @throws std::invalid_argument if it holds anything but these
+/// simulated people
 std::set<std::string> codes_in(data::Database& database, const SimulationSpec& spec) {
     const auto refuse = [&](const std::string& what) {
         throw std::invalid_argument(
@@ -91,7 +92,8 @@ std::set<std::string> codes_in(data::Database& database, const SimulationSpec& s
     return codes;
 }
 
-/// Sessions that go into a file one by one, in the order of their codes, by whoever has the next one.
+/// Sessions that go into a file one by one, in the order of their codes, by whoever has the next
+/// one.
 class InOrder {
 public:
     InOrder(const SimulationSpec& spec, data::Database& out, std::size_t first, std::size_t threads)
@@ -101,7 +103,8 @@ public:
           next_(first),
           max_(kAhead * threads) {}
 
-    /// Before work on the session begins: waits until few others wait for their turn. @return false: it is over
+    /// Before work on the session begins: waits until few others wait for their turn. @return
+    /// false: it is over
     bool may_begin(std::size_t place) {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return over_ || place < next_ + max_; });

@@ -37,14 +37,15 @@ enum class SimulationEnd {
     stopped,    ///< interrupted(): the same call goes on
 };
 
-/// Simulates the participants of a shard into its file. Same specification, same bytes, whatever the number of
-/// threads and however often it was stopped: sessions go in one by one, in the order of their codes, and the whole
-/// file is written once more from its rows (VACUUM INTO).
+/// Simulates the participants of a shard into its file. Same specification, same bytes, whatever
+/// the number of threads and however often it was stopped: sessions go in one by one, in the order
+/// of their codes, and the whole file is written once more from its rows (VACUUM INTO).
 ///
-/// While it grows it is called `file`.partial, and holds whole sessions alone. After a kill the next call goes on with
-/// it. With `scratch` it grows there, and comes back when it is stopped by a signal.
-/// @throws std::invalid_argument if a file is there that holds something else; std::runtime_error if another program
-///         makes it; data::StoreError
+/// While it grows it is called `file`.partial, and holds whole sessions alone. After a kill the
+/// next call goes on with it. With `scratch` it grows there, and comes back when it is stopped by a
+/// signal.
+/// @throws std::invalid_argument if a file is there that holds something else; std::runtime_error
+///         if another program makes it; data::StoreError
 [[nodiscard]] SimulationEnd simulate(const SimulationSpec& spec);
 
 /// Participants of this shard. @pre shard.number < shard.of

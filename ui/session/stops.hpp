@@ -11,14 +11,15 @@
 
 namespace palpate::ui {
 
-/// What stops the force without the window. The desk hears of it first, so that no trial begins unheard.
+/// What stops the force without the window. The desk hears of it first, so that no trial begins
+/// unheard.
 [[nodiscard]] std::unique_ptr<StopLines> stop_lines(const data::Database& database,
                                                     const RigSpec& spec,
                                                     protocols::Apparatus& apparatus,
                                                     protocols::OperatorDesk& desk);
 
-/// After what nobody can mend in here, as a full disk, the participant's screen asks for a moment until the
-/// experimenter has come. The force is off.
+/// After what nobody can mend in here, as a full disk, the participant's screen asks for a moment
+/// until the experimenter has come. The force is off.
 void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why);
 
 }  // namespace palpate::ui

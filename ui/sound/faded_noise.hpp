@@ -11,16 +11,16 @@ namespace palpate::ui {
 /// How long noise takes to come in and to go out, s.
 inline constexpr double kFade = 0.25;
 
-/// Pink noise that comes and goes softly: its amplitude follows t^2 (3 - 2 t) while t runs from 0 to 1
-/// and back within kFade. Nothing but silence before the first on(). The filter runs on in silence, so
-/// that no two trials hear the same piece.
+/// Pink noise that comes and goes softly: its amplitude follows t^2 (3 - 2 t) while t runs from 0
+/// to 1 and back within kFade. Nothing but silence before the first on(). The filter runs on in
+/// silence, so that no two trials hear the same piece.
 ///
 /// One thread renders, any thread calls the rest.
 class FadedNoise {
 public:
-    /// @param level_db  root mean square against an amplitude of 1 (full scale), dB, -60 to 0. Samples
-    ///                  beyond full scale are cut to it: from -12 dB upwards that happens to 1 in 16,000
-    ///                  and more
+    /// @param level_db  root mean square against an amplitude of 1 (full scale), dB, -60 to 0.
+    ///                  Samples beyond full scale are cut to it: from -12 dB upwards that happens
+    ///                  to 1 in 16,000 and more
     FadedNoise(Pcg32 random, double rate_hz, double level_db);
 
     void on() noexcept { wanted_ = true; }

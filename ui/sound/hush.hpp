@@ -5,8 +5,8 @@
 
 namespace palpate::ui {
 
-/// Sends standard error nowhere while it lives: sound libraries write pages there when there is no sound,
-/// and what matters of it is in SDL's error.
+/// Sends standard error nowhere while it lives: sound libraries write pages there when there is no
+/// sound, and what matters of it is in SDL's error.
 class Hush {
 public:
     Hush() : saved_(dup(STDERR_FILENO)), nowhere_(open("/dev/null", O_WRONLY | O_CLOEXEC)) {

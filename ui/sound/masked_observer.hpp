@@ -8,13 +8,14 @@
 
 namespace palpate::ui {
 
-/// Plays noise around whatever another observer does, so that nobody hears the motors: from the first
-/// ready screen of a trial, before the force can come, until the question, when the force is off. It is
-/// silent elsewhere: people rest from it, and can be spoken to. Between the intervals of a trial it goes on.
+/// Plays noise around whatever another observer does, so that nobody hears the motors: from the
+/// first ready screen of a trial, before the force can come, until the question, when the force is
+/// off. It is silent elsewhere: people rest from it, and can be spoken to. Between the intervals of
+/// a trial it goes on.
 ///
-/// ready() returns once the noise has come in fully. If the sound device is lost, what was not heard is an
-/// event "masking" with the number of the trial as shown; where masking is `required` the next ready()
-/// throws then.
+/// ready() returns once the noise has come in fully. If the sound device is lost, what was not
+/// heard is an event "masking" with the number of the trial as shown; where masking is `required`
+/// the next ready() throws then.
 class MaskedObserver : public protocols::Observer {
 public:
     /// All outlive this one.
@@ -55,8 +56,8 @@ private:
     double full_s_ = 0.0;       ///< what the player had played by then
 };
 
-/// What the noise may lack of a trial before that is an event, s: devices take it in pieces, and their
-/// clocks run a little differently.
+/// What the noise may lack of a trial before that is an event, s: devices take it in pieces, and
+/// their clocks run a little differently.
 inline constexpr double kSilenceBearable = 0.2;
 
 }  // namespace palpate::ui

@@ -31,7 +31,8 @@ public:
     [[nodiscard]] virtual bool audible() const = 0;
 };
 
-/// Plays the noise that `spec` asks for on the default sound device, through SDL: the same in all channels.
+/// Plays the noise that `spec` asks for on the default sound device, through SDL: the same in all
+/// channels.
 /// @param key  of the session; the purpose is its own. Nothing of a trial is in it
 /// @pre spec.noise is not none
 /// @throws std::runtime_error if there is no device: what is wrong and what to do

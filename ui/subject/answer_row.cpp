@@ -104,7 +104,8 @@ void draw_scale(Window& window,
     for (std::size_t i = 0; i < cards.size(); ++i) {
         draw_card(window, cards[i], fmt::format("{}", i + 1), 1.7 * type, selected == i);
     }
-    // The words of an end stand below its card, as wide as the margin and the window's middle permit.
+    // The words of an end stand below its card, as wide as the margin and the window's middle
+    // permit.
     const double below = cards.front().corner.y + cards.front().size.y + 0.6 * type;
     const auto end = [&](const std::string& words, double x) {
         const double room = std::min(x, window.size().x - x) - type;

@@ -11,8 +11,8 @@
 /// The answers of a question as cards side by side, whatever they show.
 namespace palpate::ui {
 
-/// Cards for the answers of `question` in a window of `window` pixels: pictures, two wide cards with
-/// words, or the squares of a scale.
+/// Cards for the answers of `question` in a window of `window` pixels: pictures, two wide cards
+/// with words, or the squares of a scale.
 [[nodiscard]] std::vector<Card> lay_out_answers(const protocols::Question& question,
                                                 const engine::Vec2& window);
 /// Squares for the levels 1 .. `levels` of a scale.

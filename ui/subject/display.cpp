@@ -61,7 +61,8 @@ decltype(&XChangeProperty) change_property = nullptr;
 decltype(&XGetInputFocus) input_focus = nullptr;
 bool grabbed = false;  ///< another program holds the keyboard, whoever has the focus
 
-/// SDL tells nothing of grabs (a locked screen, menus, keys of the window manager): no key comes from them either.
+/// SDL tells nothing of grabs (a locked screen, menus, keys of the window manager): no key comes
+/// from them either.
 void on_focus(const XFocusChangeEvent& x_event) {
     if (x_event.detail == NotifyInferior || x_event.detail == NotifyPointer) {
         return;
@@ -181,8 +182,8 @@ bool open_display() {
         SDL_SetHint(SDL_HINT_VIDEO_X11_XRANDR, "0");  // with it SDL takes the first screen of all
     }
     SDL_SetHint(SDL_HINT_VIDEODRIVER, drivers.c_str());  // SDL_VIDEODRIVER goes before it
-    // An X server that begins anew when its last client has left, as find_display() may have been, takes
-    // nobody meanwhile.
+    // An X server that begins anew when its last client has left, as find_display() may have been,
+    // takes nobody meanwhile.
     constexpr int kTries = 6;
     for (int attempt = 1; SDL_Init(SDL_INIT_VIDEO) != 0; ++attempt) {
         if (attempt == kTries) {

@@ -18,8 +18,8 @@ namespace {
 
 using engine::Vec2;
 
-/// `text` wrapped into the window's middle 92 % between two shares of its height, in smaller type where
-/// it would not fit. Bands of one face never overlap, so neither does what stands in them.
+/// `text` wrapped into the window's middle 92 % between two shares of its height, in smaller type
+/// where it would not fit. Bands of one face never overlap, so neither does what stands in them.
 void band(Window& window,
           std::string_view text,
           double top,
@@ -83,8 +83,8 @@ std::string about(const Words& words, protocols::ResponseKind asks) {
                        words.take_time);
 }
 
-/// A ring for the start and a dot for the handle in a frame that is kReach around it; a handle farther away is
-/// at the edge. Height stands beside it, by itself.
+/// A ring for the start and a dot for the handle in a frame that is kReach around it; a handle
+/// farther away is at the edge. Height stands beside it, by itself.
 void draw_start(Window& window, const StartMark& mark) {
     constexpr double kReach = 0.040;  // m
     const Vec2 size = window.size();

@@ -8,9 +8,9 @@
 #include "protocols/trial/observer.hpp"
 #include "ui/subject/window.hpp"
 
-/// What each screen looks like: pure functions from a few values to pixels. Each has a name, which stands
-/// in the window's title for lists of windows and for whoever cannot see the screen; it tells nothing of
-/// the condition.
+/// What each screen looks like: pure functions from a few values to pixels. Each has a name, which
+/// stands in the window's title for lists of windows and for whoever cannot see the screen; it
+/// tells nothing of the condition.
 namespace palpate::ui {
 
 /// Not the study's title: it may tell a participant what is being compared.
@@ -24,7 +24,8 @@ struct WelcomeFace {
 };
 void draw(Window& window, const WelcomeFace& face);
 
-/// Where the handle is, seen from the start. It knows the study, and nothing of the trial that comes.
+/// Where the handle is, seen from the start. It knows the study, and nothing of the trial that
+/// comes.
 struct StartMark {
     engine::Vec3 away{};    ///< m, of the handle from the start
     double radius = 0.0;    ///< m, of the ring
@@ -96,7 +97,8 @@ struct BreakFace {
 };
 void draw(Window& window, const BreakFace& face);
 
-/// After a fault. The sentence comes from device and safety chain, which know nothing of the condition.
+/// After a fault. The sentence comes from device and safety chain, which know nothing of the
+/// condition.
 struct TroubleFace {
     static constexpr std::string_view kName = "trouble";
     std::string sentence;   ///< for the experimenter: what happened and what to do

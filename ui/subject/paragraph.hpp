@@ -14,17 +14,17 @@ struct Area {
     engine::Vec2 size{};
 };
 
-/// `text` in rows of at most `width` pixels, broken at line breaks and between words; a word that is
-/// wider by itself is cut. An empty line stays an empty row.
+/// `text` in rows of at most `width` pixels, broken at line breaks and between words; a word that
+/// is wider by itself is cut. An empty line stays an empty row.
 /// @param height  of the type, pixels
 [[nodiscard]] std::vector<std::string> wrapped(Window& window,
                                                std::string_view text,
                                                double height,
                                                double width);
 
-/// Writes `text` into the middle of `area`, wrapped, its rows aligned at the left edge, centre or right
-/// edge. Type of `height` pixels, smaller in steps of a tenth if the rows would not fit, but not below
-/// kSmallestType. Returns the height taken.
+/// Writes `text` into the middle of `area`, wrapped, its rows aligned at the left edge, centre or
+/// right edge. Type of `height` pixels, smaller in steps of a tenth if the rows would not fit, but
+/// not below kSmallestType. Returns the height taken.
 double write_into(Window& window,
                   std::string_view text,
                   const Area& area,

@@ -10,9 +10,9 @@
 
 namespace palpate::ui {
 
-/// From presses to an answer. A digit or a click names one, the arrows mark one and Enter takes it. Where
-/// answers are confirmed, digits and clicks mark too, and the marked one is the answer once Enter, its digit or
-/// a click on it says so; until then another may be marked.
+/// From presses to an answer. A digit or a click names one, the arrows mark one and Enter takes it.
+/// Where answers are confirmed, digits and clicks mark too, and the marked one is the answer once
+/// Enter, its digit or a click on it says so; until then another may be marked.
 class Picking {
 public:
     /// @param shown_ns  when the question was shown
@@ -21,7 +21,8 @@ public:
     /// @return whether another card is marked now
     bool handle(const Input& input, std::span<const Card> cards);
     [[nodiscard]] std::optional<std::size_t> marked() const noexcept { return marked_; }
-    /// The answer with its times: reaction_s of the press that gave it, not of the one that confirmed it.
+    /// The answer with its times: reaction_s of the press that gave it, not of the one that
+    /// confirmed it.
     [[nodiscard]] const std::optional<protocols::Choice>& chosen() const noexcept {
         return chosen_;
     }

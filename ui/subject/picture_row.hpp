@@ -21,15 +21,16 @@ struct Card {
     }
 };
 
-/// Cards of `count` pictures side by side in the middle of a window of `window` pixels, all alike and as
-/// wide as it has room for.
+/// Cards of `count` pictures side by side in the middle of a window of `window` pixels, all alike
+/// and as wide as it has room for.
 [[nodiscard]] std::vector<Card> lay_out_cards(std::size_t count, const engine::Vec2& window);
 
 /// Which card is at `pixel`.
 [[nodiscard]] std::optional<std::size_t> card_at(std::span<const Card> cards,
                                                  const engine::Vec2& pixel);
 
-/// Draws the pictures on their cards, all at one scale and about one centre, with their numbers below.
+/// Draws the pictures on their cards, all at one scale and about one centre, with their numbers
+/// below.
 /// @param selected  the card to highlight
 void draw_pictures(Window& window,
                    std::span<const Card> cards,

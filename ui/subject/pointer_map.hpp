@@ -4,9 +4,10 @@
 
 namespace palpate::ui {
 
-/// From pixels of the window to the object's frame: 0.25 mm a unit of the display, y up, and the middle of
-/// the window is the point (0, 30 mm), so that the whole object and the start pose fit into 800 x 600 of
-/// them. A unit is a pixel, or the `scale` pixels that a desktop makes of one where they are small.
+/// From pixels of the window to the object's frame: 0.25 mm a unit of the display, y up, and the
+/// middle of the window is the point (0, 30 mm), so that the whole object and the start pose fit
+/// into 800 x 600 of them. A unit is a pixel, or the `scale` pixels that a desktop makes of one
+/// where they are small.
 struct PointerMap {
     static constexpr double kMetresPerUnit = 0.25e-3;
     static constexpr engine::Vec2 kMiddle{0.0, 0.030};

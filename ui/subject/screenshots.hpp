@@ -9,8 +9,9 @@
 
 namespace palpate::ui {
 
-/// Draws every subject screen that a session of the protocol can show off any display, with its own question,
-/// hints and counts, and writes each as a PNG file into `directory`, which must exist. Returns their names.
+/// Draws every subject screen that a session of the protocol can show off any display, with its own
+/// question, hints and counts, and writes each as a PNG file into `directory`, which must exist.
+/// Returns their names.
 /// @param plan  of such a session
 /// @throws std::runtime_error if a file cannot be written
 std::vector<std::string> write_screenshots(const std::string& directory,

@@ -17,8 +17,9 @@ constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
 
 constexpr const char* kKeyboardElsewhere = "keyboard elsewhere";
 
-/// The key that whoever pressed it means, on any keyboard layout: a letter by its place where the layout has
-/// no Latin ones. (Digits that need Shift, as on French layouts, SDL takes by their place itself.)
+/// The key that whoever pressed it means, on any keyboard layout: a letter by its place where the
+/// layout has no Latin ones. (Digits that need Shift, as on French layouts, SDL takes by their
+/// place itself.)
 SDL_Keycode meant_by(const SDL_Keysym& key) {
     const bool other_script = key.sym > 0x7f && (key.sym & SDLK_SCANCODE_MASK) == 0;
     if (other_script && key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z) {

@@ -44,10 +44,10 @@ struct Forgotten {
     bool stop = false;      ///< Escape was pressed
 };
 
-/// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q asks, Y within 3 s
-/// stops; nothing else can end a session, closing the window neither. Escape is one step, and ends no more
-/// than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s marks the trial, and
-/// Ctrl+Shift+P asks for a pause; both say so at the lower edge.
+/// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q asks, Y
+/// within 3 s stops; nothing else can end a session, closing the window neither. Escape is one
+/// step, and ends no more than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s
+/// marks the trial, and Ctrl+Shift+P asks for a pause; both say so at the lower edge.
 class Stage {
 public:
     /// @param interrupted  a signal asks the session to end
@@ -59,8 +59,8 @@ public:
           protocols::OperatorDesk* desk = nullptr,
           std::function<void()> on_close = {});
 
-    /// Shows `face` from now on, redrawn whenever the window needs it, and then names it in the window's
-    /// title. Returns the time of presentation.
+    /// Shows `face` from now on, redrawn whenever the window needs it, and then names it in the
+    /// window's title. Returns the time of presentation.
     template <class Face>
     std::int64_t show(Face face) {
         return show(Face::kName, [face = std::move(face)](Window& window) { draw(window, face); });
@@ -74,11 +74,11 @@ public:
     Input next(int wait_ms);
     /// Forgets presses and clicks that came before now: they were meant for another screen.
     Forgotten forget_earlier();
-    /// next() keeps back what might answer (keys and clicks, not Escape, a release or the chords) and may have
-    /// come before this time. A key that is held on is no press afterwards either.
+    /// next() keeps back what might answer (keys and clicks, not Escape, a release or the chords)
+    /// and may have come before this time. A key that is held on is no press afterwards either.
     void guard_until(std::int64_t ns);
-    /// From now on next() keeps back Space and Enter while the keyboard is with another window, and the lower edge
-    /// says so. A click takes it back where no window manager does.
+    /// From now on next() keeps back Space and Enter while the keyboard is with another window, and
+    /// the lower edge says so. A click takes it back where no window manager does.
     void need_keyboard(bool needed);
     /// How much it kept back since guard_until().
     [[nodiscard]] std::size_t early_presses() const noexcept { return early_; }

@@ -17,7 +17,8 @@ using protocols::Choice;
 using protocols::Exploring;
 using protocols::Signal;
 
-/// explore() looks for presses this long, ms: often enough for 1 ms times, and the force goes on by itself.
+/// explore() looks for presses this long, ms: often enough for 1 ms times, and the force goes on by
+/// itself.
 constexpr int kExploreWaitMs = 1;
 constexpr int kIdleWaitMs = 50;
 constexpr const char* kEscape = "Escape";

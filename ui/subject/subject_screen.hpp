@@ -19,7 +19,8 @@ struct SubjectScreenOptions {
     WindowOptions window{};
     std::string watermark;              ///< "SIMULATED", "PILOT" or nothing
     std::function<bool()> interrupted;  ///< a signal asks the session to end
-    /// The pointer is the handle: called with every position of it, object frame, m. Empty: it is not.
+    /// The pointer is the handle: called with every position of it, object frame, m. Empty: it is
+    /// not.
     std::function<void(const engine::Vec2&)> on_pointer;
     /// Where the handle is between trials. Empty, or nowhere: it has no way to a start.
     std::function<std::optional<engine::Vec3>()> place{};
@@ -29,12 +30,12 @@ struct SubjectScreenOptions {
     bool dead_man = false;
     double guard_s = 0.25;  ///< what is pressed earlier after a screen appeared is no answer to it
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
-    /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at latest
-    /// with the first explore() after the key was let go.
+    /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at
+    /// latest with the first explore() after the key was let go.
     std::function<void(bool)> on_hold;
     protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
-    /// While an object is felt: the force off, now, for this cause and in this way. Escape, and whatever takes the
-    /// window out of the participant's sight or reach.
+    /// While an object is felt: the force off, now, for this cause and in this way. Escape, and
+    /// whatever takes the window out of the participant's sight or reach.
     std::function<void(engine::Trip, const char*)> on_stop;
     std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
 };
@@ -42,8 +43,8 @@ struct SubjectScreenOptions {
 /// How long the screen says right or wrong, s.
 inline constexpr double kFeedbackSeconds = 1.0;
 
-/// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how late
-/// that may be is stored with each.
+/// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how
+/// late that may be is stored with each.
 class SubjectScreen : public protocols::Observer {
 public:
     explicit SubjectScreen(SubjectScreenOptions options);
@@ -70,14 +71,15 @@ private:
     /// The same at the start of an interval.
     [[nodiscard]] protocols::Signal wait_at_start(ReadyFace face, bool checks_desk);
     [[nodiscard]] std::optional<StartMark> look_at_start(bool refused) const;
-    /// Presses so far were meant for another screen, and those of the guard time are not for this one.
+    /// Presses so far were meant for another screen, and those of the guard time are not for this
+    /// one.
     /// @param shown_ns  when it was
     Forgotten guard(std::int64_t shown_ns);
     /// One of the answers on cards().
     /// @param cards    where they stand now: a window may change its size meanwhile
     /// @param show     draws them with the one that is marked
-    /// @param question  says whether it can be changed until Enter, or the same one again, confirms it, and when it
-    ///                  is too late
+    /// @param question  says whether it can be changed until Enter, or the same one again, confirms
+    ///                  it, and when it is too late
     [[nodiscard]] protocols::Choice pick(
         const std::function<std::vector<Card>()>& cards,
         const protocols::Question& question,

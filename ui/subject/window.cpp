@@ -60,8 +60,8 @@ SDL_Rect usable_bounds(int monitor) {
     return usable;
 }
 
-/// Where the window stands, units of the display: all of its monitor, or three quarters in its middle, but not
-/// less than the faces want, and not more than there is.
+/// Where the window stands, units of the display: all of its monitor, or three quarters in its
+/// middle, but not less than the faces want, and not more than there is.
 SDL_Rect place_of(const WindowOptions& options) {
     SDL_Rect whole{0, 0, kWidth, kHeight};
     if (options.fullscreen) {

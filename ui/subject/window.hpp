@@ -48,20 +48,21 @@ struct WindowOptions {
     protocols::InstructionTexts instructions{};  ///< in that language; empty: the words' sentence
 };
 
-/// The subject's window: a canvas with triangles and text. Anti-aliasing is the caller's: a corner of
-/// cover 0 makes an edge fade out. Works on any SDL video driver, "dummy" included. Once the display is
-/// lost (display.hpp) nothing may be drawn.
+/// The subject's window: a canvas with triangles and text. Anti-aliasing is the caller's: a corner
+/// of cover 0 makes an edge fade out. Works on any SDL video driver, "dummy" included. Once the
+/// display is lost (display.hpp) nothing may be drawn.
 class Window {
 public:
-    /// @throws std::runtime_error if there is no display, no renderer or no font: what, and the remedy
+    /// @throws std::runtime_error if there is no display, no renderer or no font: what, and the
+    /// remedy
     explicit Window(const WindowOptions& options);
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
     ~Window();
 
     [[nodiscard]] engine::Vec2 size() const;  ///< pixels
-    /// Pixels of the canvas for one of the display's units, in which pointers are told: > 1 where the
-    /// desktop scales small pixels up.
+    /// Pixels of the canvas for one of the display's units, in which pointers are told: > 1 where
+    /// the desktop scales small pixels up.
     [[nodiscard]] double scale() const;
     /// Asks the desktop for the keyboard.
     void take_keyboard();
@@ -74,13 +75,14 @@ public:
     void clear(Colour colour);
     /// Corners in threes. Both windings are drawn.
     void triangles(std::span<const Corner> corners, Colour colour);
-    /// Draws shapes finer than whole pixels also where SDL's software renderer rounds their corners to
-    /// them: `shapes` is drawn four times as large and scaled down. With a graphics card it is just called.
-    /// Nothing but triangles() inside `corner`, `extent` may be drawn by it.
+    /// Draws shapes finer than whole pixels also where SDL's software renderer rounds their corners
+    /// to them: `shapes` is drawn four times as large and scaled down. With a graphics card it is
+    /// just called. Nothing but triangles() inside `corner`, `extent` may be drawn by it.
     void fine(const engine::Vec2& corner,
               const engine::Vec2& extent,
               const std::function<void()>& shapes);
-    /// `at` is the left end, centre or right end of the line's middle. @param height  of the type, pixels
+    /// `at` is the left end, centre or right end of the line's middle. @param height of the type,
+    /// pixels
     void text(std::string_view line,
               const engine::Vec2& at,
               double height,

@@ -233,7 +233,7 @@ void BoardDevice::fail(DeviceFault fault) noexcept {
     static_cast<void>(hold_off({}));
 }
 
-/// A fault is latched: nothing but zero torque, until so many went out whole. Half of one might be any torque.
+/// A fault is latched: nothing but zeros, until so many went out whole (half of one is any torque).
 Applied BoardDevice::hold_off(const Vec3& force) noexcept {
     if (zeros_left_ > 0 && link_->now_ns() >= zeros_from_ns_ && send_zero()) {
         --zeros_left_;

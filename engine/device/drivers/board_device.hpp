@@ -19,14 +19,16 @@ struct BoardTiming {
     double still = 1.0;      ///< the handle rests for this long before its pose is taken for home
 };
 
-/// A machine on a board, a pantograph or three straight axes, that is asked once a tick, in whatever language.
+/// A machine on a board, a pantograph or three straight axes, that is asked once a tick, in
+/// whatever language.
 ///
-/// write() sends the torques, and a later read() collects the counts that the board measured when it
-/// took them. How long answers take is measured when the board is opened (traits().round_trip): d
-/// periods, rounded up, and so many questions are on their way at once. A reading is then d periods old
-/// (traits().delay_ticks), and there is a new one every tick. If an answer comes later than that, the
-/// reading is not fresh, or older than promised (Reading::behind); reconnect() then measures again how
-/// long answers take. The first read() after a rest asks once more, without a torque.
+/// write() sends the torques, and a later read() collects the counts that the board measured when
+/// it took them. How long answers take is measured when the board is opened (traits().round_trip):
+/// d periods, rounded up, and so many questions are on their way at once. A reading is then d
+/// periods old (traits().delay_ticks), and there is a new one every tick. If an answer comes later
+/// than that, the reading is not fresh, or older than promised (Reading::behind); reconnect() then
+/// measures again how long answers take. The first read() after a rest asks once more, without a
+/// torque.
 ///
 /// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
 /// before the board has answered after its set-up, nor without a guard. Every way out, the
@@ -58,8 +60,8 @@ public:
         return machine_.reading_error(hip);
     }
 
-    /// Zero torque needs a whole answer; without one the board is set up anew and gets zeros again, which
-    /// loses the position as reconnect() says.
+    /// Zero torque needs a whole answer; without one the board is set up anew and gets zeros again,
+    /// which loses the position as reconnect() says.
     bool prove_zero() noexcept override;
     void keep_off() noexcept override {
         if (left_) {

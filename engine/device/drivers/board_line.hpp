@@ -64,8 +64,8 @@ public:
     };
     /// Silence by all means that there are: the last words to a board, and after a trip.
     virtual Off part() noexcept { return silence() ? Off::proved : Off::unproved; }
-    /// Every millisecond while the motors have to stay off and nobody asks: says so again every 20 ms,
-    /// and at once when something answers that was not asked.
+    /// Every millisecond while the motors have to stay off and nobody asks: says so again every 20
+    /// ms, and at once when something answers that was not asked.
     virtual void keep_off() noexcept = 0;
     /// Takes back what made the board stop. @return false while that lasts
     [[nodiscard]] virtual bool forgive() noexcept { return true; }
@@ -74,8 +74,8 @@ public:
     /// switched its motors off meanwhile is made ready again. Takes little more than `wait_ns`.
     /// @return complete: reply() is new
     [[nodiscard]] virtual Answer wake(std::int64_t wait_ns) noexcept = 0;
-    /// Sends torques of all motors, N m, anticlockwise or forward. @return false if they were not sent whole,
-    /// before a set-up, or if they are not finite
+    /// Sends torques of all motors, N m, anticlockwise or forward. @return false if they were not
+    /// sent whole, before a set-up, or if they are not finite
     [[nodiscard]] virtual bool ask(const std::array<double, kMaxAxes>& torque) noexcept = 0;
     /// With `depth` questions on their way another one would make answers older.
     [[nodiscard]] virtual bool full(std::size_t depth) const noexcept { return owed_ >= depth; }
@@ -128,7 +128,8 @@ protected:
     bool set_up_ = false;
 };
 
-/// Makes the line of a board. @throws std::invalid_argument if the calibration says nothing of such a board
+/// Makes the line of a board. @throws std::invalid_argument if the calibration says nothing of such
+/// a board
 using MakeLine = std::unique_ptr<BoardLine> (*)(ByteLink&, const Calibration&);
 
 }  // namespace palpate::engine

@@ -38,7 +38,8 @@ public:
     [[nodiscard]] virtual std::string trouble() const = 0;
     /// For people: "/dev/ttyACM0".
     [[nodiscard]] virtual std::string name() const = 0;
-    /// What is sent in one piece comes in one piece or not at all: nothing has to say where it ends.
+    /// What is sent in one piece comes in one piece or not at all: nothing has to say where it
+    /// ends.
     [[nodiscard]] virtual bool keeps_packets() const noexcept { return false; }
     /// The open port for whoever guards it; -1 if there is none.
     [[nodiscard]] virtual int descriptor() const noexcept { return -1; }

@@ -11,9 +11,9 @@ namespace palpate::engine {
 ///
 /// It wakes at once when the thread that gives force dies, however that comes (kill -9 of palpate
 /// too), and zeroes the motors five times: the kernel tells it by a robust mutex that this thread
-/// holds, long before the process is gone. When it is, the guard zeroes again; if the board does not
-/// answer, it sets the board up and does so again. It also looks every wait_ms: a driver that is
-/// silent with the force on (stopped, hung) for `patience` waits has its motors zeroed, and
+/// holds, long before the process is gone. When it is, the guard zeroes again; if the board does
+/// not answer, it sets the board up and does so again. It also looks every wait_ms: a driver that
+/// is silent with the force on (stopped, hung) for `patience` waits has its motors zeroed, and
 /// tripped() says so before the driver's next packet. Waits are counted, not clocked, so that a
 /// stall of the whole machine is not taken for a hung driver: patience is for hangs only.
 ///

@@ -26,8 +26,8 @@ struct GuardShared {
     std::atomic<std::int64_t> seen_ns{0};  ///< when the guard last looked
     std::atomic<bool> tripped{false};
     std::atomic<bool> repeat{false};  ///< zero torque again and again
-    /// Robust: held by the thread that gives force, for its whole life. Whatever ends the program, the
-    /// kernel wakes who waits for it before it takes down the memory, which can take 0.3 s.
+    /// Robust: held by the thread that gives force, for its whole life. Whatever ends the program,
+    /// the kernel wakes who waits for it before it takes down the memory, which can take 0.3 s.
     pthread_mutex_t life{};
     std::atomic<bool> held{false};  ///< life is
 };

@@ -17,7 +17,8 @@ constexpr std::int64_t kAlone = 3 * kMillisecond;
 /// Of the makers' examples, and of motors that were not set up.
 constexpr std::array<std::uint8_t, 3> kOtherIds{3, 5, 0};
 constexpr int kSilences = 5;
-/// Together more than half a second: on a busy machine the first answers may come late, and nothing is felt yet.
+/// Together more than half a second: on a busy machine the first answers may come late, and nothing
+/// is felt yet.
 constexpr int kIntroductions = 3;
 constexpr int kProofs = 3;
 
@@ -168,8 +169,8 @@ bool HaplyLine::take_reply() noexcept {
     return true;
 }
 
-/// First the answers that may still be on their way are waited for: forgotten ones would come as answers
-/// to the new question.
+/// First the answers that may still be on their way are waited for: forgotten ones would come as
+/// answers to the new question.
 HaplyLine::Answer HaplyLine::wake(std::int64_t wait_ns) noexcept {
     if (awaiting() && link_->now_ns() - asked_ns_ <= kStale) {
         const Answer answer = hear(wait_ns, 0);
@@ -204,7 +205,8 @@ void HaplyLine::keep_off() noexcept {
     const bool unasked = came > owed_ * reply_size_;
     owed_ -= std::min(owed_, came / reply_size_);
     const bool due = link_->now_ns() - asked_ns_ >= kAgain;
-    // The last zero itself may have been read as a reset. Half of this one would make the next zero a reset.
+    // The last zero itself may have been read as a reset. Half of this one would make the next zero
+    // a reset.
     if (due && owed_ > 0 && !link_->send(quiet_packet(0).view())) {
         return;
     }
@@ -220,8 +222,9 @@ bool HaplyLine::silence() noexcept {
     }
     // Half a packet, if there is one, is taken and done with, and answers on their way have come.
     link_->pause(owed_ > 1 ? kUnderWay : kSettle);
-    // A board that took a packet for a reset hears no address, and its motors are off all the same, mute or not.
-    // Half of this one may be any torque, and behind it a zero is a reset: then once more.
+    // A board that took a packet for a reset hears no address, and its motors are off all the same,
+    // mute or not. Half of this one may be any torque, and behind it a zero is a reset: then once
+    // more.
     bool sent = false;
     for (int i = 0; i < 2 && !sent; ++i) {
         sent = link_->send(quiet_packet(0).view());

@@ -7,17 +7,17 @@
 
 namespace palpate::engine {
 
-/// The talk with a Haply board. It keeps these rules, whatever happens: no exchange before a set-up, whole
-/// packets only, and one packet after the other. Answers come in the order of their questions: one that
-/// is behind keeps no other one from being heard. Part of an answer is kept.
+/// The talk with a Haply board. It keeps these rules, whatever happens: no exchange before a
+/// set-up, whole packets only, and one packet after the other. Answers come in the order of their
+/// questions: one that is behind keeps no other one from being heard. Part of an answer is kept.
 class HaplyLine : public BoardLine {
 public:
     /// @param link  outlives the line
     HaplyLine(ByteLink& link, const HaplyWiring& wiring, const PantographSpec& pantograph);
 
-    /// Zero torque to each address that a board may have, reset, set-up, and three zero exchanges that must
-    /// be answered: a set-up itself never is. A reset takes the motors' addresses and leaves their torque.
-    /// Takes up to half a second.
+    /// Zero torque to each address that a board may have, reset, set-up, and three zero exchanges
+    /// that must be answered: a set-up itself never is. A reset takes the motors' addresses and
+    /// leaves their torque. Takes up to half a second.
     [[nodiscard]] Answer set_up() noexcept override;
     [[nodiscard]] std::string refusal() const override;
     /// Zero torque five times, 1 ms apart, then listens.

@@ -62,9 +62,9 @@ struct HaplyReply {
 /// torque before. @throws std::invalid_argument for id 0
 [[nodiscard]] HaplyPacket reset_packet(std::uint8_t id);
 
-/// Zero torque for a board of which nothing is known, of which 0 are the motors that were not set up, four at
-/// most: 3 is no command, and four of them as a torque are 4e-37 N m, no step of the duty. The bytes of a zero
-/// would be resets to a board without this id.
+/// Zero torque for a board of which nothing is known, of which 0 are the motors that were not set
+/// up, four at most: 3 is no command, and four of them as a torque are 4e-37 N m, no step of the
+/// duty. The bytes of a zero would be resets to a board without this id.
 [[nodiscard]] HaplyPacket quiet_packet(std::uint8_t id) noexcept;
 
 /// A byte that is no command.

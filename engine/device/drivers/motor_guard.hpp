@@ -35,7 +35,8 @@ public:
     /// After a zero torque was sent.
     virtual void force_off() noexcept = 0;
 
-    /// From now on, until it is called with false or watch(): zero torque every 20 ms, for nobody ticks.
+    /// From now on, until it is called with false or watch(): zero torque every 20 ms, for nobody
+    /// ticks.
     virtual void repeat_zeros(bool /*on*/) noexcept {}
 
     /// The guard is there and well. Cheap enough for every tick.

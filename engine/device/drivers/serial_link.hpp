@@ -4,9 +4,10 @@
 
 namespace palpate::engine {
 
-/// A serial port of this machine: raw, 8N1, non-blocking, ours alone (TIOCEXCL, a lock on the file so that
-/// another palpate sees it as well, and nobody who had it open before: see port_holder()). The baud rate means nothing to a board on USB of its
-/// own. A USB chip that gathers bytes before it passes them on is asked not to.
+/// A serial port of this machine: raw, 8N1, non-blocking, ours alone (TIOCEXCL, a lock on the file
+/// so that another palpate sees it as well, and nobody who had it open before: see port_holder()).
+/// The baud rate means nothing to a board on USB of its own. A USB chip that gathers bytes before
+/// it passes them on is asked not to.
 ///
 /// A packet is one write(2). Less than the whole packet written means that the board would misread
 /// what follows: the link counts as lost.

@@ -19,12 +19,13 @@ inline constexpr std::string_view kUdp = "udp:";
 /// @throws std::invalid_argument with the text and how it should look
 [[nodiscard]] UdpAddress udp_address(std::string_view text);
 
-/// A UDP port of another program, on this machine or on a wire of its own. A packet is a datagram: it comes
-/// whole or not at all, twice, or late. Nothing tells a lost one from one that is still on its way, so that a
-/// datagram that the system had no room for counts as sent. The link is lost when the system says that nobody
-/// listens there, or that there is no way.
+/// A UDP port of another program, on this machine or on a wire of its own. A packet is a datagram:
+/// it comes whole or not at all, twice, or late. Nothing tells a lost one from one that is still on
+/// its way, so that a datagram that the system had no room for counts as sent. The link is lost
+/// when the system says that nobody listens there, or that there is no way.
 ///
-/// Only what comes from that address is heard. Who can read the wire can write to it: a wire of its own.
+/// Only what comes from that address is heard. Who can read the wire can write to it: a wire of its
+/// own.
 class UdpLink : public DescriptorLink {
 public:
     /// Does not open it yet: reopen() does.

@@ -12,12 +12,12 @@ namespace palpate::engine {
     return plant;
 }
 
-/// The handle of an emulated machine on a desk that nobody holds, so that motors move it and friction
-/// stops it, until a hand takes it.
+/// The handle of an emulated machine on a desk that nobody holds, so that motors move it and
+/// friction stops it, until a hand takes it.
 ///
-/// A hand that explores takes the handle over to the start, rests there, strokes over the object and
-/// gives way as the hand of a SimulatedPantograph does, comes back to the start, and so on. It moves
-/// without jumps.
+/// A hand that explores takes the handle over to the start, rests there, strokes over the object
+/// and gives way as the hand of a SimulatedPantograph does, comes back to the start, and so on. It
+/// moves without jumps.
 class FreeHandle : public BoardPlant {
 public:
     static constexpr double kRest = 3.0;   ///< s at the start
@@ -31,7 +31,8 @@ public:
     void bring(const Vec2& place);
     /// From now on a hand holds it where it is, or nobody does.
     void hold(bool held);
-    /// A hand takes it where it is, and explores. @throws std::invalid_argument for a start out of reach
+    /// A hand takes it where it is, and explores. @throws std::invalid_argument for a start out of
+    /// reach
     void explore(const Exploration& plan);
 
     /// From now on its motors give `gain` times what they are asked for.

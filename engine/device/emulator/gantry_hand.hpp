@@ -11,8 +11,8 @@ namespace palpate::engine {
 
 /// The handle of an emulated machine of three straight axes, on a board: held by a hand, or free.
 ///
-/// The hand brings the handle home whenever the board is set up; it rests there, explores the patch about the
-/// origin, comes home, and so on. It gives way as the hand of a SimulatedGantry does.
+/// The hand brings the handle home whenever the board is set up; it rests there, explores the patch
+/// about the origin, comes home, and so on. It gives way as the hand of a SimulatedGantry does.
 class GantryHand : public BoardPlant {
 public:
     static constexpr double kRest = 3.0;    ///< s at home
@@ -23,7 +23,8 @@ public:
     /// @throws std::invalid_argument for a machine without a gantry
     explicit GantryHand(const Calibration& machine, bool held = true);
 
-    /// Somebody brings the handle there and lets go, m, or where a hand holds it keeps it there. @throws std::invalid_argument outside the workspace
+    /// Somebody brings the handle there and lets go, m, or where a hand holds it keeps it there.
+    /// @throws std::invalid_argument outside the workspace
     void bring(const Vec3& place);
     /// From now on its motors give `gain` times what they are told to.
     void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
@@ -35,7 +36,8 @@ public:
     void swap_motors(std::size_t one, std::size_t other) noexcept {
         std::swap(moves_[one], moves_[other]);
     }
-    /// It rubs and weighs so much from now on, N. @throws std::invalid_argument as GantryPlant::burden
+    /// It rubs and weighs so much from now on, N. @throws std::invalid_argument as
+    /// GantryPlant::burden
     void burden(double friction, double weight) { plant_.burden(friction, weight); }
     [[nodiscard]] const GantryModel& model() const noexcept { return plant_.model(); }
     /// From now on a hand holds it where it is, until the board is set up again, or nobody does.

@@ -36,7 +36,8 @@ struct BoardLog {
     int id_0 = 0;            ///< exchanges with a torque that reached ports which were not set up
 };
 
-/// The firmware of a Haply board. Written from the protocol's table; it does all that the firmware does wrong:
+/// The firmware of a Haply board. Written from the protocol's table; it does all that the firmware
+/// does wrong:
 ///
 /// - no framing: one command a poll, and bytes that are not there yet read as 0xFF;
 /// - no watchdog: a motor keeps its torque until the next exchange that reaches it;
@@ -74,7 +75,8 @@ public:
     void set_faults(const BoardFaults& faults) { faults_ = faults; }
     /// The first byte of the next exchange arrives as that of a reset: one bit is wrong.
     void misread_next() noexcept { misread_ = true; }
-    /// Another program that has the port open says so many times, one each ms, what torque it wants.
+    /// Another program that has the port open says so many times, one each ms, what torque it
+    /// wants.
     void meddle(int packets) noexcept { meddling_ = packets; }
     void set_sensor(double adc) noexcept { sensor_ = adc; }
     void power_cycle() override;

@@ -10,8 +10,8 @@
 
 namespace palpate::engine {
 
-/// The open board's own firmware, compiled for this machine, on emulated pins. Its answers go out at once;
-/// commands that come together are taken one after the other.
+/// The open board's own firmware, compiled for this machine, on emulated pins. Its answers go out
+/// at once; commands that come together are taken one after the other.
 class OpenBoard : public PortBoard {
 public:
     /// @param plant  outlives the board
@@ -50,7 +50,8 @@ public:
     [[nodiscard]] bool enabled() const noexcept { return enabled_; }
     [[nodiscard]] Vec2 torque() const noexcept override { return {torque_of(0), torque_of(1)}; }
     [[nodiscard]] double torque_3() const noexcept override { return torque_of(2); }
-    /// From now on the encoder of this axis, from 0, says what it says now: its cable is out; or no more.
+    /// From now on the encoder of this axis, from 0, says what it says now: its cable is out; or no
+    /// more.
     void unplug_encoder(std::size_t axis, bool out) noexcept;
     [[nodiscard]] int state() const noexcept { return board_.state; }
 

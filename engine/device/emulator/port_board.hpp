@@ -27,7 +27,8 @@ public:
     virtual void before_set_up() noexcept {}
 };
 
-/// A board behind a port as a machine of bytes, deterministic, on a clock that poll() and pass() drive.
+/// A board behind a port as a machine of bytes, deterministic, on a clock that poll() and pass()
+/// drive.
 class PortBoard {
 public:
     static constexpr double kPollPeriod = 50e-6;  ///< s

@@ -108,8 +108,8 @@ std::optional<OpenAnswer> OpenLine::next_answer(std::int64_t wait_ns) noexcept {
     return std::nullopt;
 }
 
-/// The answer in a datagram. The nonce comes with IDENT; whoever does not know it is not heard, but for a board
-/// that says no, which it may do to somebody else as well.
+/// The answer in a datagram. The nonce comes with IDENT; whoever does not know it is not heard, but
+/// for a board that says no, which it may do to somebody else as well.
 std::optional<OpenAnswer> OpenLine::opened(std::span<const std::uint8_t> datagram) noexcept {
     if (datagram.size() <= kOpenNonce) {
         return std::nullopt;

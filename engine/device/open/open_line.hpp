@@ -5,20 +5,21 @@
 
 namespace palpate::engine {
 
-/// The talk with an open board. Answers carry the number of their question: one that is lost keeps no
-/// other one from being heard, and an old one is dropped.
+/// The talk with an open board. Answers carry the number of their question: one that is lost keeps
+/// no other one from being heard, and an old one is dropped.
 ///
-/// The board switches its motors off when no torque comes for OpenWiring::watchdog, also while nothing
-/// ticks: wake() arms it again, unless the emergency stop was pressed. That waits for forgive().
+/// The board switches its motors off when no torque comes for OpenWiring::watchdog, also while
+/// nothing ticks: wake() arms it again, unless the emergency stop was pressed. That waits for
+/// forgive().
 class OpenLine : public BoardLine {
 public:
     /// @param link  outlives the line
     /// @throws std::invalid_argument for a wiring that cannot be
     OpenLine(ByteLink& link, const OpenWiring& wiring, const Calibration& machine);
 
-    /// Hello for up to three seconds, since opening a port resets many boards; is it the board of the
-    /// calibration; limits and watchdog, which it must repeat to the byte; then for 0.2 s: does its
-    /// clock run, do its counts rest, is the emergency stop released. Motors stay off.
+    /// Hello for up to three seconds, since opening a port resets many boards; is it the board of
+    /// the calibration; limits and watchdog, which it must repeat to the byte; then for 0.2 s: does
+    /// its clock run, do its counts rest, is the emergency stop released. Motors stay off.
     [[nodiscard]] Answer set_up() noexcept override;
     [[nodiscard]] std::string refusal() const override;
     [[nodiscard]] std::string complaint() const override;

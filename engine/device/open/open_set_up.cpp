@@ -3,7 +3,8 @@
 
 #include "engine/device/open/open_line.hpp"
 
-// The opening of an open board: who is there, is it the board of the calibration, limits, a first look.
+// The opening of an open board: who is there, is it the board of the calibration, limits, a first
+// look.
 namespace palpate::engine {
 namespace {
 
@@ -72,7 +73,8 @@ OpenLine::Problem OpenLine::wrong_board() const noexcept {
     return Problem::none;
 }
 
-/// Limits and watchdog, which the board repeats to the byte. A host that died may have left it armed.
+/// Limits and watchdog, which the board repeats to the byte. A host that died may have left it
+/// armed.
 OpenLine::Problem OpenLine::agree() noexcept {
     static_cast<void>(link_->send(disarm_.view()));
     config_ = {.token = new_token(link_->now_ns()),

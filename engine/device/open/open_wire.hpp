@@ -8,9 +8,10 @@
 
 #include "engine/device/calibration.hpp"
 
-/// The wire of the open board, host's side. Little-endian; a body is type u8, seq u16, payload, crc u16;
-/// on a serial line a frame is 00, COBS(body), 00; a datagram is nonce u64, body. A board has two or three axes, which the length of its
-/// IDENT tells, and of all that has a number for each. The board's own side is engine/device/firmware.
+/// The wire of the open board, host's side. Little-endian; a body is type u8, seq u16, payload, crc
+/// u16; on a serial line a frame is 00, COBS(body), 00; a datagram is nonce u64, body. A board has
+/// two or three axes, which the length of its IDENT tells, and of all that has a number for each.
+/// The board's own side is engine/device/firmware.
 namespace palpate::engine {
 
 inline constexpr std::uint8_t kOpenMajor = 1;
@@ -140,8 +141,8 @@ using OpenNonce = std::array<std::uint8_t, kOpenNonce>;
 /// Finds bodies in the bytes of a serial line.
 class OpenReader {
 public:
-    /// @return the body that ends with this byte, which is no body unless its CRC says so; empty: none ends
-    ///         here. Good until the next call
+    /// @return the body that ends with this byte, which is no body unless its CRC says so; empty:
+    ///         none ends here. Good until the next call
     [[nodiscard]] std::span<const std::uint8_t> take(std::uint8_t byte) noexcept;
     /// From now on bytes up to the next zero are dropped.
     void start_over() noexcept {

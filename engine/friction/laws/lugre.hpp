@@ -25,9 +25,10 @@ namespace palpate::engine {
 ///
 ///     z <- z_ss + (z - z_ss) exp(-sigma_0 |dx| / g)
 ///
-/// stable for every stiffness, speed and load. Where the load falls, z is cut to mu_s F_N / sigma_0.
-/// In the cone and passive for sigma_1 = sigma_2 = 0 and sigma_0 <= K; dampers leave the cone and
-/// ask the device for as much damping more. Drifts under an oscillating load, as Dahl's law does.
+/// stable for every stiffness, speed and load. Where the load falls, z is cut to mu_s F_N /
+/// sigma_0. In the cone and passive for sigma_1 = sigma_2 = 0 and sigma_0 <= K; dampers leave the
+/// cone and ask the device for as much damping more. Drifts under an oscillating load, as Dahl's
+/// law does.
 [[nodiscard]] inline Rubbed lugre(const LawTask& law, LawState& state, const Rub& rub) noexcept {
     const double level = lugre_level(law, rub);
     const double max = law.mu_s * rub.load / law.stiffness;

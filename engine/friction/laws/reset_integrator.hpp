@@ -12,10 +12,10 @@ namespace palpate::engine {
 ///
 ///     F = -((1 + a) sigma_0 z + sigma_1 dz/dt)   for |z| < z_0,      F = -sigma_0 z at |z| = z_0
 ///
-/// with sigma_0 z_0 = mu_d F_N and 1 + a = mu_s / mu_d, so that it holds up to mu_s F_N.
-/// (1 + a) sigma_0 is `stiffness`: what is felt while stuck, and what has to be at most K. sigma_1
-/// is `bristle_damping`. Jumps by (mu_s - mu_d) F_N on break-away and, by design, back again on
-/// each return. In the cone for sigma_1 = 0. Passive under a load that does not rise; where it rises
+/// with sigma_0 z_0 = mu_d F_N and 1 + a = mu_s / mu_d, so that it holds up to mu_s F_N. (1 + a)
+/// sigma_0 is `stiffness`: what is felt while stuck, and what has to be at most K. sigma_1 is
+/// `bristle_damping`. Jumps by (mu_s - mu_d) F_N on break-away and, by design, back again on each
+/// return. In the cone for sigma_1 = 0. Passive under a load that does not rise; where it rises
 /// while HIP slides, the strain grows along, paid for with mu_d F_N and given back with mu_s F_N.
 [[nodiscard]] inline Rubbed reset_integrator(const LawTask& law,
                                              LawState& state,

@@ -8,8 +8,8 @@ namespace palpate::engine {
 ///
 ///     F = -mu_d F_N sgn(v) - b v,    v = dx / T
 ///
-/// b is `viscosity`, N s/m. Leaves the cone by b |v|, and asks the device for b more damping, as any
-/// sampled damper does (thesis eq. 1.1). Else as coulomb_sign.
+/// b is `viscosity`, N s/m. Leaves the cone by b |v|, and asks the device for b more damping, as
+/// any sampled damper does (thesis eq. 1.1). Else as coulomb_sign.
 [[nodiscard]] inline Rubbed viscous(const LawTask& law,
                                     LawState& /*state*/,
                                     const Rub& rub) noexcept {

@@ -10,8 +10,8 @@
 
 namespace palpate::bench {
 
-/// The default study and its plan, with trials as a simulated pantograph at 1 kHz makes them: encoder
-/// counts, friction and tremor.
+/// The default study and its plan, with trials as a simulated pantograph at 1 kHz makes them:
+/// encoder counts, friction and tremor.
 struct MadeStudy {
     protocols::Protocol protocol;
     std::string hash;
@@ -21,9 +21,9 @@ struct MadeStudy {
 
 [[nodiscard]] MadeStudy made_study();
 
-/// The ticks of the trial at `position`, `seconds` long: a hand that strokes to and fro. Wake-ups are late
-/// by a seeded exponential of mean 8 us in whole ns, as on an idle machine: a virtual clock's zeros would
-/// take no room in any store.
+/// The ticks of the trial at `position`, `seconds` long: a hand that strokes to and fro. Wake-ups
+/// are late by a seeded exponential of mean 8 us in whole ns, as on an idle machine: a virtual
+/// clock's zeros would take no room in any store.
 [[nodiscard]] std::vector<engine::TickRecord> made_trial(const MadeStudy& study,
                                                          std::size_t position,
                                                          double seconds);

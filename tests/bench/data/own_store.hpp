@@ -9,8 +9,8 @@
 
 namespace palpate::bench {
 
-/// palpate's own file: what a session writes, chunks while a trial runs, one commit at its end, asked
-/// through the virtual table `sample`.
+/// palpate's own file: what a session writes, chunks while a trial runs, one commit at its end,
+/// asked through the virtual table `sample`.
 [[nodiscard]] std::unique_ptr<TraceStore> own_store(const std::string& folder,
                                                     const MadeStudy& study);
 

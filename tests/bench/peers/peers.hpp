@@ -11,7 +11,8 @@ namespace palpate::bench {
 [[nodiscard]] Methods<2> peer_methods(const Object& object);
 [[nodiscard]] Methods<3> peer_surface_methods(const Surface& surface);
 
-/// SINTEF Spline Library 4.6: s1957 (one closest), s1953 (all), s1774 (local, warm); s1958, s1954, s1775.
+/// SINTEF Spline Library 4.6: s1957 (one closest), s1953 (all), s1774 (local, warm); s1958, s1954,
+/// s1775.
 [[nodiscard]] Methods<2> sisl_methods(const Object& object);
 [[nodiscard]] Methods<3> sisl_surface_methods(const Surface& surface);
 

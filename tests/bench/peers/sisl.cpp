@@ -13,7 +13,8 @@
 namespace palpate::bench {
 namespace {
 
-/// Geometric resolution, of the size of a model: of 1e-6 to 1e-12 the one with the fewest wrong answers.
+/// Geometric resolution, of the size of a model: of 1e-6 to 1e-12 the one with the fewest wrong
+/// answers.
 constexpr double kResolution = 1e-12;
 constexpr double kComputing = 1e-15;  // the library reads it no longer
 
