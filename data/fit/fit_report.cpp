@@ -288,7 +288,8 @@ Score difference_of(const Score& first, const Score& second) {
     return made;
 }
 
-void add_people(FitReport& report, std::string what, const std::vector<Score>& all, bool test) {
+void add_people(FitReport& report, std::string what, std::vector<Score> all, bool test) {
+    std::erase_if(all, [](const Score& one) { return one.name.empty(); });
     std::vector<double> known;
     std::vector<double> ranks;
     OverPeople made{.what = std::move(what)};
@@ -324,16 +325,13 @@ void over_people(FitReport& report, const std::vector<std::string>& people) {
             for (const std::string& person : people) {
                 all.push_back(score_of(report, person, condition, quantity));
             }
-            std::vector<Score> some = all;
-            std::erase_if(some, [](const Score& one) { return one.name.empty(); });
-            add_people(report, condition.empty() ? name : name + ", " + condition, some, false);
+            add_people(report, condition.empty() ? name : name + ", " + condition, all, false);
         }
         for (std::size_t c = 1; c < report.conditions.size(); ++c) {
             std::vector<Score> differences;
             for (std::size_t i = 0; i < people.size(); ++i) {
                 differences.push_back(difference_of(known[0][i], known[c][i]));
             }
-            std::erase_if(differences, [](const Score& one) { return one.name.empty(); });
             add_people(
                 report,
                 fmt::format("{}, {} - {}", name, report.conditions[c], report.conditions.front()),
