@@ -14,6 +14,8 @@
 namespace palpate::protocols {
 namespace {
 
+constexpr const char* kAnother =
+    "the device began anew while nobody looked, and may be another one: the experimenter goes on";
 constexpr const char* kNotProved = "nothing is known of the rig any more: it is proved again";
 
 class Session {
@@ -121,7 +123,7 @@ private:
 
     /// Force may be felt.
     [[nodiscard]] bool trusted() const {
-        return !ports_.apparatus.has_proof() || trust_.state == Trust::proved;
+        return !ports_.apparatus.has_proof() || trust_.gives_force();
     }
     [[nodiscard]] Trusting rig() {
         return {.trust = trust_, .happened = [this](const Event& event) {
@@ -209,7 +211,7 @@ private:
             happened(event);
         }
         if (check.refused().empty()) {
-            return Signal::go_on;
+            return trusted() ? Signal::go_on : mend_unproved(kAnother);
         }
         happened({.kind = EventKind::provenance,
                   .text = check.refused(),

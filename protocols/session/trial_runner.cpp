@@ -1,5 +1,7 @@
 #include "protocols/session/trial_runner.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
@@ -138,7 +140,7 @@ void TrialRunner::feel(TrialId id,
         force.end();
         drain(id, false);
     }
-    note_fault(id, planned, result);
+    note_fault(id, planned, view, result);
     const TrialSummary sum = meter_->summary();
     result.intervals.push_back(
         {.done_s = result.done_s, .done_uncertainty_s = result.done_uncertainty_s, .summary = sum});
@@ -182,12 +184,16 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
 }
 
 /// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out
-/// of the force spoils nothing that was felt.
-void TrialRunner::note_fault(TrialId id, const PlannedTrial& planned, TrialResult& result) {
+/// of the force spoils nothing that was felt, unless more was to come.
+void TrialRunner::note_fault(TrialId id,
+                             const PlannedTrial& planned,
+                             const TrialView& view,
+                             TrialResult& result) {
+    const bool more = view.interval < view.intervals;
     const bool felt = tripped_s_ && *tripped_s_ <= result.done_s;
-    if (is_answered(result.outcome) && felt) {
+    if (is_answered(result.outcome) && (felt || (tripped_s_ && more))) {
         result.outcome = Outcome::faulted;
-        result.done_s = *tripped_s_;
+        result.done_s = std::min(result.done_s, *tripped_s_);
     }
     const engine::Trip cause = ports_.apparatus.trip();
     if (result.outcome != Outcome::faulted) {

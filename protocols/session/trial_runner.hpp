@@ -45,7 +45,10 @@ private:
               const TrialView& view,
               TrialResult& result);
     void explore(TrialId id, const TrialView& view, TrialResult& result);
-    void note_fault(TrialId id, const PlannedTrial& planned, TrialResult& result);
+    void note_fault(TrialId id,
+                    const PlannedTrial& planned,
+                    const TrialView& view,
+                    TrialResult& result);
     void note_lost_ticks(TrialId id, const PlannedTrial& planned);
     /// @return what the protocol's rule takes in, if it does
     std::optional<RuleAnswer> answer(const PlannedTrial& planned,

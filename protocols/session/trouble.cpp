@@ -12,10 +12,10 @@ class Mending {
 public:
     Mending(Ports& ports, const Fault& fault, std::size_t in_a_row, const Trusting& rig)
         : ports_(ports), fault_(fault), rig_(rig) {
-        const bool another = ports.apparatus.has_proof() && rig.trust.state == Trust::unknown;
         view.sentence = fault.text;
         view.in_a_row = in_a_row;
-        view.by_hand = waits_for_experimenter(fault.cause) || another;
+        view.by_hand = waits_for_experimenter(fault.cause);
+        ask_for_experimenter();
     }
 
     /// One step: the device has to come back whatever is trusted, then what is not proved is.
@@ -32,16 +32,20 @@ public:
         }
         back_ = true;
         rig_.happened(*step.event);
+        ask_for_experimenter();
         view.solved = !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
         // No longer why it could not be reached; or what comes next.
         view.sentence = view.solved ? fault_.text : kProofComes;
     }
 
-    void go_on() {
+    /// @param seconds  since the fault
+    void go_on(double seconds) {
         const bool tripped = fault_.cause != engine::Trip::none;
         const std::string cause(tripped ? to_string(fault_.cause) : kRigCheck);
-        rig_.happened(
-            {.kind = EventKind::go_on, .text = fmt::format("after {}", cause), .value = cause});
+        rig_.happened({.kind = EventKind::go_on,
+                       .text = fmt::format("after {}", cause),
+                       .value = cause,
+                       .duration_s = seconds});
     }
 
     TroubleView view;
@@ -50,6 +54,11 @@ private:
     static constexpr const char* kProofComes =
         "the handle is proved before anybody feels a force: nobody may hold it now, weak pulses "
         "will move it";
+
+    /// Whoever felt the rig before cannot tell whether it is the same.
+    void ask_for_experimenter() {
+        view.by_hand |= ports_.apparatus.gives_force() && rig_.trust.by_hand;
+    }
 
     Ports& ports_;
     const Fault& fault_;
@@ -94,7 +103,7 @@ Mended mend(Ports& ports,
             return {*said, view.tries};
         }
         if (said == Signal::go_on && view.solved) {
-            mending.go_on();
+            mending.go_on(static_cast<double>(slice) * kTroubleSlice);
             ports.apparatus.allow();  // a stop after that is the next trial's, and holds it
             return {Signal::go_on, view.tries};
         }

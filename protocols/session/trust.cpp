@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,10 +11,9 @@ namespace {
 
 using engine::Trip;
 
-/// Causes that lie with people, screen, machine or program.
-constexpr std::array kElsewhere{Trip::stopped,       Trip::focus_lost, Trip::let_go,
-                                Trip::time_limit,    Trip::late,       Trip::delayed,
-                                Trip::screen_silent, Trip::overheated, Trip::none};
+/// Causes that lie with people, screen, machine or program, and are soon over.
+constexpr std::array kElsewhere{Trip::focus_lost, Trip::let_go,        Trip::time_limit, Trip::late,
+                                Trip::delayed,    Trip::screen_silent, Trip::none};
 /// Causes after which the board may be another one, or begin anew.
 constexpr std::array kAway{Trip::device_lost, Trip::device_silent, Trip::device_stopped,
                            Trip::device_garbage};
@@ -24,25 +24,41 @@ bool among(std::span<const Trip> causes, std::string_view word) noexcept {
 }
 
 RigTrust lowered_to(RigTrust trust, Trust state) noexcept {
-    return {.state = std::min(trust.state, state), .trials = trust.trials};
+    trust.state = std::min(trust.state, state);
+    return trust;
 }
 
 RigTrust after_fault(RigTrust trust, std::string_view cause) noexcept {
     if (among(kElsewhere, cause)) {
         return trust;
     }
-    return lowered_to(trust, among(kAway, cause) ? Trust::unknown : Trust::answers);
+    const bool away = among(kAway, cause);
+    trust.by_hand = trust.by_hand || away;
+    return lowered_to(trust, away ? Trust::unknown : Trust::answers);
+}
+
+RigTrust after_reconnect(RigTrust trust, const Event& event) noexcept {
+    const bool anew = event.value == kAnew;
+    trust.by_hand = trust.by_hand || anew;
+    trust.state = anew ? Trust::answers : std::max(trust.state, Trust::answers);
+    return trust;
+}
+
+RigTrust after_going_on(RigTrust trust, const Event& event) noexcept {
+    trust.by_hand = false;
+    return event.duration_s > kLongTrouble ? lowered_to(trust, Trust::answers) : trust;
 }
 
 RigTrust after_proof(RigTrust trust, const Event& event) noexcept {
     if (event.value == kRefused) {
         return lowered_to(trust, Trust::answers);
     }
-    if (event.key == kStartPose) {
-        return {.state = Trust::at_home};
+    const bool moved = event.key == kRigCheck && trust.state >= Trust::at_home;
+    if (event.key == kStartPose || moved) {
+        trust.state = moved ? Trust::proved : Trust::at_home;
+        trust.trials = 0;
     }
-    return event.key == kRigCheck && trust.state >= Trust::at_home ? RigTrust{Trust::proved}
-                                                                   : trust;
+    return trust;
 }
 
 ProofStep stepped(const engine::ShortForm& form, std::string_view key, std::string_view what) {
@@ -54,6 +70,15 @@ ProofStep stepped(const engine::ShortForm& form, std::string_view key, std::stri
                            .key = std::string(key),
                            .value = form.found},
             .refused = {}};
+}
+
+ProofStep works_again(bool anew) {
+    Event event{.kind = EventKind::reconnect, .text = "the device works"};
+    if (anew) {
+        event.text += ", but it began anew";
+        event.value = kAnew;
+    }
+    return {.event = std::move(event), .refused = {}};
 }
 
 }  // namespace
@@ -71,7 +96,9 @@ RigTrust apply(RigTrust trust, const Event& event) noexcept {
         case EventKind::pause:
             return lowered_to(trust, Trust::answers);
         case EventKind::reconnect:
-            return {.state = std::max(trust.state, Trust::answers), .trials = trust.trials};
+            return after_reconnect(trust, event);
+        case EventKind::go_on:
+            return after_going_on(trust, event);
         case EventKind::provenance:
             return after_proof(trust, event);
         default:
@@ -80,17 +107,18 @@ RigTrust apply(RigTrust trust, const Event& event) noexcept {
 }
 
 ProofStep prove_step(Apparatus& apparatus, Trust state) {
-    if (state == Trust::at_home) {
-        return stepped(apparatus.prove_motors(), kRigCheck, kHandleMoves);
+    if (state < Trust::at_home && !apparatus.reconnect()) {
+        return {.event = {}, .refused = apparatus.trouble()};
     }
-    if (state == Trust::answers) {
-        return stepped(apparatus.prove_place(), kStartPose, "the handle is where it should be");
+    const bool came_anew = state < Trust::at_home && apparatus.began_anew();
+    if (state == Trust::unknown || came_anew) {
+        return works_again(came_anew);
     }
-    if (apparatus.reconnect()) {
-        return {.event = Event{.kind = EventKind::reconnect, .text = "the device works"},
-                .refused = {}};
-    }
-    return {.event = {}, .refused = apparatus.trouble()};
+    ProofStep step =
+        state == Trust::at_home
+            ? stepped(apparatus.prove_motors(), kRigCheck, kHandleMoves)
+            : stepped(apparatus.prove_place(), kStartPose, "the handle is where it should be");
+    return apparatus.began_anew() ? works_again(true) : step;  // found right, but somewhere else
 }
 
 }  // namespace palpate::protocols

@@ -31,14 +31,22 @@ inline constexpr std::string_view kHandleMoves =
     "weak pulses moved the free handle as when it was commissioned";
 /// The value of both that proves nothing.
 inline constexpr std::string_view kRefused = "refused";
+/// The value of a reconnection after which the rig may be another one.
+inline constexpr std::string_view kAnew = "anew";
+/// s of trouble after which somebody may have changed the rig, whatever the cause was.
+inline constexpr double kLongTrouble = 10.0;
 
 /// Trust as it follows from attempts and events alone, in their order. Opening, break, pause,
 /// fault, reconnection and proof go through it. Whatever could have changed the rig takes trust
-/// away: a device that went away all of it, a fault that a motor or an encoder may have caused and
-/// a rest all but that it answers. A fault of people, screen or program leaves it.
+/// away: a device that went away all of it, one that began anew, a fault that a motor or an encoder
+/// may have caused, a rest, a stop and a long trouble all but that it answers. Any other fault of
+/// people, screen or program leaves it.
 struct RigTrust {
     Trust state = Trust::unknown;
     std::size_t trials = 0;  ///< attempts since it was proved
+    bool by_hand = false;    ///< it may be another one, and nobody has said to go on since
+
+    [[nodiscard]] bool gives_force() const noexcept { return state == Trust::proved && !by_hand; }
 
     friend bool operator==(const RigTrust&, const RigTrust&) = default;
 };

@@ -56,8 +56,13 @@ public:
     [[nodiscard]] virtual std::vector<engine::TickRecord> last_ticks() const { return {}; }
     /// Between trials: makes a device that failed work again. @return false while it is still away
     [[nodiscard]] virtual bool reconnect() { return true; }
+    /// Since this was last asked the device began anew, whatever the cause: it may be another one,
+    /// and took the pose in which its handle rested for home.
+    [[nodiscard]] virtual bool began_anew() { return false; }
     /// What is wrong with the device and what to do, a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
+    /// Somebody's hand may feel a force of it: of a rig, commissioned or not.
+    [[nodiscard]] virtual bool gives_force() const noexcept { return has_proof(); }
     /// It gives the force of a commissioned rig, and nobody may feel it before that was proved (see
     /// Trust). Else there is nothing to prove.
     [[nodiscard]] virtual bool has_proof() const noexcept { return false; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/adaptive_plan.hpp"
@@ -149,7 +150,8 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
                                  double spin_share,
                                  double max_force)
     : device_(std::move(device)),
-      servo_(*device_, servo_spec(protocol, *device_, spin_share, max_force)) {}
+      servo_(*device_, servo_spec(protocol, *device_, spin_share, max_force)),
+      homings_(device_->homings()) {}
 
 void DeviceApparatus::begin(const engine::SceneView& scene,
                             const PlannedTrial& /*planned*/,
@@ -160,6 +162,10 @@ void DeviceApparatus::begin(const engine::SceneView& scene,
 bool DeviceApparatus::reconnect() {
     servo_.park();  // nobody else may use the device meanwhile
     return device_->reconnect();
+}
+
+bool DeviceApparatus::began_anew() {
+    return std::exchange(homings_, device_->homings()) != device_->homings();
 }
 
 engine::ShortForm RigProof::place(engine::Device& device) {

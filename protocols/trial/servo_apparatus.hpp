@@ -169,9 +169,13 @@ public:
                const PlannedTrial& planned,
                std::size_t interval) override;
     [[nodiscard]] bool reconnect() override;
+    [[nodiscard]] bool began_anew() override;
     [[nodiscard]] std::string trouble() const override {
         const std::string trouble = device_->trouble();
         return trouble.empty() ? unproved_ : trouble;
+    }
+    [[nodiscard]] bool gives_force() const noexcept override {
+        return device_->traits().gives_force;
     }
     [[nodiscard]] bool has_proof() const noexcept override { return bool{proof_.motors}; }
     [[nodiscard]] engine::ShortForm prove_place() override;
@@ -191,6 +195,7 @@ private:
     std::unique_ptr<engine::Device> device_;
     engine::ThreadServo servo_;
     RigProof proof_;
+    std::size_t homings_;   ///< of the device, when it was last asked whether it began anew
     std::string unproved_;  ///< what was found wrong, and nothing has disproved since
 };
 
