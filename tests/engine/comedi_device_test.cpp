@@ -211,6 +211,20 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
     CHECK_FALSE(bench.is_open);
 }
 
+TEST_CASE("zero is never said of a card that does not take it", "[device][comedi][fault][law]") {
+    const int failing = GENERATE(0, 1, 2);  // of the two writes; 2: neither
+    const Calibration how = daq_calibration();
+    DaqBench bench;
+    auto device = plug(bench, how);
+    REQUIRE(device->read().ok());
+    device->write({1.0, 2.0});
+    bench.failing_call = failing < 2 ? bench.calls + failing : -1;
+    bench.error = EIO;
+    CHECK(device->prove_zero() == (failing == 2));
+    CHECK(at_zero(bench) == (failing == 2));
+    CHECK(device->read().ok() == (failing == 2));
+}
+
 TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops the force",
           "[device][comedi][fault]") {
     for (const std::uint32_t value : {0x600000U, 0x1000000U}) {

@@ -92,6 +92,31 @@ TEST_CASE("each reading is as old as it says, however the board's answers come",
     CHECK(max >= 3.0);
 }
 
+TEST_CASE("a board that was late and then gone is opened anew, and says that its place is lost",
+          "[haply][law]") {
+    HaplyBench bench;
+    bench.board.set_faults({.delay = 0.3e-3});
+    bench.open();
+    bench.ticks({0.2, 0.0}, 20);
+    bench.board.set_faults({.delay = 3.3e-3});
+    double oldest = 0.0;
+    for (int i = 0; i < 20; ++i) {
+        oldest = std::fmax(oldest, bench.tick({0.2, 0.0}).behind);
+    }
+    REQUIRE(oldest >= 1.0);
+    CHECK(bench.device->prove_zero());
+    bench.cable.plug(false);  // into another port, as the advice says, while nobody ticks
+    bench.board.set_faults({.delay = 0.3e-3});
+    bench.cable.plug(true);
+    int tries = 1;
+    for (; !bench.device->reconnect() && tries < 10; ++tries) {
+        bench.cable.pass(500'000'000);
+    }
+    CHECK(tries < 5);
+    CHECK(bench.device->homings() == 1);
+    CHECK(bench.tick({0.2, 0.0}).ok());
+}
+
 TEST_CASE("answers that became later in service are refused until they are quick again",
           "[haply][law]") {
     HaplyBench bench;

@@ -55,12 +55,20 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
         CHECK_FALSE(bench.device->prove_zero());
         CHECK(bench.board.torque() == Vec2{});
         CHECK(bench.device->read().fault == DeviceFault::silent);
+        CHECK_THAT(bench.device->trouble(), ContainsSubstring("the motors are off: hands off"));
         CHECK_FALSE(bench.device->reconnect());
+        CHECK_THAT(bench.device->trouble(), ContainsSubstring("the motors are off: hands off"));
+        bench.board.set_faults({});
+        for (int i = 0; i < 5 && !bench.device->reconnect(); ++i) {
+            CHECK_THAT(bench.device->trouble(), !ContainsSubstring("hands off"));  // set up: proved
+        }
+        CHECK(bench.device->trouble().empty());
     }
     SECTION("unplugged") {
         bench.cable.plug(false);
         CHECK_FALSE(bench.device->prove_zero());
         CHECK(bench.device->read().fault != DeviceFault::none);
+        CHECK_THAT(bench.device->trouble(), ContainsSubstring("switch off the motors' supply"));
     }
 }
 

@@ -120,7 +120,10 @@ void check_record(RigSpec& spec, const std::string& device) {
     } else if (spec.kind == data::RunKind::real) {
         throw std::invalid_argument("no real session: " + why);
     } else {
-        warn("{}. Until then it gives {:g} N at most", why, protocols::kUnprovedForce);
+        warn("{}{}", why,
+             unproved(spec)
+                 ? fmt::format(". Until then it gives {:g} N at most", protocols::kUnprovedForce)
+                 : "");
     }
 }
 

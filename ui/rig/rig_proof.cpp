@@ -27,9 +27,6 @@ namespace {
 
 constexpr double kRest = 1.0;     ///< s that the handle has to rest
 constexpr double kOffHome = 2.0;  ///< counts between set-up and now
-constexpr double kAtPlace =
-    0.002;                   ///< m by which a person misses a place, without a hole for the handle
-constexpr int kAstray = 12;  ///< looks at a handle that rests elsewhere: three seconds
 
 std::string commission_words(const std::string& device,
                              const std::string& calibration,

@@ -19,10 +19,8 @@ using Kind = DeviceChoice::Kind;
 /// Said before each session: nothing in this program can mend it.
 constexpr const char* kKeepsForce =
     "this device has no watchdog of its own: its last force stays for ever if palpate and its "
-    "guard are "
-    "killed together, the machine halts or the cable is pulled while a force is on; put a switch "
-    "into the "
-    "motors' supply, within the experimenter's reach";
+    "guard are killed, frozen or starved together, the machine halts or the cable is pulled while "
+    "a force is on; put a switch into the motors' supply, within the experimenter's reach";
 
 std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
                                                           const engine::Calibration& calibration,

@@ -51,10 +51,6 @@ BoardDevice::~BoardDevice() {
     link_->close();
 }
 
-std::string BoardDevice::name() const {
-    return line_->kind() + " " + machine_.calibration().name() + " at " + link_->name();
-}
-
 DeviceTraits BoardDevice::traits() const noexcept {
     return {.gives_force = true,
             .damping = machine_.calibration().damping(),
@@ -84,6 +80,7 @@ bool BoardDevice::open_board() {
         trouble_ = line_->refusal();
         return false;
     }
+    zero_unproved_ = false;
     ask_anew_ = true;
     return measure_answers();
 }
@@ -268,6 +265,7 @@ bool BoardDevice::prove_zero() noexcept {
     if (off != BoardLine::Off::proved && fault_ == DeviceFault::none) {
         fault_ = off == BoardLine::Off::anew ? DeviceFault::garbage : DeviceFault::silent;
     }
+    zero_unproved_ = off == BoardLine::Off::unproved;
     homeless_ = homeless_ || off == BoardLine::Off::anew;
     leave();
     return off != BoardLine::Off::unproved;
@@ -312,13 +310,16 @@ Applied BoardDevice::press(const Vec3& force) noexcept {
     return applied_;
 }
 
-/// After readings that came late: are answers as quick as when the board was opened?
+/// After readings that came late: are answers as quick as when the board was opened? One that is
+/// mute may have gone to another port.
 bool BoardDevice::answers_in_time() {
     ask_anew_ = true;
     static_cast<void>(line_->wake(kFirstWait));  // past the answers to the guard's zeros
     was_late_ = !measure_answers();
     if (!was_late_) {
         trouble_.clear();
+    } else if (line_->probe(100 * kMillisecond) != BoardLine::Answer::complete) {
+        fail(DeviceFault::silent);
     }
     return !was_late_;
 }
@@ -384,17 +385,13 @@ bool BoardDevice::mend() {
         trouble_ = explained(DeviceFault::unreachable);
     }
     if (back) {
+        zero_unproved_ = false;
         trouble_.clear();
         fault_ = DeviceFault::none;
         zeros_left_ = 0;
         ask_anew_ = true;
     }
     return back;
-}
-
-void BoardDevice::forget_home() {
-    fault_ = DeviceFault::unreachable;
-    homeless_ = true;
 }
 
 }  // namespace palpate::engine

@@ -74,7 +74,10 @@ public:
     /// rested.
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::size_t homings() const noexcept override { return homings_; }
-    void forget_home() override;
+    void forget_home() override {
+        fault_ = DeviceFault::unreachable;
+        homeless_ = true;
+    }
     [[nodiscard]] std::string trouble() const override {
         return trouble_.empty() ? explained(fault_) : trouble_;
     }
@@ -99,6 +102,7 @@ private:
     [[nodiscard]] bool send_zero() noexcept;
     Applied hold_off(const Vec3& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
+    [[nodiscard]] std::string why_of(DeviceFault fault) const;
 
     Machine machine_;
     Machine::Counts bias_{};  ///< counts minus those of the board
@@ -112,6 +116,7 @@ private:
     int zeros_left_ = 0;                     ///< zero packets still to be sent after a fault
     std::int64_t zeros_from_ns_ = 0;         ///< not before
     bool left_ = false;                      ///< nobody ticks: the guard repeats zeros
+    bool zero_unproved_ = false;             ///< the board may keep its last torque
     bool homeless_ = false;                  ///< set up, but where the handle was is not known
     std::size_t homings_ = 0;                ///< poses taken for home since it was opened
     double round_trip_ = 0.0;                ///< s, of the first set-up

@@ -1,10 +1,26 @@
+#include <cmath>
+
 #include "engine/base/text.hpp"
 #include "engine/device/drivers/board_device.hpp"
 
 // What the driver of a board says of it to people.
 namespace palpate::engine {
 
+std::string BoardDevice::name() const {
+    return line_->kind() + " " + machine_.calibration().name() + " at " + link_->name();
+}
+
 std::string BoardDevice::explained(DeviceFault fault) const {
+    const std::string why = why_of(fault);
+    const bool holds = zero_unproved_ && std::isinf(line_->holds_force());
+    return holds && !why.empty()
+             ? "nothing proves that the motors are off: hands off the handle, switch off the "
+               "motors' supply. Then: " +
+                   why
+             : why;
+}
+
+std::string BoardDevice::why_of(DeviceFault fault) const {
     const std::string board = "the board at " + link_->name();
     if (std::string said = line_->complaint(); !said.empty() && fault != DeviceFault::unreachable) {
         return said;

@@ -280,6 +280,18 @@ std::optional<double> ComediDevice::reading_error(const Vec3& hip) const noexcep
     return pantograph_.reading_error(Vec2(hip));
 }
 
+bool ComediDevice::prove_zero() noexcept {
+    bool written = true;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const int error = put(axis, channels_[axis].zero);
+        if (error != 0 && fault_ == DeviceFault::none) {
+            fail(fault_of(error), error);
+        }
+        written = written && error == 0;
+    }
+    return written;
+}
+
 bool ComediDevice::reconnect() {
     if (fault_ == DeviceFault::none) {
         return true;

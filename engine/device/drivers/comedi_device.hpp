@@ -44,6 +44,7 @@ public:
     [[nodiscard]] DeviceTraits traits() const noexcept override;
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override;
     [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override;
+    bool prove_zero() noexcept override;
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::size_t homings() const noexcept override { return homings_; }
     void forget_home() override;
