@@ -44,8 +44,8 @@ public:
         const std::string cause(tripped ? to_string(fault_.cause) : kRigCheck);
         rig_.happened({.kind = EventKind::go_on,
                        .text = fmt::format("after {}", cause),
-                       .value = cause,
-                       .duration_s = seconds});
+                       .duration_s = seconds,
+                       .value = cause});
     }
 
     TroubleView view;

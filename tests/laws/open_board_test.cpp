@@ -32,6 +32,7 @@ TEST_CASE(
     CHECK(desk.stays_off());
     desk.board.press_stop(false);
     CHECK(desk.stays_off());  // nothing by itself
+    desk.goes_on();
     CHECK(desk.feel());
 
     // Both who could switch the motors off are killed together: the board does it.
@@ -53,6 +54,9 @@ TEST_CASE("a cable that is pulled with the force on ends it, and the session wai
     CHECK(desk.waits_for_fault("device_lost"));
     desk.session->wait_for_screen("trouble");
     desk.board.plug(true);
+    desk.press_anew();  // the participant's Space does nothing
+    CHECK(desk.stays_off());
+    desk.goes_on();
     CHECK(desk.feel());
 }
 
