@@ -57,7 +57,8 @@ private:
 
     /// Whoever felt the rig before cannot tell whether it is the same.
     void ask_for_experimenter() {
-        view.by_hand |= ports_.apparatus.gives_force() && rig_.trust.by_hand;
+        const bool unknown = ports_.apparatus.has_proof() && rig_.trust.state == Trust::unknown;
+        view.by_hand |= unknown || (ports_.apparatus.gives_force() && rig_.trust.by_hand);
     }
 
     Ports& ports_;

@@ -312,6 +312,9 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
                 change();
             }
         }
+        [[nodiscard]] Trip trip() const override {
+            return tripped ? Trip::jump : ChangingRig::trip();
+        }
         int trips = 3;
         bool tripped = false;
     } rig(world, 0, Trip::none);

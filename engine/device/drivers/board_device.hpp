@@ -79,7 +79,7 @@ public:
         homeless_ = true;
     }
     [[nodiscard]] std::string trouble() const override {
-        return trouble_.empty() ? explained(fault_) : trouble_;
+        return warning() + (trouble_.empty() ? explained(fault_) : trouble_);
     }
 
     /// The handle may be elsewhere at the next read(): its first reading is asked for anew.
@@ -102,7 +102,7 @@ private:
     [[nodiscard]] bool send_zero() noexcept;
     Applied hold_off(const Vec3& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
-    [[nodiscard]] std::string why_of(DeviceFault fault) const;
+    [[nodiscard]] std::string warning() const;
 
     Machine machine_;
     Machine::Counts bias_{};  ///< counts minus those of the board

@@ -10,17 +10,15 @@ std::string BoardDevice::name() const {
     return line_->kind() + " " + machine_.calibration().name() + " at " + link_->name();
 }
 
-std::string BoardDevice::explained(DeviceFault fault) const {
-    const std::string why = why_of(fault);
-    const bool holds = zero_unproved_ && std::isinf(line_->holds_force());
-    return holds && !why.empty()
+/// What to do first, while nothing has acknowledged zero torque.
+std::string BoardDevice::warning() const {
+    return zero_unproved_ && std::isinf(line_->holds_force())
              ? "nothing proves that the motors are off: hands off the handle, switch off the "
-               "motors' supply. Then: " +
-                   why
-             : why;
+               "motors' supply. Then: "
+             : "";
 }
 
-std::string BoardDevice::why_of(DeviceFault fault) const {
+std::string BoardDevice::explained(DeviceFault fault) const {
     const std::string board = "the board at " + link_->name();
     if (std::string said = line_->complaint(); !said.empty() && fault != DeviceFault::unreachable) {
         return said;
