@@ -172,7 +172,9 @@ Change random_change(Random& random) {
         change.slip[static_cast<std::size_t>(random.below(2))] = random.coin() ? angle : -angle;
     }
     if (random.coin()) {
-        change.lies += Vec2{random.in(-0.03, 0.03), random.in(-0.03, 0.03)};
+        const Pantograph linkage(machine().pantograph);
+        const Vec2 aside{random.in(-0.03, 0.03), random.in(-0.03, 0.03)};
+        change.lies += linkage.reach(change.lies + aside) ? aside : Vec2{0.0, -0.02};
     }
     change.careless = random.below(3) == 0 ? random.below(25) : 0;
     return change;
