@@ -107,10 +107,10 @@ RigTrust apply(RigTrust trust, const Event& event) noexcept {
 }
 
 ProofStep prove_step(Apparatus& apparatus, Trust state) {
-    if (state < Trust::at_home && !apparatus.reconnect()) {
+    if (!apparatus.reconnect()) {
         return {.event = {}, .refused = apparatus.trouble()};
     }
-    const bool came_anew = state < Trust::at_home && apparatus.began_anew();
+    const bool came_anew = apparatus.began_anew();
     if (state == Trust::unknown || came_anew) {
         return works_again(came_anew);
     }
