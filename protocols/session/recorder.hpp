@@ -124,11 +124,11 @@ using TrialId = std::int64_t;
 enum class EventKind : std::uint8_t {
     rest,          ///< "break": before the trial at `position`
     pause,         ///< by the experimenter, before the trial at `position`
-    go_on,         ///< after a pause of `duration_s`, or after a fault or a check: `value` is which
+    go_on,         ///< after a pause or a trouble of `duration_s`; `value`: its cause
     abort,         ///< before the trial at `position`
     gave_up,       ///< before the trial at `position`, after `count` tries in vain
     fault,         ///< of `trial` at `position`; `value`: its cause
-    reconnect,     ///< the device works again, after `count` tries in vain
+    reconnect,     ///< the device works again, after `count` tries; `value`: whether it began anew
     invalid,       ///< the answer of `trial` at `position` breaks a rule of the protocol
     note,          ///< somebody noted it
     mark,          ///< the answer of `trial` does not count after all; the text is the reason

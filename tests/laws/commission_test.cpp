@@ -316,11 +316,14 @@ TEST_CASE(
     press_up_to(hand, run, "explore");
     const std::string out = run.program().out();
     const std::string mark = tests::last_place(out.substr(out.rfind("Bring the handle to")));
-    board.reset();  // the cable is out
+    const auto replug = [&](const std::string& words) {
+        board.reset();
+        std::filesystem::remove(folder.file("board"));
+        std::filesystem::remove(folder.file("hand"));
+        board = std::make_unique<FreeBoard>(folder, words);
+    };
+    replug("--at=12,89.3");  // another board, beside home
     said("trouble: ");
-    std::filesystem::remove(folder.file("board"));
-    std::filesystem::remove(folder.file("hand"));
-    board = std::make_unique<FreeBoard>(folder, "--at=12,89.3");  // another board, beside home
     board->bring("gain 2.5");
     said("Bring the handle to the second mark ");
     board->bring(mark);
@@ -344,10 +347,7 @@ TEST_CASE(
 
     // The same in a break, where nothing is felt and no fault is seen.
     press_up_to(hand, run, "break");
-    board.reset();
-    std::filesystem::remove(folder.file("board"));
-    std::filesystem::remove(folder.file("hand"));
-    board = std::make_unique<FreeBoard>(folder, "--at=0,89.3");
+    replug("--at=0,89.3");
     press_up_to(hand, run, "trouble");
     said("Bring the handle to the second mark ");
     board->bring(mark);
