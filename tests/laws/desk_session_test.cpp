@@ -20,12 +20,6 @@ using tests::WindowSession;
 
 namespace {
 
-std::string with_text(std::string text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), by);
-}
-
 /// A session in which every key is pressed as often as it takes, and never while another screen
 /// comes.
 class Desk {
@@ -115,13 +109,13 @@ private:
 /// Two intervals, as the board can render them, on a machine that has other things to do.
 std::string board_study() {
     std::string text = tests::adaptive_text(tests::kStaircaseRule);
-    text = with_text(text, "start_mm = [0, 45]",
-                     "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = "
-                     "200\nforce_limit_n = 1.5\n[safety]\n"
-                     "late_in_a_row = 0\nlate_of_100 = 0");
-    text = with_text(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
-    return with_text(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
-                     "explore_prompt_s = 30\nexplore_timeout_s = 60");
+    text = tests::replaced(text, "start_mm = [0, 45]",
+                           "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = "
+                           "200\nforce_limit_n = 1.5\n[safety]\n"
+                           "late_in_a_row = 0\nlate_of_100 = 0");
+    text = tests::replaced(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
+    return tests::replaced(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
+                           "explore_prompt_s = 30\nexplore_timeout_s = 60");
 }
 
 constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the experimenter%'";
@@ -132,8 +126,8 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are he
           "[long][window][desk][law]") {
     const TemporaryFolder folder;
     std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    text = with_text(text, "break_every = 0", "break_every = 1");
-    text = with_text(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
+    text = tests::replaced(text, "break_every = 0", "break_every = 1");
+    text = tests::replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
     Desk desk(folder, text, "mouse");
     desk.pause_at("welcome");
     desk.at("welcome", "space");

@@ -26,12 +26,6 @@ namespace {
 
 constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
 
-std::string changed(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
-}
-
 /// Two patches of the shipped study: a hand that strokes across one is pressed somewhere on every
 /// stroke.
 std::string two_patches(int repetitions) {
@@ -41,14 +35,14 @@ std::string two_patches(int repetitions) {
     }
     const std::size_t concave = text.find("[[object]]\nname = \"concave\"");
     text.erase(concave, text.find("[[friction]]\nname = \"on\"") - concave);
-    text = changed(text, "repetitions = 5", "repetitions = " + std::to_string(repetitions));
-    text = changed(text, "max_run_friction = 3", "max_run_friction = 0");
-    text = changed(text, "practice_repetitions = 1", "practice_repetitions = 0");
-    text = changed(text, "explore_min_s = 2", "explore_min_s = 0.5");
-    text = changed(text, "gap_s = 1.5", "gap_s = 0");
-    text = changed(text, "start_mm = [0, 0]",
-                   "start_mm = [0, 0]\nstart_radius_mm = 0");  // its hand is elsewhere
-    return changed(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n");
+    text = tests::replaced(text, "repetitions = 5", "repetitions = " + std::to_string(repetitions));
+    text = tests::replaced(text, "max_run_friction = 3", "max_run_friction = 0");
+    text = tests::replaced(text, "practice_repetitions = 1", "practice_repetitions = 0");
+    text = tests::replaced(text, "explore_min_s = 2", "explore_min_s = 0.5");
+    text = tests::replaced(text, "gap_s = 1.5", "gap_s = 0");
+    text = tests::replaced(text, "start_mm = [0, 0]",
+                           "start_mm = [0, 0]\nstart_radius_mm = 0");  // its hand is elsewhere
+    return tests::replaced(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n");
 }
 
 /// The emulated board, typed to, and a session in a window on it.
@@ -238,8 +232,9 @@ TEST_CASE("a board of three axes that is gone under a force ends the trial, and 
 TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and leaves no force",
           "[window][open][gantry][safety][law]") {
     const TemporaryFolder folder;
-    tests::write(folder.file("wired.toml"),
-                 changed(tests::slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
+    tests::write(
+        folder.file("wired.toml"),
+        tests::replaced(tests::slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
     Desk desk(folder.file("wired.toml"));
     CHECK(desk.ends_by("'runaway', 'energy', 'over_speed'", 1200));
     CHECK(desk.force_ends());
@@ -288,9 +283,9 @@ TEST_CASE(
                ContainsSubstring("this machine has no Haply board"));
     CHECK(folder.names().empty());
     // A workspace that does not hold the patch.
-    tests::write(
-        folder.file("narrow.toml"),
-        changed(tests::slurp(kGantry), "high_mm = 60\nhome_mm = 40", "high_mm = 25\nhome_mm = 20"));
+    tests::write(folder.file("narrow.toml"),
+                 tests::replaced(tests::slurp(kGantry), "high_mm = 60\nhome_mm = 40",
+                                 "high_mm = 25\nhome_mm = 20"));
     TypedTo emulator(folder, "keys",
                      "haply-emulator --open --preset '" + folder.file("narrow.toml") +
                          "' --link '" + folder.file("board") + "'");

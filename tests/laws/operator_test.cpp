@@ -18,18 +18,13 @@ using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
 using tests::pause;
+using tests::replaced;
 using tests::TemporaryFolder;
 using tests::WindowSession;
 
 namespace {
 
 constexpr double kGuard = 0.75;  // s, of the studies below
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), by);
-}
 
 /// Two trials at a window: two objects without friction, answers to be confirmed.
 std::string two_trials() {

@@ -18,12 +18,6 @@ std::string ask(const std::string& file, const std::string& query) {
     return row.step() ? row.text(0) : "";
 }
 
-std::string edited(std::string text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), by);
-}
-
 std::string written(const TemporaryFolder& folder, const char* name, const std::string& text) {
     std::ofstream(folder.file(name)) << text;
     return folder.file(name);
@@ -37,9 +31,10 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     const std::string file = folder.file("s.sqlite");
     const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const std::string first = written(folder, "first.toml", text);
-    const std::string second = written(
-        folder, "second.toml",
-        edited(edited(text, "mu_d = 0.5", "mu_d = 0.1"), "repetitions = 1", "repetitions = 2"));
+    const std::string second =
+        written(folder, "second.toml",
+                tests::replaced(tests::replaced(text, "mu_d = 0.5", "mu_d = 0.1"),
+                                "repetitions = 1", "repetitions = 2"));
     const auto run = [&](const std::string& protocol, const char* who, const char* more = "") {
         std::vector<std::string> words{"run",  protocol, "--participant", who,
                                        "--db", file,     "--headless"};

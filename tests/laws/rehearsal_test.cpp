@@ -13,6 +13,7 @@ using tests::eventually;
 using tests::Finished;
 using tests::FreeBoard;
 using tests::palpate_command;
+using tests::replaced;
 using tests::TemporaryFolder;
 using tests::TypedTo;
 
@@ -20,12 +21,6 @@ using tests::TypedTo;
 // a window.
 
 namespace {
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), by);
-}
 
 /// Two trials without friction, and a break.
 std::string study(const TemporaryFolder& folder) {

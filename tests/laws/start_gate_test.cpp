@@ -16,12 +16,6 @@ using tests::WindowSession;
 
 namespace {
 
-std::string with_text(std::string text, const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, what.size(), by);
-}
-
 std::string four_trials() {
     return tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
 }
@@ -43,7 +37,7 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     const TemporaryFolder folder;
     tests::FreeBoard board(folder);
     std::string text =
-        with_text(four_trials(), "stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
+        tests::replaced(four_trials(), "stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
@@ -81,8 +75,8 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
 
 TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window][desk][law]") {
     const TemporaryFolder folder;
-    std::string text = with_text(four_trials(), "explore_min_s = 0.5", "explore_min_s = 0.1");
-    text = with_text(text, "gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3");
+    std::string text = tests::replaced(four_trials(), "explore_min_s = 0.5", "explore_min_s = 0.1");
+    text = tests::replaced(text, "gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3");
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("d.sqlite");
     WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,

@@ -10,6 +10,7 @@
 #include "protocols/library/shipped.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
@@ -25,12 +26,6 @@ std::string rule_refusal(const std::string& text) {
         return error.what();
     }
     return "accepted";
-}
-
-std::string with(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
 }
 
 Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
@@ -112,7 +107,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
     const std::string good = adaptive_text(palpate::tests::kQuestPlusRule);
     REQUIRE(rule_refusal(good) == "accepted");
     const auto says = [&](const char* from, const char* to) {
-        const std::string what = rule_refusal(with(good, from, to));
+        const std::string what = rule_refusal(palpate::tests::replaced(good, from, to));
         CHECK_THAT(what, Catch::Matchers::StartsWith("p.toml:"));
         return what;
     };
@@ -158,7 +153,8 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
                ContainsSubstring("above 0 and at most 10"));
     CHECK_THAT(says("[[run]]\nname = \"equal\"", "[[run]]\nname = \"different\""),
                ContainsSubstring("a name of its own"));
-    const std::string plain = with(good, "[procedure]", "[observer]\n[procedures]");
+    const std::string plain =
+        palpate::tests::replaced(good, "[procedure]", "[observer]\n[procedures]");
     CHECK_THAT(rule_refusal(plain), ContainsSubstring("did you mean procedure?"));
 }
 
@@ -200,8 +196,9 @@ TEST_CASE(
     "[adaptive][law]") {
     const auto lowest = GENERATE(values<std::pair<const char*, bool>>(
         {{"4", false}, {"5", false}, {"5.001", true}, {"8", true}}));
-    const std::string staircase = with(adaptive_text(palpate::tests::kStaircaseRule),
-                                       "lowest = 5.5", std::string("lowest = ") + lowest.first);
+    const std::string staircase =
+        palpate::tests::replaced(adaptive_text(palpate::tests::kStaircaseRule), "lowest = 5.5",
+                                 std::string("lowest = ") + lowest.first);
     CAPTURE(lowest.first);
     const std::string what = rule_refusal(staircase);
     if (lowest.second) {
@@ -220,7 +217,7 @@ TEST_CASE(
         CHECK_NOTHROW(stored_protocol(staircase));  // what was run stays readable
     }
     // One that seeks the point of equality may go to both sides of it.
-    const std::string both = with(staircase, "down = 2", "down = 1");
+    const std::string both = palpate::tests::replaced(staircase, "down = 2", "down = 1");
     CHECK(rule_refusal(both) == "accepted");
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         if (shipped.name != "friction_threshold") {
@@ -229,7 +226,8 @@ TEST_CASE(
         const std::string text(shipped.text);
         CHECK(rule_refusal(text) == "accepted");
         CHECK_THAT(
-            rule_refusal(with(text, "lowest = 0.305           #", "lowest = 0.29 #")),
+            rule_refusal(
+                palpate::tests::replaced(text, "lowest = 0.305           #", "lowest = 0.29 #")),
             Catch::Matchers::Matches("p\\.toml:[0-9]+:10: the rule may choose a mu_s of 0\\.29, "
                                      "and that of the standard is 0\\.3: .*"));
     }

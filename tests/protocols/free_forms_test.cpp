@@ -23,18 +23,12 @@ using namespace palpate;
 using namespace palpate::protocols;
 using engine::Vec2;
 using tests::Random;
+using tests::replaced;
 
 namespace {
 
 std::string text_of(const std::string& file) {
     return tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    CAPTURE(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
 }
 
 /// The default study with other [[object]] tables.

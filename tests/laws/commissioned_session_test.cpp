@@ -1,0 +1,199 @@
+#include <memory>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/free_board.hpp"
+#include "tests/support/rig_file.hpp"
+#include "tests/support/rig_study.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::commissioned_rig;
+using tests::eventually;
+using tests::Finished;
+using tests::FreeBoard;
+using tests::operate;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+using tests::times;
+using tests::TypedTo;
+
+// Sessions on a commissioned rig, by the shipped program in a window: what is proved before anybody
+// feels a force, at the opening, after a replug and in breaks.
+
+namespace {
+
+/// Presses what goes on at each screen until `name` is shown, or the program has ended.
+void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
+    CHECK(eventually([&] {
+        const auto window = hand.find_window("palpate: ");
+        const bool there = window.title == "palpate: " + name || !run.program().running();
+        if (!there && window.id != 0) {
+            hand.focus(window);
+            hand.key(window.title == "palpate: question" ? "1" : "space");
+        }
+        tests::pause(0.2);
+        return there;
+    }));
+}
+
+/// Of a session that counts, although the board is emulated.
+std::string real_words(const TemporaryFolder& folder,
+                       const FreeBoard& board,
+                       const std::string& rig) {
+    return tests::ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
+}
+
+/// A session in a window, as an operator opens it.
+std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
+                                        FreeBoard& board,
+                                        const tests::Xvfb& screen,
+                                        const std::string& words) {
+    std::unique_ptr<TypedTo> typed;
+    for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
+        board.bring("0,89.3");
+        typed = std::make_unique<TypedTo>(
+            folder, fmt::format("run{}", attempt), words,
+            std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
+                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
+        operate(*typed, board, "If it ends early");
+    }
+    return typed;
+}
+
+void end_session(tests::XHand& hand, TypedTo& run) {
+    for (int i = 0; i < 40 && run.program().running(); ++i) {
+        hand.focus(hand.find_window("palpate: "));
+        hand.chord("q");
+        tests::pause(0.2);
+        hand.key("y");
+        tests::pause(0.2);
+    }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
+    "[commission][haply][window][law]") {
+    const TemporaryFolder folder;
+    const bool open = GENERATE(false, true);
+    FreeBoard board(folder, open ? "--open" : "");
+    const std::string rig = commissioned_rig(folder, board.word());
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    const auto typed = opened_session(folder, board, screen, real_words(folder, board, rig));
+    TypedTo& run = *typed;
+    INFO(run.program().error());
+    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    if (!open) {  // a motor that becomes stronger is found in the next break
+        press_up_to(hand, run, "question");
+        board.bring("gain 2");
+        press_up_to(hand, run, "break");
+        board.bring("0,89.3");
+        press_up_to(hand, run, "trouble");
+        board.bring("gain 1");
+        press_up_to(hand, run, "ready");
+    }
+    end_session(hand, run);
+    const Finished end = run.program().wait();
+    CAPTURE(end.error);
+    CHECK(end.code == 3);
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT key, value, text FROM event WHERE event_kind = 'provenance' ORDER BY event_id");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "start pose");
+    CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "rig check");
+    CHECK(times(row.text(1), " % at ") == 4);
+    REQUIRE(row.step());
+    CHECK(row.text(0) == (open ? "device watchdog" : "start pose"));  // a Haply board has none
+    CHECK_THAT(row.text(1), ContainsSubstring(open ? "20 ms" : "at home to "));
+    if (!open) {
+        REQUIRE(row.step());
+        CHECK(row.text(1) == "refused");
+        CHECK_THAT(row.text(2), ContainsSubstring("a motor is too strong"));
+    }
+    const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
+    CHECK(warned != open);
+    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+}
+
+TEST_CASE(
+    "after a replug nothing is felt before home, second mark and pulses, and the experimenter's "
+    "chord",
+    "[commission][haply][window][law]") {
+    const TemporaryFolder folder;
+    auto board = std::make_unique<FreeBoard>(folder);
+    const std::string rig = commissioned_rig(folder, board->word());
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    const auto typed = opened_session(folder, *board, screen, real_words(folder, *board, rig));
+    TypedTo& run = *typed;
+    INFO(run.program().error());
+    auto said = [&, from = std::size_t{0}](const std::string& what) mutable {
+        CAPTURE(what);
+        CHECK(
+            eventually([&] { return run.program().out().find(what, from) != std::string::npos; }));
+        from = run.program().out().find(what, from) + what.size();
+    };
+    press_up_to(hand, run, "explore");
+    const std::string out = run.program().out();
+    const std::string mark = tests::last_place(out.substr(out.rfind("Bring the handle to")));
+    const auto replug = [&](const std::string& words) {
+        board.reset();
+        std::filesystem::remove(folder.file("board"));
+        std::filesystem::remove(folder.file("hand"));
+        board = std::make_unique<FreeBoard>(folder, words);
+    };
+    replug("--at=12,89.3");  // another board, beside home
+    said("trouble: ");
+    board->bring("gain 2.5");
+    said("Bring the handle to the second mark ");
+    board->bring(mark);
+    said("neither home nor the second mark ");
+    board->bring("0,89.3");
+    said("Bring the handle to the second mark ");
+    board->bring(mark);
+    said("a motor is too strong");
+    CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
+    board->bring("gain 1");
+    const auto goes_on = [&] {
+        said("mended: Ctrl+Shift+P");
+        hand.focus(hand.find_window("palpate: "));
+        hand.key("space");  // the participant's alone
+        tests::pause(0.5);
+        CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
+        hand.chord("p");
+        press_up_to(hand, run, "ready");
+    };
+    goes_on();
+
+    // The same in a break, where nothing is felt and no fault is seen.
+    press_up_to(hand, run, "break");
+    replug("--at=0,89.3");
+    press_up_to(hand, run, "trouble");
+    said("Bring the handle to the second mark ");
+    board->bring(mark);
+    goes_on();
+    end_session(hand, run);
+    CHECK(run.program().wait().code == 3);
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT group_concat(word, '; ') FROM (SELECT coalesce(key, event_kind) || CASE WHEN "
+        "event_kind = "
+        "'provenance' THEN '' ELSE ' ' || coalesce(value, '') END AS word FROM event WHERE "
+        "event_kind "
+        "IN ('fault', 'reconnect', 'go on') OR key IN ('start pose', 'rig check') ORDER BY "
+        "event_id)");
+    REQUIRE(row.step());
+    CHECK_THAT(
+        row.text(0),
+        Catch::Matchers::StartsWith("start pose; rig check; fault device_lost; ") &&
+            ContainsSubstring("reconnect anew; start pose; rig check; go on device_lost; ") &&
+            Catch::Matchers::EndsWith("reconnect anew; start pose; rig check; go on rig check"));
+    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+}
