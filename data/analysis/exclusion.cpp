@@ -17,7 +17,7 @@ namespace {
 using protocols::ExclusionSpec;
 using protocols::Protocol;
 
-using People = std::map<std::string, Judged>;
+using People = std::map<std::string, Judgement>;
 
 void count_answers(Database& database, std::int64_t study, std::string_view kind, People& people) {
     Statement session = database.prepare(
@@ -25,7 +25,7 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
         "(participant_id) WHERE study_id = ?1 AND session_kind = ?2 GROUP BY participant_code");
     session.bind(1, study).bind(2, kind);
     while (session.step()) {
-        Judged& one = people[session.text(0)];
+        Judgement& one = people[session.text(0)];
         one.participant = session.text(0);
         one.unfinished = session.integer(1);
     }
@@ -37,7 +37,7 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
         "= ?2 AND phase = 'main' GROUP BY participant_code");
     row.bind(1, study).bind(2, kind);
     while (row.step()) {
-        Judged& one = people.at(row.text(0));
+        Judgement& one = people.at(row.text(0));
         one.answers = row.integer(1);
         one.invalid = row.integer(2);
         one.main = one.answers - one.invalid;
@@ -79,7 +79,7 @@ void count_catches(Database& database,
         "= ?2 AND phase = 'catch' AND invalid_reason IS NULL");
     row.bind(1, study).bind(2, kind);
     while (row.step()) {
-        Judged& one = people.at(row.text(0));
+        Judgement& one = people.at(row.text(0));
         if (const auto right = outermost(protocol, row.text(1))) {
             ++one.catches;
             one.catches_right += row.text(2) == *right ? 1 : 0;
@@ -92,7 +92,7 @@ double share_of(std::int64_t some, std::int64_t all) {
 }
 
 void at_least(
-    Judged& one, std::string_view rule, std::int64_t some, std::int64_t all, double least) {
+    Judgement& one, std::string_view rule, std::int64_t some, std::int64_t all, double least) {
     if (all > 0 && share_of(some, all) < least) {
         one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, below {}", rule, some, all,
                                          share_of(some, all), least));
@@ -100,14 +100,14 @@ void at_least(
 }
 
 void check_share(
-    Judged& one, std::string_view rule, std::int64_t some, std::int64_t all, double extreme) {
+    Judgement& one, std::string_view rule, std::int64_t some, std::int64_t all, double extreme) {
     if (all > 0 && share_of(some, all) > extreme) {
         one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, above {}", rule, some, all,
                                          share_of(some, all), extreme));
     }
 }
 
-void apply(const ExclusionSpec& rules, Judged& one) {
+void apply(const ExclusionSpec& rules, Judgement& one) {
     at_least(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min);
     at_least(one, "share_correct_min", one.correct, one.main, rules.share_correct_min);
     check_share(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
@@ -140,9 +140,9 @@ Exclusions judge(Database& database, std::string_view study, std::string_view ki
             found.all.push_back(std::move(one));
         }
     }
-    std::stable_sort(found.all.begin(), found.all.end(), [](const Judged& a, const Judged& b) {
-        return a.participant < b.participant;
-    });
+    std::stable_sort(
+        found.all.begin(), found.all.end(),
+        [](const Judgement& a, const Judgement& b) { return a.participant < b.participant; });
     return found;
 }
 

@@ -15,7 +15,7 @@ namespace palpate::data {
 /// with the outermost picture on its side: the most convex one for an object of curvature > 0, the
 /// most concave one below 0. Where there is nothing to judge (no catch trial was answered) a rule
 /// is not broken.
-struct Judged {
+struct Judgement {
     std::string participant;
     std::int64_t main = 0;              ///< main trials with an answer that counts
     std::int64_t correct = 0;           ///< of these
@@ -31,7 +31,7 @@ struct Judged {
 struct Exclusions {
     bool rules = false;  ///< the protocol has some
     /// by pseudonym, and by protocol where a study has had several versions
-    std::vector<Judged> all;
+    std::vector<Judgement> all;
 };
 
 /// Judges everybody who has a session of this kind, by the rules of the protocol that they ran. Who

@@ -56,7 +56,7 @@ void add_session(const Statement& row, bool codes, ByCode& people, LeftOut& acco
 }
 
 void judge_people(Database& database, ByCode& people, LeftOut& account) {
-    for (const Judged& one : judge(database, account.study, account.kind).all) {
+    for (const Judgement& one : judge(database, account.study, account.kind).all) {
         const auto found = people.find(one.participant);
         if (found == people.end() || found->second.refused || found->second.withdrawn) {
             continue;

@@ -107,7 +107,7 @@ std::string exclusions_text(Database& database, const Group& group) {
     std::set<std::string> everybody;
     std::set<std::string> left_out;
     std::string why;
-    for (const Judged& one : exclusions.all) {
+    for (const Judgement& one : exclusions.all) {
         everybody.insert(one.participant);
         for (const std::string& rule : one.broken) {
             left_out.insert(one.participant);

@@ -145,7 +145,7 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
 }
 
 /// Of one person: a number, or its rank alone (infinite), or neither and why.
-struct Known {
+struct Score {
     double value = std::nan("");
     double rank = std::nan("");
     std::string why{};
@@ -153,7 +153,7 @@ struct Known {
 
 void add_number(IdentificationReport& report,
                 std::string what,
-                const std::function<Known(const IdentifiedPerson&)>& number,
+                const std::function<Score(const IdentifiedPerson&)>& number,
                 bool ratio,
                 bool test) {
     if (report.people.size() < 2) {
@@ -163,7 +163,7 @@ void add_number(IdentificationReport& report,
     std::vector<double> values;
     std::vector<double> ranks;
     for (const IdentifiedPerson& person : report.people) {
-        const Known known = number(person);
+        const Score known = number(person);
         if (std::isfinite(known.value)) {
             values.push_back(known.value);
             ranks.push_back(known.value);
@@ -185,11 +185,11 @@ void add_number(IdentificationReport& report,
 }
 
 /// ln sigma, and on which side it has no end.
-Known log_sigma(const ThurstonePart& part) {
+Score log_sigma(const ThurstonePart& part) {
     constexpr double kEndless = std::numeric_limits<double>::infinity();
     const double value = std::log(part.sigma);
-    return part.end == SigmaEnd::both ? Known{value, value, ""}
-                                      : Known{std::nan(""),
+    return part.end == SigmaEnd::both ? Score{value, value, ""}
+                                      : Score{std::nan(""),
                                               part.end == SigmaEnd::sharp   ? -kEndless
                                               : part.end == SigmaEnd::blunt ? kEndless
                                                                             : std::nan(""),
@@ -197,7 +197,7 @@ Known log_sigma(const ThurstonePart& part) {
 }
 
 /// Of two numbers the second less the first.
-Known difference_of(const Known& first, const Known& second) {
+Score difference_of(const Score& first, const Score& second) {
     const double value = second.value - first.value;
     return {value, std::isfinite(value) ? value : std::nan(""),
             first.why.empty() || first.why == second.why ? second.why : first.why};
@@ -211,7 +211,7 @@ void over_people(IdentificationReport& report) {
     const auto similarity = [](const IdentifiedPerson& person, std::size_t f) {
         const auto& fit = person.similarity[f];
         const double value = fit ? mean_similarity(*fit) : std::nan("");
-        return Known{value, value, person.no_similarity[f]};
+        return Score{value, value, person.no_similarity[f]};
     };
     for (std::size_t f = 0; f < frictions.size(); ++f) {
         add_number(
@@ -230,9 +230,9 @@ void over_people(IdentificationReport& report) {
         add_number(
             report, "shift, " + less,
             [&](const IdentifiedPerson& person) {
-                const Known ratio = both(person);
+                const Score ratio = both(person);
                 const double shift = person.changes[f - 1].shift.value_or(std::nan(""));
-                return Known{shift, shift, ratio.why.empty() ? "unbounded" : ratio.why};
+                return Score{shift, shift, ratio.why.empty() ? "unbounded" : ratio.why};
             },
             false, true);
         add_number(

@@ -51,7 +51,7 @@ struct IdentifiedNumber {
     bool ratio = false;
     std::optional<double> median{};  ///< of all, a sigma without end by its rank
     std::optional<SignFlip> test{};
-    std::vector<Without> left_out{};
+    std::vector<LeftOutPerson> left_out{};
 };
 
 struct IdentificationReport {

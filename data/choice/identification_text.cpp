@@ -225,7 +225,7 @@ std::string identification_json(const IdentificationReport& report) {
     }
     for (const IdentifiedNumber& one : report.over_people) {
         Json left_out = Json::array();
-        for (const Without& person : one.left_out) {
+        for (const LeftOutPerson& person : one.left_out) {
             left_out.push_back({{"participant", person.name}, {"why", person.why}});
         }
         all["over_people"].push_back(

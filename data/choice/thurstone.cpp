@@ -203,7 +203,7 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
             model.keep_within(place);
             return place;
         };
-        const Summit second = simplex_maximum(
+        const SimplexMaximum second = simplex_maximum(
             [&](std::span<const double> at) { return model.value(place_of(at)); }, start, edge);
         fit.second = second.value;
         fit.agree = std::fabs(fit.second - top.value) < kSame;

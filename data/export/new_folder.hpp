@@ -27,7 +27,7 @@ public:
 private:
     std::filesystem::path place_;
     std::filesystem::path building_;
-    std::optional<Held> held_;
+    std::optional<PartLock> held_;
 };
 
 }  // namespace palpate::data

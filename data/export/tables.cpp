@@ -96,7 +96,7 @@ ExportColumn exported(const std::string& table, const ColumnManual& column) {
                                                        : "1",
             column.meaning,
             fmt::format("{}.{}", table, column.name),
-            column.seen != Seen::everybody,
+            column.seen != Visibility::everybody,
             column.levels};
 }
 
@@ -125,7 +125,7 @@ std::vector<ExportColumn> columns_of(const std::string& words) {
             for (const ColumnManual& column : table->columns) {
                 const bool there =
                     std::ranges::find(columns, column.name, &ExportColumn::name) != columns.end();
-                if (column.seen != Seen::file && !there) {
+                if (column.seen != Visibility::file && !there) {
                     columns.push_back(exported(name, column));
                 }
             }

@@ -38,7 +38,7 @@ std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord>
     return {first, last};
 }
 
-PartChunks::PartChunks(Asked& db, const TrialPart& part)
+PartChunks::PartChunks(StatementCache& db, const TrialPart& part)
     : part_(part),
       rows_(db,
             "SELECT first_tick, ticks, codec, crc32, period_ns, holds, derived, data FROM "
@@ -55,7 +55,7 @@ PartChunks::PartChunks(Asked& db, const TrialPart& part)
     require_all(db, counts);
 }
 
-void PartChunks::require_all(Asked& db, const std::vector<std::int64_t>& counts) {
+void PartChunks::require_all(StatementCache& db, const std::vector<std::int64_t>& counts) {
     Query stored(
         db,
         "SELECT session.session_id, rate_hz, felt.ticks FROM main.trial JOIN "

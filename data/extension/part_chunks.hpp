@@ -29,7 +29,7 @@ struct PartChunk {
 class PartChunks {
 public:
     /// @throws SampleError if ticks are missing, but not where the session says that some were lost
-    PartChunks(Asked& db, const TrialPart& part);
+    PartChunks(StatementCache& db, const TrialPart& part);
 
     [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
     [[nodiscard]] std::int64_t first_tick(std::size_t i) const { return first_ticks_.at(i); }
@@ -37,7 +37,7 @@ public:
     [[nodiscard]] PartChunk at(std::size_t i);
 
 private:
-    void require_all(Asked& db, const std::vector<std::int64_t>& counts);
+    void require_all(StatementCache& db, const std::vector<std::int64_t>& counts);
 
     TrialPart part_;
     Query rows_;

@@ -11,13 +11,13 @@ SQLITE_EXTENSION_INIT3
 
 namespace palpate::data {
 
-Asked::~Asked() {
+StatementCache::~StatementCache() {
     for (const auto& [sql, statement] : idle_) {
         sqlite3_finalize(statement);
     }
 }
 
-Query::Query(Asked& database, std::string_view sql) : asked_(database) {
+Query::Query(StatementCache& database, std::string_view sql) : asked_(database) {
     if (const auto known = asked_.idle_.find(sql); known != asked_.idle_.end()) {
         statement_ = known->second;
         asked_.idle_.erase(known);

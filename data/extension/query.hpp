@@ -15,12 +15,12 @@ namespace palpate::data {
 
 /// A connection of somebody else's, with the statements that were asked on it: most are asked
 /// again. Ends before the connection.
-class Asked {
+class StatementCache {
 public:
-    explicit Asked(sqlite3* db) noexcept : db_(db) {}
-    Asked(const Asked&) = delete;
-    Asked& operator=(const Asked&) = delete;
-    ~Asked();
+    explicit StatementCache(sqlite3* db) noexcept : db_(db) {}
+    StatementCache(const StatementCache&) = delete;
+    StatementCache& operator=(const StatementCache&) = delete;
+    ~StatementCache();
 
 private:
     friend class Query;
@@ -33,7 +33,7 @@ private:
 /// 1. Throws SampleError.
 class Query {
 public:
-    Query(Asked& database, std::string_view sql);
+    Query(StatementCache& database, std::string_view sql);
     Query(const Query&) = delete;
     Query& operator=(const Query&) = delete;
     ~Query();
@@ -51,7 +51,7 @@ public:
 private:
     void check(int code, std::string_view doing) const;
 
-    Asked& asked_;
+    StatementCache& asked_;
     sqlite3_stmt* statement_ = nullptr;
 };
 

@@ -186,7 +186,7 @@ int add_extension(sqlite3* db) {
 
 bool sample_is_hidden(sqlite3* db) {
     try {
-        Asked database(db);
+        StatementCache database(db);
         return Query(database,
                      "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
                      " AND type IN ('table', 'view')")

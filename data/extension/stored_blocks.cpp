@@ -18,7 +18,7 @@ constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
 class StoredBlocks : public TickBlocks {
 public:
-    StoredBlocks(Asked& db,
+    StoredBlocks(StatementCache& db,
                  const TrialPart& part,
                  SampleColumns columns,
                  const TickRange& range,
@@ -193,7 +193,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<TickBlocks> stored_blocks(Asked& db,
+std::unique_ptr<TickBlocks> stored_blocks(StatementCache& db,
                                           const TrialPart& part,
                                           SampleColumns columns,
                                           const TickRange& range,

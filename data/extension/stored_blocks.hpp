@@ -18,7 +18,7 @@ struct HipSource {
 
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay,
 /// decoding the columns wanted only, those chunks left out that are out of range.
-[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(Asked& db,
+[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(StatementCache& db,
                                                         const TrialPart& part,
                                                         SampleColumns columns,
                                                         const TickRange& range,

@@ -122,7 +122,7 @@ struct TickStore::State {
     Ticks make_room();
     void require_one_study();
 
-    Asked db;
+    StatementCache db;
     /// By protocol and calibration, so that nothing here can be out of date.
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.

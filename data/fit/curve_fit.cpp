@@ -21,7 +21,7 @@ constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kReach = 1.959963984540054;  ///< sqrt of the 95 % point of chi-square with 1 df
 
 /// Which parameter or tie of the model holds the quantity, and the quantity at a place of it.
-struct Held {
+struct FixedParameter {
     std::size_t parameter = 0;
     Tie tie{};
     double at = 0.0;
@@ -31,16 +31,16 @@ struct Held {
     std::function<double(double)> quantity{};
 };
 
-std::optional<Held> held(const CurveModel& model,
-                         const CurveFit& fit,
-                         Quantity quantity,
-                         double share) {
+std::optional<FixedParameter> held(const CurveModel& model,
+                                   const CurveFit& fit,
+                                   Quantity quantity,
+                                   double share) {
     const CurveSpec& spec = model.spec();
     const Family family = spec.family;
     const auto of_parameter = [&](std::size_t i, std::function<double(double)> value) {
         const double se = std::sqrt(fit.covariance[i][i]);
         const double plain = i == 0 ? 0.1 * (model.last() - model.first()) : i == 1 ? 0.5 : 0.02;
-        return Held{
+        return FixedParameter{
             .parameter = i,
             .at = fit.at[i],
             .low = model.low()[i],
@@ -54,7 +54,8 @@ std::optional<Held> held(const CurveModel& model,
         });
     };
     const auto of_tie = [&](Tie tie, std::function<double(double)> value) {
-        return Held{.tie = tie, .at = tie.value, .step = 0.3, .quantity = std::move(value)};
+        return FixedParameter{
+            .tie = tie, .at = tie.value, .step = 0.3, .quantity = std::move(value)};
     };
     const double value = quantity_of(spec, fit.at, quantity, share);
     if (!std::isfinite(value)) {
@@ -85,10 +86,11 @@ std::optional<Held> held(const CurveModel& model,
             if (model.free()[2] || model.free()[3]) {
                 return std::nullopt;
             }
-            Held one = of_tie({.kind = Tie::Kind::share,
-                               .value = on_axis(family, value),
-                               .share = (share - fit.at[2]) / (1.0 - fit.at[2] - fit.at[3])},
-                              [family](double z) { return off_axis(family, z); });
+            FixedParameter one =
+                of_tie({.kind = Tie::Kind::share,
+                        .value = on_axis(family, value),
+                        .share = (share - fit.at[2]) / (1.0 - fit.at[2] - fit.at[3])},
+                       [family](double z) { return off_axis(family, z); });
             one.step = 0.1 * (model.last() - model.first());
             one.low = model.low()[0];
             one.high = model.high()[0];
@@ -102,7 +104,7 @@ std::optional<Held> held(const CurveModel& model,
 /// last one ended and from a grid.
 class Profile {
 public:
-    Profile(CurveModel model, const CurveFit& fit, const Held& held)
+    Profile(CurveModel model, const CurveFit& fit, const FixedParameter& held)
         : model_(std::move(model)), fit_(&fit), held_(held), near_(fit.at) {}
 
     void restart() { near_ = fit_->at; }
@@ -177,7 +179,7 @@ public:
 private:
     CurveModel model_;
     const CurveFit* fit_;
-    Held held_;
+    FixedParameter held_;
     CurvePoint near_;
 };
 
@@ -318,7 +320,7 @@ std::optional<Interval> profile_interval(const CurveModel& model,
                                          const CurveFit& fit,
                                          Quantity quantity,
                                          double share) {
-    const std::optional<Held> place = held(model, fit, quantity, share);
+    const std::optional<FixedParameter> place = held(model, fit, quantity, share);
     if (!place) {
         return std::nullopt;
     }

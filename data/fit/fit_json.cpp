@@ -126,7 +126,7 @@ std::string fit_json(const FitReport& report) {
     }
     for (const OverPeople& one : report.people) {
         Json left_out = Json::array();
-        for (const Without& person : one.left_out) {
+        for (const LeftOutPerson& person : one.left_out) {
             left_out.push_back({{"participant", person.name}, {"why", person.why}});
         }
         all["people"].push_back({{"what", one.what},

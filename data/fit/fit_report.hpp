@@ -84,7 +84,7 @@ struct OverPeople {
     /// them (hardly a rise). Nothing for differences, or where somebody has no rank.
     std::optional<double> median{};
     std::optional<SignFlip> test{};  ///< of a difference
-    std::vector<Without> left_out{};
+    std::vector<LeftOutPerson> left_out{};
 };
 
 /// Answers that cannot be fitted.

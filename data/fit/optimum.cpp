@@ -315,7 +315,7 @@ Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const Curv
         }
         return within(model, point, free);
     };
-    const Summit top = simplex_maximum(
+    const SimplexMaximum top = simplex_maximum(
         [&](std::span<const double> moving) { return model.value(point_of(moving)); }, from, edge);
     return {point_of(top.at), top.value, top.settled};
 }

@@ -85,14 +85,14 @@ CurveModel alone(const CurveModel& model, bool keeps_prior) {
     return one;
 }
 
-struct Kept {
+struct RatePoint {
     double value = 0.0;
     double slope = 0.0;  ///< by the logarithm of the rate
 };
 
 /// The highest log-likelihood at each rate.
-std::vector<Kept> highest_by_rate(const CurveModel& model, const std::vector<double>& places) {
-    std::vector<Kept> kept(places.size());
+std::vector<RatePoint> highest_by_rate(const CurveModel& model, const std::vector<double>& places) {
+    std::vector<RatePoint> kept(places.size());
     const std::size_t rate = model.spec().shared_rate();
     CurveMask free = model.free();
     free[rate] = false;
@@ -251,7 +251,7 @@ std::vector<CurveMask> masks_of(std::span<const CurveModel> models) {
 
 void share_rate(std::span<CurveModel> models) {
     const std::vector<double> places = log_rates(models.front().spec().shared_rate());
-    std::vector<std::vector<Kept>> kept;
+    std::vector<std::vector<RatePoint>> kept;
     for (const CurveModel& one : models) {
         kept.push_back(highest_by_rate(alone(one, false), places));
     }

@@ -49,14 +49,14 @@ struct Mean {
 /// By person, then friction; of a ratio's quantity the logarithm.
 using Means = std::map<std::string, std::map<std::string, Mean>>;
 
-struct Felt {
+struct ExplorationMeans {
     std::set<std::string> studies{};
     std::map<std::string, double> frictions{};  ///< with the least static coefficient
     std::vector<Means> means{std::size(kAudited)};
     LeftOut left_out{};
 };
 
-Felt read_felt(Database& database, const TrialChoice& choice) {
+ExplorationMeans read_felt(Database& database, const TrialChoice& choice) {
     std::string columns;
     for (const AuditedQuantity& one : kAudited) {
         columns += fmt::format(", {}", one.value);
@@ -70,7 +70,7 @@ Felt read_felt(Database& database, const TrialChoice& choice) {
         "WHERE exploration.counts AND exploration.phase = 'main' AND exploration.session_kind = ?1 "
         "AND (?2 = '' OR exploration.study_name = ?2) ORDER BY trial_id, interval");
     row.bind(1, choice.kind).bind(2, choice.study);
-    Felt felt;
+    ExplorationMeans felt;
     while (row.step()) {
         if (felt.studies.insert(row.text(0)).second) {
             felt.left_out = left_out_of(database, row.text(0), choice.kind, true);
@@ -95,7 +95,7 @@ Felt read_felt(Database& database, const TrialChoice& choice) {
     return felt;
 }
 
-void check_choice(const Felt& felt, Database& database, const TrialChoice& choice) {
+void check_choice(const ExplorationMeans& felt, Database& database, const TrialChoice& choice) {
     if (felt.studies.size() > 1) {
         throw std::invalid_argument(several_studies(database, felt.studies));
     }
@@ -192,7 +192,7 @@ std::string_view verdict_text(const std::optional<Equivalence>& found) {
 
 Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
     const Snapshot now(database);
-    const Felt felt = read_felt(database, choice);
+    const ExplorationMeans felt = read_felt(database, choice);
     check_choice(felt, database, choice);
     Audit audit{.study = *felt.studies.begin()};
     audit.left_out = left_out_of(database, audit.study, choice.kind, choice.codes);

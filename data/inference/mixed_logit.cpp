@@ -103,15 +103,15 @@ Matrix hessian_of(const Objective& f, const Vector& at) {
     return hessian;
 }
 
-struct Least {
+struct Minimum {
     Vector at;
     double value = 0.0;
     bool converged = false;
 };
 
 /// BFGS: C. G. Broyden, R. Fletcher, D. Goldfarb, D. F. Shanno, 1970.
-Least descend(const Objective& f, const Vector& start) {
-    Least best{.at = start, .value = f(start)};
+Minimum descend(const Objective& f, const Vector& start) {
+    Minimum best{.at = start, .value = f(start)};
     Vector gradient = gradient_of(f, best.at);
     Matrix inverse = Matrix::Identity(start.size(), start.size()) /
                      std::max(1.0, gradient.norm());  // a first step of at most 1
@@ -150,7 +150,7 @@ Least descend(const Objective& f, const Vector& start) {
 }
 
 /// Newton's step, as long as it gains or moves by rounding alone.
-void polish(const Objective& f, Least& best) {
+void polish(const Objective& f, Minimum& best) {
     for (int step = 0; step < 2; ++step) {
         const Eigen::LDLT<Matrix> factor(hessian_of(f, best.at));
         if (factor.info() != Eigen::Success || !factor.isPositive()) {
@@ -173,7 +173,7 @@ std::optional<double> error_of(const Matrix& covariance, Eigen::Index i) {
                                                      : std::nullopt;
 }
 
-void add_errors(const Objective& f, const Least& best, MixedFit& fit) {
+void add_errors(const Objective& f, const Minimum& best, MixedFit& fit) {
     const Matrix hessian = hessian_of(f, best.at);
     const Eigen::SelfAdjointEigenSolver<Matrix> parts(hessian);
     if (!(parts.eigenvalues().minCoeff() > 1e-8 * parts.eigenvalues().maxCoeff())) {
@@ -184,7 +184,7 @@ void add_errors(const Objective& f, const Least& best, MixedFit& fit) {
     fit.effect_se = fit.spec.effect ? error_of(covariance, 1) : std::nullopt;
 }
 
-MixedFit fit_of(const Objective& f, const MixedSpec& spec, const Least& best) {
+MixedFit fit_of(const Objective& f, const MixedSpec& spec, const Minimum& best) {
     const auto all = f.whole(best.at);
     MixedFit fit{.spec = spec, .intercept = all[0], .effect = all[1]};
     // L and L with a column turned round give the same covariance: the diagonal is told above 0.
@@ -262,9 +262,9 @@ MixedFit fit_mixed(std::span<const TwoCounts> people, const MixedSpec& spec, con
             starts.push_back({logits[0], logits[1] - logits[0], spread, 0.0, 0.7 * spread});
         }
     }
-    Least best;
+    Minimum best;
     for (const auto& start : starts) {
-        Least found = descend(f, f.part(start));
+        Minimum found = descend(f, f.part(start));
         if (best.at.size() == 0 || found.value < best.value) {
             best = std::move(found);
         }

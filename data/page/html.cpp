@@ -195,15 +195,15 @@ void PageWriter::paragraph(std::string_view text) {
 std::string PageWriter::sources(std::string_view id,
                                 std::string_view title,
                                 const Rows& rows,
-                                Shown shown) const {
+                                Folding shown) const {
     const std::string name = study_->options().kind == "real"
                                ? std::string(id)
                                : fmt::format("{}-{}", study_->options().kind, id);
     const std::string table =
         html_table(rows.names, rows.cells, fmt::format("{}: the data", title));
-    std::string out = shown == Shown::open ? table : "";
+    std::string out = shown == Folding::open ? table : "";
     out += "<div class=\"sources\">\n";
-    if (shown == Shown::folded) {
+    if (shown == Folding::folded) {
         out += fmt::format("<details class=\"data\"><summary>Table ({})</summary>\n{}</details>\n",
                            counted(rows.cells.size(), "row"), table);
     }
@@ -260,8 +260,8 @@ void PageWriter::figure(const PageFigure& figure) {
                                            ? figure.id + "-results"
                                            : fmt::format("{}-results-{}", figure.id, i + 1));
     }
-    body_ +=
-        sources(figure.id, figure.title, figure.data, figure.has_table ? Shown::no : Shown::folded);
+    body_ += sources(figure.id, figure.title, figure.data,
+                     figure.has_table ? Folding::no : Folding::folded);
     body_ += "</figure>\n";
 }
 
@@ -272,7 +272,8 @@ void PageWriter::table(std::string_view id,
     body_ += fmt::format("<div class=\"table\" id=\"{0}\">\n<h3>Table {1}. {2}</h3>\n<p>{3}</p>\n",
                          id, kTableNumber, html_text(title), html_text(caption));
     constexpr std::size_t kShown = 60;  // rows; a longer table is folded
-    body_ += sources(id, title, rows, rows.cells.size() <= kShown ? Shown::open : Shown::folded);
+    body_ +=
+        sources(id, title, rows, rows.cells.size() <= kShown ? Folding::open : Folding::folded);
     body_ += "</div>\n";
 }
 

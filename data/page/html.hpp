@@ -79,11 +79,11 @@ public:
     [[nodiscard]] std::string page(const PageFrame& frame) const;
 
 private:
-    enum class Shown : std::uint8_t { open, folded, no };  ///< the table
+    enum class Folding : std::uint8_t { open, folded, no };  ///< the table
     [[nodiscard]] std::string sources(std::string_view id,
                                       std::string_view title,
                                       const Rows& rows,
-                                      Shown shown) const;
+                                      Folding shown) const;
     void close_section();
     void add_results(const Results& results, const std::string& id);
 

@@ -36,18 +36,18 @@ constexpr std::string_view kStyle = R"css(
 )css";
 
 /// A unit that people read, with its factor.
-struct Shown {
+struct DisplayUnit {
     const char* unit;
     double factor;
 };
-Shown shown_unit(std::string_view column) {
+DisplayUnit shown_unit(std::string_view column) {
     const std::string_view unit = unit_of(column);
-    return column.ends_with("_share") ? Shown{"%", 100.0}
-         : unit == "m/s"              ? Shown{"mm/s", 1e3}
-         : unit == "m"                ? Shown{"mm", 1e3}
-         : unit == "s"                ? Shown{"s", 1.0}
-         : unit == "N"                ? Shown{"N", 1.0}
-                                      : Shown{"count", 1.0};
+    return column.ends_with("_share") ? DisplayUnit{"%", 100.0}
+         : unit == "m/s"              ? DisplayUnit{"mm/s", 1e3}
+         : unit == "m"                ? DisplayUnit{"mm", 1e3}
+         : unit == "s"                ? DisplayUnit{"s", 1.0}
+         : unit == "N"                ? DisplayUnit{"N", 1.0}
+                                      : DisplayUnit{"count", 1.0};
 }
 
 /// "speed_p50_m_per_s" is "speed p50".
@@ -105,7 +105,7 @@ void add_measures(PageWriter& page, const Study& study, const TrialTrace& trace)
     }
     std::vector<std::vector<std::string>> cells;
     for (const std::string& name : names) {
-        const Shown unit = shown_unit(name);
+        const DisplayUnit unit = shown_unit(name);
         const double value = unit.factor * figure.data.number(0, name);
         const bool whole = std::string_view(unit.unit) == "count";
         const ColumnManual* column = find_column("exploration." + name);

@@ -70,15 +70,15 @@ void join(std::string& meaning, std::string_view comment) {
 }
 
 /// Takes [details] or [file] from the beginning of a meaning.
-Seen taken_mark(std::string& meaning) {
+Visibility taken_mark(std::string& meaning) {
     for (const auto& [word, seen] :
-         {std::pair{"[details] ", Seen::details}, {"[file] ", Seen::file}}) {
+         {std::pair{"[details] ", Visibility::details}, {"[file] ", Visibility::file}}) {
         if (meaning.starts_with(word)) {
             meaning.erase(0, std::string_view(word).size());
             return seen;
         }
     }
-    return Seen::everybody;
+    return Visibility::everybody;
 }
 
 /// Takes {a = first; b = second} from the end of a meaning.

@@ -8,7 +8,7 @@
 namespace palpate::data {
 
 /// Who may see a column.
-enum class Seen : std::uint8_t {
+enum class Visibility : std::uint8_t {
     everybody,  ///< in every export
     details,    ///< [details]: it can tell who somebody is, when and where; exported on request
     file,       ///< [file]: a key or a check of this file alone; never exported
@@ -22,7 +22,7 @@ struct ColumnManual {
     std::string meaning;  ///< the comment beside it
     std::string levels;   ///< of a fixed set of words: "real = a session of the study; pilot = ..."
     bool nullable = true;
-    Seen seen = Seen::everybody;
+    Visibility seen = Visibility::everybody;
     std::string source;  ///< of a view: "table.column" that it repeats, else ""
 };
 
@@ -30,7 +30,7 @@ struct TableManual {
     std::string name;
     std::string meaning;  ///< the comment above its columns
     bool view = false;
-    Seen seen = Seen::everybody;
+    Visibility seen = Visibility::everybody;
     std::vector<ColumnManual> columns;
 };
 

@@ -121,9 +121,9 @@ SignFlip sign_flip(std::span<const double> differences) {
             .exact = exact};
 }
 
-std::string without_text(std::span<const Without> people) {
+std::string without_text(std::span<const LeftOutPerson> people) {
     std::string text;
-    for (const Without& one : people) {
+    for (const LeftOutPerson& one : people) {
         text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", one.name, one.why);
     }
     return people.empty()

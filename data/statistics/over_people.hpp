@@ -41,13 +41,13 @@ struct PeopleMean {
 
 /// Who has no such number, and why: an average over people names them, or it would be of others
 /// than it seems.
-struct Without {
+struct LeftOutPerson {
     std::string name{};
     std::string why{};
 };
 
 /// "2 people left out: P03 (no curve), P05 (unbounded)"; empty for nobody.
-[[nodiscard]] std::string without_text(std::span<const Without> people);
+[[nodiscard]] std::string without_text(std::span<const LeftOutPerson> people);
 
 /// The middle value, of two the mean of both. Values may be infinite, where only their rank is
 /// known. Nothing for no value, or where the middle is not finite. @pre none is NaN

@@ -74,7 +74,9 @@ Corner run(const Value& value, const std::vector<double>& start, const std::vect
 
 }  // namespace
 
-Summit simplex_maximum(const Value& value, std::vector<double> start, std::vector<double> edge) {
+SimplexMaximum simplex_maximum(const Value& value,
+                               std::vector<double> start,
+                               std::vector<double> edge) {
     Corner best{std::move(start), -std::numeric_limits<double>::infinity()};
     for (int i = 0; i < 12; ++i) {
         Corner found = run(value, best.at, edge);

@@ -15,10 +15,10 @@ constexpr std::string_view kDetail = "detail ";
 
 }  // namespace
 
-void PeopleMerge::say(const std::string& code, const std::string& key, const Said& said) {
+void PeopleMerge::say(const std::string& code, const std::string& key, const NotedDetail& said) {
     Person& person = people_[code];
     const auto [at, is_new] = person.emplace(key, said);
-    Said& there = at->second;
+    NotedDetail& there = at->second;
     if (is_new) {
         return;
     }
@@ -41,13 +41,13 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Sai
         return;
     }
     const bool newer = there.utc == said.utc ? said.file == prefer_ : there.utc < said.utc;
-    const Said& now = newer ? said : there;
-    const Said& before = newer ? there : said;
+    const NotedDetail& now = newer ? said : there;
+    const NotedDetail& before = newer ? there : said;
     notices_.push_back(fmt::format(
         "participant {}: {} is {} (noted {} in {}), no longer {} ({} in "
         "{})",
         code, key, now.value, now.utc, now.file, before.value, before.utc, before.file));
-    there = Said(now);
+    there = NotedDetail(now);
 }
 
 void PeopleMerge::read(Database& database, const std::string& file) {
@@ -78,7 +78,7 @@ void PeopleMerge::read(Database& database, const std::string& file) {
 void PeopleMerge::number() {
     std::map<std::string, std::pair<std::string, std::string>> taken;
     for (const auto& [code, person] : people_) {
-        const Said& said = person.at(kSubject);
+        const NotedDetail& said = person.at(kSubject);
         const auto [there, is_new] = taken.emplace(said.value, std::pair(code, said.file));
         if (!is_new) {
             in_conflict_.insert(code);

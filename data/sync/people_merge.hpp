@@ -41,15 +41,15 @@ public:
     void write(Database& out) const;
 
 private:
-    struct Said {
+    struct NotedDetail {
         std::string value;
         std::string file;
         std::string utc{};  ///< when it was noted
     };
     using Person =
-        std::map<std::string, Said>;  ///< key, value; "detail KEY" for participant_detail
+        std::map<std::string, NotedDetail>;  ///< key, value; "detail KEY" for participant_detail
 
-    void say(const std::string& code, const std::string& key, const Said& said);
+    void say(const std::string& code, const std::string& key, const NotedDetail& said);
     static bool stays(const Person& person, const std::string& key);
 
     std::map<std::string, Person> people_;

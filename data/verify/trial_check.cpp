@@ -69,7 +69,7 @@ TrialCheck::TrialCheck(Database& database,
       period_ns_(engine::tick_period_ns(frame.protocol.apparatus.rate_hz)) {}
 
 void TrialCheck::check(const StoredRow& trial) {
-    Pending& pending = pending_.emplace_back(Pending{.trial = trial});
+    TrialRows& pending = pending_.emplace_back(TrialRows{.trial = trial});
     Findings findings(pending.found);
     findings.look_at(trial.integer("trial_id"));
     try {
@@ -98,7 +98,7 @@ void TrialCheck::finish() {
 }
 
 void TrialCheck::finish_first() {
-    Pending& first = pending_.front();  // its task refers to it
+    TrialRows& first = pending_.front();  // its task refers to it
     const auto take_down = [&] {
         for (const CheckedInterval& one : first.intervals) {
             report_.replayed += static_cast<std::int64_t>(one.trace.ticks.size());
@@ -117,7 +117,7 @@ void TrialCheck::finish_first() {
     take_down();
 }
 
-void TrialCheck::check_rows(Pending& pending, Findings& findings) {
+void TrialCheck::check_rows(TrialRows& pending, Findings& findings) {
     const StoredRow& trial = pending.trial;
     take_events();
     ++checked_;
@@ -143,7 +143,7 @@ void TrialCheck::take_events() {
 }
 
 /// What session and events say of where it was felt.
-void TrialCheck::check_device(Pending& pending, Findings& findings) const {
+void TrialCheck::check_device(TrialRows& pending, Findings& findings) const {
     findings.expect("trial", "device", pending.trial, device_.now.name);
     findings.expect("trial", "calibration_sha256", pending.trial,
                     device_.now.calibration.empty() ? Value() : Value(device_.now.calibration));
@@ -162,7 +162,9 @@ void TrialCheck::check_place(const StoredRow& trial, Findings& findings) {
         static_cast<std::int64_t>(before == progress_.attempts().end() ? 1 : before->second + 1));
 }
 
-void TrialCheck::check_planned(Pending& pending, const PlannedTrial& planned, Findings& findings) {
+void TrialCheck::check_planned(TrialRows& pending,
+                               const PlannedTrial& planned,
+                               Findings& findings) {
     const StoredRow& trial = pending.trial;
     const bool answered = pending.response.has_value();
     pending.done = progress_.pending().answered();
@@ -194,7 +196,7 @@ void TrialCheck::check_planned(Pending& pending, const PlannedTrial& planned, Fi
 }
 
 /// Asks no database: while the rows of later trials are looked at.
-void TrialCheck::check_ticks_of(Pending& pending) const {
+void TrialCheck::check_ticks_of(TrialRows& pending) const {
     const StoredRow& trial = pending.trial;
     const std::span<const CheckedInterval> intervals = pending.intervals;
     Findings findings(pending.found);
@@ -251,7 +253,7 @@ void TrialCheck::take(const StoredRow& trial,
     check_step(database_, trial.integer("trial_id"), answer, progress_.runs(), findings);
 }
 
-void TrialCheck::check_outcome(const Pending& pending, Findings& findings) const {
+void TrialCheck::check_outcome(const TrialRows& pending, Findings& findings) const {
     const StoredRow& trial = pending.trial;
     const bool answered = pending.response.has_value();
     const std::string outcome = trial.text("outcome");

@@ -34,7 +34,7 @@ public:
 
 private:
     /// A trial of which the rows were looked at.
-    struct Pending {
+    struct TrialRows {
         StoredRow trial;
         std::optional<StoredRow> response{};
         std::vector<CheckedInterval> intervals{};
@@ -48,11 +48,11 @@ private:
     };
 
     void take_events();
-    void check_rows(Pending& pending, Findings& findings);
-    void check_ticks_of(Pending& pending) const;
+    void check_rows(TrialRows& pending, Findings& findings);
+    void check_ticks_of(TrialRows& pending) const;
     void check_place(const StoredRow& trial, Findings& findings);
-    void check_device(Pending& pending, Findings& findings) const;
-    void check_planned(Pending& pending,
+    void check_device(TrialRows& pending, Findings& findings) const;
+    void check_planned(TrialRows& pending,
                        const protocols::PlannedTrial& planned,
                        Findings& findings);
     void finish_first();
@@ -61,7 +61,7 @@ private:
               bool answered,
               const std::optional<protocols::RuleAnswer>& answer,
               Findings& findings);
-    void check_outcome(const Pending& pending, Findings& findings) const;
+    void check_outcome(const TrialRows& pending, Findings& findings) const;
     [[nodiscard]] std::optional<double> stimulus_of(const protocols::PlannedTrial& planned,
                                                     Findings& findings) const;
 
@@ -74,7 +74,7 @@ private:
     std::size_t taken_ = 0;     ///< of these
     std::int64_t checked_ = 0;  ///< trials
     std::int64_t period_ns_;
-    std::deque<Pending> pending_;
+    std::deque<TrialRows> pending_;
     SideBySide work_;  ///< the last one: it ends first
 };
 

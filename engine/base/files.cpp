@@ -131,12 +131,12 @@ mode_t usual_rights(mode_t wanted) {
     return wanted & ~mask;
 }
 
-Held::Held(const std::filesystem::path& part)
+PartLock::PartLock(const std::filesystem::path& part)
     : fd_(::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {
     ::flock(fd_, LOCK_EX | LOCK_NB);  // some network disks cannot: then nothing is removed either
 }
 
-Held::~Held() {
+PartLock::~PartLock() {
     ::close(fd_);
 }
 

@@ -34,12 +34,12 @@ inline constexpr std::string_view kPartName = ".palpate-part-";
 [[nodiscard]] mode_t usual_rights(mode_t wanted);
 
 /// Holds what is half made, for as long as this lives: what nobody holds was left behind.
-class Held {
+class PartLock {
 public:
-    explicit Held(const std::filesystem::path& part);
-    Held(const Held&) = delete;
-    Held& operator=(const Held&) = delete;
-    ~Held();
+    explicit PartLock(const std::filesystem::path& part);
+    PartLock(const PartLock&) = delete;
+    PartLock& operator=(const PartLock&) = delete;
+    ~PartLock();
 
 private:
     int fd_ = -1;

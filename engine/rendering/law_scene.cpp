@@ -55,7 +55,7 @@ Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
         rubbing = {.law = {.draws = rubbing.law.draws}, .hip = hip};
     }
     const double travel = glm::dot(rubbing.tangent, hip - rubbing.hip);
-    const Rubbed rubbed =
+    const FrictionForce rubbed =
         law_.step(rubbing.law, {.travel = std::fmax(-kFarTravel, std::fmin(travel, kFarTravel)),
                                 .load = std::fmin(contact.normal_force, kHardLoad),
                                 .place = begins_.empty() ? 0.0 : along(state.go.place)});

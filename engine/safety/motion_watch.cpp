@@ -20,7 +20,7 @@ Trip watch_motion(MotionWatch& watch,
         return Trip::
             none;  // an old HIP is no start of a way: the hand may have gone anywhere since
     }
-    const MotionWatch::Seen last = watch.ring[(watch.seen - 1) % MotionWatch::kSlots];
+    const MotionWatch::TimedPlace last = watch.ring[(watch.seen - 1) % MotionWatch::kSlots];
     const bool first = watch.seen == 0;
     const std::size_t slot = watch.seen++ % MotionWatch::kSlots;
     if (!fresh) {
@@ -37,7 +37,7 @@ Trip watch_motion(MotionWatch& watch,
     }
     const std::size_t window = window_ticks(limits.period);
     const std::size_t back = std::min(window, watch.seen - 1);
-    const MotionWatch::Seen& old = watch.ring[(watch.seen - 1 - back) % MotionWatch::kSlots];
+    const MotionWatch::TimedPlace& old = watch.ring[(watch.seen - 1 - back) % MotionWatch::kSlots];
     const double span = std::max(static_cast<double>(window) * limits.period, clock.now - old.time);
     return glm::length(hip - old.hip) <= limits.speed * span ? Trip::none : Trip::over_speed;
 }

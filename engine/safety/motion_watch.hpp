@@ -21,11 +21,11 @@ inline constexpr double kSpeedWindow = 0.020;  ///< s
 struct MotionWatch {
     static constexpr std::size_t kSlots = 256;  ///< 20 ms at 10 kHz and a little more
 
-    struct Seen {
+    struct TimedPlace {
         Vec3 hip{};         ///< m
         double time = 0.0;  ///< when it was read, s
     };
-    std::array<Seen, kSlots> ring{};
+    std::array<TimedPlace, kSlots> ring{};
     std::size_t seen = 0;  ///< ticks so far
 };
 

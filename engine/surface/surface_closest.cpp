@@ -139,7 +139,7 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
     if (moved > track.slack) {
         return search(track, h, work);
     }
-    Moved foot_now;
+    FootPlace foot_now;
     if (!follow(track, h, foot_now)) {
         const SurfaceFoot foot = descend(*object_, h, track.place, work);
         track.place = foot.place;
@@ -162,7 +162,7 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
 /// Newton's step from the last jet, then from new ones until a step is so small that the second
 /// order of Taylor's series is exact to rounding. False at an edge of the patch, or where there is
 /// no bowl.
-bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const noexcept {
+bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, FootPlace& moved) const noexcept {
     for (int i = 0; i < 6; ++i) {
         const SurfaceJet& j = track.jet;
         const FootSlope g(j, j.point - h);
@@ -194,7 +194,7 @@ bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const
 
 SurfaceClosest SurfaceFeet::answer(const SurfaceTrack& track,
                                    const Vec3& h,
-                                   const Moved& moved) const noexcept {
+                                   const FootPlace& moved) const noexcept {
     const Vec3 r = moved.point - h;
     SurfaceClosest result;
     result.place = moved.place;

@@ -122,12 +122,12 @@ private:
     [[nodiscard]] SurfacePlace middle_of(std::uint32_t leaf, PatchPart& part) const noexcept;
 
     /// A foot next to the place of a jet.
-    struct Moved {
+    struct FootPlace {
         SurfacePlace place{};
         Vec3 point{};
     };
 
-    [[nodiscard]] bool follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const noexcept;
+    [[nodiscard]] bool follow(SurfaceTrack& track, const Vec3& h, FootPlace& moved) const noexcept;
     [[nodiscard]] SurfaceClosest search(SurfaceTrack& track,
                                         const Vec3& h,
                                         Work work) const noexcept;
@@ -148,7 +148,7 @@ private:
                                   Work& work) const noexcept;
     [[nodiscard]] SurfaceClosest answer(const SurfaceTrack& track,
                                         const Vec3& h,
-                                        const Moved& moved) const noexcept;
+                                        const FootPlace& moved) const noexcept;
 
     std::shared_ptr<const SurfaceObject> object_;
     std::vector<Grid> grids_;  ///< one a surface

@@ -122,26 +122,26 @@ using TrialId = std::int64_t;
 
 /// What can happen beside the trials. The database has the words of to_string().
 enum class EventKind : std::uint8_t {
-    rest,          ///< "break": before the trial at `position`
-    pause,         ///< by the experimenter, before the trial at `position`
-    go_on,         ///< after a pause or a trouble of `duration_s`; `value`: its cause
-    abort,         ///< before the trial at `position`
-    gave_up,       ///< before the trial at `position`, after `count` tries in vain
-    fault,         ///< of `trial` at `position`; `value`: its cause
-    reconnect,     ///< the device works again, after `count` tries; `value`: whether it began anew
-    invalid,       ///< the answer of `trial` at `position` breaks a rule of the protocol
-    note,          ///< somebody noted it
-    mark,          ///< the answer of `trial` does not count after all; the text is the reason
-    redo,          ///< `part` begins again; `count` answers do not count any more
-    interrupted,   ///< `trial` was found unfinished
-    timing,        ///< how late the ticks were
-    ticks_lost,    ///< `count` of them, in `trial` at `position`
-    masking,       ///< of the masking noise; `duration_s`: that there was none
-    display_lost,  ///< the participant's screen is gone
-    device,        ///< the session goes on with the device `value`
-    experimenter,  ///< "operator": the session goes on with `value`
-    provenance,    ///< the session goes on with `value` of `key`
-    participant,   ///< `value` was noted of the participant's `key`
+    rest,           ///< "break": before the trial at `position`
+    pause,          ///< by the experimenter, before the trial at `position`
+    go_on,          ///< after a pause or a trouble of `duration_s`; `value`: its cause
+    abort,          ///< before the trial at `position`
+    gave_up,        ///< before the trial at `position`, after `count` tries in vain
+    fault,          ///< of `trial` at `position`; `value`: its cause
+    reconnect,      ///< the device works again, after `count` tries; `value`: whether it began anew
+    invalid,        ///< the answer of `trial` at `position` breaks a rule of the protocol
+    note,           ///< somebody noted it
+    mark,           ///< the answer of `trial` does not count after all; the text is the reason
+    redo,           ///< `part` begins again; `count` answers do not count any more
+    interrupted,    ///< `trial` was found unfinished
+    timing,         ///< how late the ticks were
+    ticks_lost,     ///< `count` of them, in `trial` at `position`
+    masking,        ///< of the masking noise; `duration_s`: that there was none
+    display_lost,   ///< the participant's screen is gone
+    device,         ///< the session goes on with the device `value`
+    experimenter,   ///< "operator": the session goes on with `value`
+    provenance,     ///< the session goes on with `value` of `key`
+    participant,    ///< `value` was noted of the participant's `key`
     planned_again,  ///< before its first trial the session became another one
     stop,           ///< somebody wanted no force, in `trial` or between trials; `value`: by what
 };

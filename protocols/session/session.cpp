@@ -125,7 +125,7 @@ private:
     [[nodiscard]] bool trusted() const {
         return !ports_.apparatus.has_proof() || trust_.gives_force();
     }
-    [[nodiscard]] Trusting rig() {
+    [[nodiscard]] TrustPort rig() {
         return {.trust = trust_, .happened = [this](const Event& event) {
                     happened(event);
                 }};

@@ -11,18 +11,18 @@ namespace palpate::protocols {
 namespace {
 
 /// Switches the force off when the felt part ends, however it ends.
-class Felt {
+class ForceScope {
 public:
-    Felt(Apparatus& apparatus,
-         const engine::SceneView& scene,
-         const PlannedTrial& planned,
-         std::size_t interval)
+    ForceScope(Apparatus& apparatus,
+               const engine::SceneView& scene,
+               const PlannedTrial& planned,
+               std::size_t interval)
         : apparatus_(&apparatus) {
         apparatus.begin(scene, planned, interval);
     }
-    Felt(const Felt&) = delete;
-    Felt& operator=(const Felt&) = delete;
-    ~Felt() { end(); }
+    ForceScope(const ForceScope&) = delete;
+    ForceScope& operator=(const ForceScope&) = delete;
+    ~ForceScope() { end(); }
     void end() {
         if (apparatus_ != nullptr) {
             apparatus_->end();
@@ -135,7 +135,7 @@ void TrialRunner::feel(TrialId id,
     tripped_s_.reset();
     result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
     {
-        Felt force(ports_.apparatus, scene, planned, felt.interval);
+        ForceScope force(ports_.apparatus, scene, planned, felt.interval);
         explore(id, view, result);
         force.end();
         drain(id, false);

@@ -10,7 +10,7 @@ namespace {
 /// The way from a fault to a rig that may give force again.
 class Mending {
 public:
-    Mending(Ports& ports, const Fault& fault, std::size_t in_a_row, const Trusting& rig)
+    Mending(Ports& ports, const Fault& fault, std::size_t in_a_row, const TrustPort& rig)
         : ports_(ports), fault_(fault), rig_(rig) {
         view.sentence = fault.text;
         view.in_a_row = in_a_row;
@@ -63,7 +63,7 @@ private:
 
     Ports& ports_;
     const Fault& fault_;
-    const Trusting& rig_;
+    const TrustPort& rig_;
     bool back_ = false;
 };
 
@@ -83,7 +83,7 @@ bool note_stop(Ports& ports, std::optional<TrialId> trial) {
 Mended mend(Ports& ports,
             const Fault& fault,
             std::size_t in_a_row,
-            const Trusting& rig,
+            const TrustPort& rig,
             std::optional<TrialId> trial) {
     Mending mending(ports, fault, in_a_row, rig);
     TroubleView& view = mending.view;

@@ -18,7 +18,7 @@ struct Mended {
 };
 
 /// Trust, and what has to be done with an event.
-struct Trusting {
+struct TrustPort {
     const RigTrust& trust;  ///< as events leave it
     std::function<void(const Event&)> happened;
 };
@@ -33,7 +33,7 @@ struct Trusting {
 [[nodiscard]] Mended mend(Ports& ports,
                           const Fault& fault,
                           std::size_t in_a_row,
-                          const Trusting& rig,
+                          const TrustPort& rig,
                           std::optional<TrialId> trial = {});
 
 /// If somebody stopped the force, keeps by what. @return somebody did

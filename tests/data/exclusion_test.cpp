@@ -82,7 +82,7 @@ void run(data::Database& database,
 
 std::vector<std::string> rules_of(const data::Exclusions& exclusions, const std::string& code) {
     std::vector<std::string> rules;
-    for (const data::Judged& one : exclusions.all) {
+    for (const data::Judgement& one : exclusions.all) {
         for (const std::string& rule : one.broken) {
             if (one.participant == code) {
                 rules.push_back(rule.substr(0, rule.find(':')));

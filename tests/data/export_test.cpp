@@ -204,7 +204,7 @@ TEST_CASE("every column of the file is exported or marked to stay in the file", 
     while (column.step()) {
         const std::string name = column.text(0) + '.' + column.text(1);
         CAPTURE(name);
-        const bool stays = data::find_column(name)->seen == data::Seen::file ||
+        const bool stays = data::find_column(name)->seen == data::Visibility::file ||
                            column.text(0) == "secret" || name == "adaptive_plan.plan_position";
         CHECK((stays || sql.find(name) != std::string::npos));
     }

@@ -91,10 +91,10 @@ TEST_CASE(
     CHECK(
         kind.levels ==
         "real = a session of the study; pilot = to try it; simulated = computed hand and answers");
-    CHECK(kind.seen == data::Seen::everybody);
-    CHECK(data::find_column("session.operator")->seen == data::Seen::details);
+    CHECK(kind.seen == data::Visibility::everybody);
+    CHECK(data::find_column("session.operator")->seen == data::Visibility::details);
     CHECK(data::find_column("session.operator")->nullable);
-    CHECK(data::find_column("participant.participant_code")->seen == data::Seen::file);
+    CHECK(data::find_column("participant.participant_code")->seen == data::Visibility::file);
     // A view repeats it, with all that is said of it.
     const auto& shown = *data::find_column("analysis_trial.session_kind");
     CHECK(shown.source == "session.session_kind");

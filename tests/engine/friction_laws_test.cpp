@@ -90,10 +90,10 @@ TEST_CASE("coming to rest keeps the force, to within the travel of the tick", "[
         for (int i = 0; i < 100; ++i) {
             static_cast<void>(law.step(state, {.travel = 1e-4, .load = 4.0}));
         }
-        const Rubbed slides = law.step(state, {.travel = 1e-4, .load = 4.0});
+        const FrictionForce slides = law.step(state, {.travel = 1e-4, .load = 4.0});
         CHECK(slides.slid);
         CHECK(slides.force == Approx(-2.0));
-        const Rubbed rests = law.step(state, {.travel = 0.0, .load = 4.0});
+        const FrictionForce rests = law.step(state, {.travel = 0.0, .load = 4.0});
         CHECK_FALSE(rests.slid);
         CHECK(rests.force == Approx(-2.0).epsilon(1e-12));
     }
@@ -177,7 +177,7 @@ TEST_CASE("snags lie where they lie, and one in every length of their spacing ho
     bool stuck = false;
     for (int i = 0; i <= 10'000; ++i) {
         const double x = 0.0001 + 5e-6 * i;
-        const Rubbed felt =
+        const FrictionForce felt =
             law.step(state, {.travel = i == 0 ? 0.0 : 5e-6, .load = 2.0, .place = x});
         // Of the snags at or before x the last one that nothing before it still held.
         double centre = -1.0;
@@ -223,7 +223,7 @@ TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give
             const FrictionLaw law = c.law();
             LawState state;
             for (const Rub& rub : c.rubs) {
-                const Rubbed felt = law.step(state, rub);
+                const FrictionForce felt = law.step(state, rub);
                 REQUIRE(std::isfinite(felt.force));
                 REQUIRE(std::isfinite(felt.mu));
                 if (traits.in_cone) {

@@ -62,9 +62,9 @@ TEST_CASE("on a line a scene's friction is the law's own, of HIP's travel and K 
             if (!touching) {
                 alone = {.draws = alone.draws};
             }
-            const Rubbed felt = law.step(alone, {.travel = touching ? h.x - last.x : 0.0,
-                                                 .load = -1000.0 * h.y,
-                                                 .place = h.x + 1.0});
+            const FrictionForce felt = law.step(alone, {.travel = touching ? h.x - last.x : 0.0,
+                                                        .load = -1000.0 * h.y,
+                                                        .place = h.x + 1.0});
             touching = true;
             last = h;
             REQUIRE(c.normal_force == Approx(-1000.0 * h.y).margin(1e-11));

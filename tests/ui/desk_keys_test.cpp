@@ -87,7 +87,7 @@ TEST_CASE("what became of a mark stands at the lower edge, until something else 
         static_cast<void>(rig.screen.gap(0.1));
         const auto& lines = rig.screen.stage().window().written();
         std::string all;
-        for (const Written& line : lines) {
+        for (const TextExtent& line : lines) {
             all += line.text + " ";
         }
         CAPTURE(all);

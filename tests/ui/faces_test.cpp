@@ -113,12 +113,12 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     return all;
 }
 
-bool apart(const Vec2& corner, const Vec2& size, const Written& line) {
+bool apart(const Vec2& corner, const Vec2& size, const TextExtent& line) {
     return line.corner.x >= corner.x + size.x || line.corner.y >= corner.y + size.y ||
            line.corner.x + line.size.x <= corner.x || line.corner.y + line.size.y <= corner.y;
 }
 
-bool within(const Vec2& corner, const Vec2& size, const Written& line) {
+bool within(const Vec2& corner, const Vec2& size, const TextExtent& line) {
     const Vec2 end = line.corner + line.size;
     return line.corner.x >= corner.x && line.corner.y >= corner.y && end.x <= corner.x + size.x &&
            end.y <= corner.y + size.y;
@@ -126,7 +126,7 @@ bool within(const Vec2& corner, const Vec2& size, const Written& line) {
 
 /// @param lowest  share of the height that text must not go below
 void check_layout(const Window& window, const Shown& face, double lowest = kBarTop) {
-    const std::vector<Written>& lines = window.written();
+    const std::vector<TextExtent>& lines = window.written();
     const Vec2 place{window.size().x, lowest * window.size().y};
     std::string words;
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -151,7 +151,7 @@ void check_layout(const Window& window, const Shown& face, double lowest = kBarT
 
 /// Small letters of DejaVu Sans are 0.547 of the type high, a line 1.164 (its font file). Minutes
 /// of arc from 1 m, on a screen 0.30 m high.
-double minutes_of_arc(const Window& window, const Written& line) {
+double minutes_of_arc(const Window& window, const TextExtent& line) {
     const double metres = 0.30 * (line.size.y / 1.164) * 0.547 / window.size().y;
     return metres / 1.0 * 180.0 / M_PI * 60.0;
 }
@@ -206,7 +206,7 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
         draw_bar(window, sentence);
         check_layout(window, {}, 1.0);
         CHECK(window.written().front().corner.y >= kBarTop * size.y);
-        for (const Written& line : window.written()) {
+        for (const TextExtent& line : window.written()) {
             CAPTURE(size.x, size.y, line.text);
             CHECK((size.x < size.y || minutes_of_arc(window, line) >= 16.0));
         }
@@ -214,7 +214,7 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
     window.clear(kBackground);
     draw(window,
          TroubleFace{"the device stopped answering: check its cable and power", true, true});
-    for (const Written& line : window.written()) {
+    for (const TextExtent& line : window.written()) {
         CAPTURE(size.x, size.y, line.text);
         CHECK((size.x < size.y || minutes_of_arc(window, line) >= 16.0));
     }

@@ -36,7 +36,7 @@ struct DoctorOptions {
 };
 
 /// What the checks need to know of the study; the program's defaults without a protocol.
-struct Asked {
+struct DoctorSpec {
     DeviceChoice device;
     engine::Calibration calibration{};
     std::optional<protocols::Protocol> protocol{};
@@ -44,8 +44,8 @@ struct Asked {
     double rate_hz = 1000.0;
 };
 
-Asked plan_of(const DoctorOptions& options) {
-    Asked plan{.device = parse_device(options.device)};
+DoctorSpec plan_of(const DoctorOptions& options) {
+    DoctorSpec plan{.device = parse_device(options.device)};
     plan.calibration = calibration_of(plan.device, options.calibration);
     if (!options.protocol.empty()) {
         plan.protocol = load_study(options.protocol).protocol;
@@ -59,7 +59,7 @@ Asked plan_of(const DoctorOptions& options) {
 }
 
 /// @throws what opening a device throws
-std::shared_ptr<engine::Device> open_device(const Asked& plan) {
+std::shared_ptr<engine::Device> open_device(const DoctorSpec& plan) {
     const double period = 1.0 / plan.rate_hz;
     switch (plan.device.kind) {
         case DeviceChoice::Kind::replay: {
@@ -132,7 +132,7 @@ private:
     std::vector<Check> checks_;
 };
 
-void look_at_device(Report& report, const std::string& word, const Asked& plan) {
+void look_at_device(Report& report, const std::string& word, const DoctorSpec& plan) {
     std::optional<Check> feasible;  // while it is open: some devices can be opened only once
     const auto then = [&](const engine::Device& device) {
         if (plan.protocol) {
@@ -190,7 +190,7 @@ void declare(CommandWords& words, DoctorOptions& options) {
 }
 
 int run(const DoctorOptions& options) {
-    const Asked plan = plan_of(options);
+    const DoctorSpec plan = plan_of(options);
     Report report(!options.json);
     const auto before = processor_time();
     look_at_device(report, options.device, plan);

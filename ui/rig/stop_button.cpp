@@ -79,8 +79,8 @@ void StopButton::close_it() noexcept {
     }
 }
 
-StopButton::Seen StopButton::look() noexcept {
-    Seen seen = Seen::nothing;
+StopButton::ButtonState StopButton::look() noexcept {
+    ButtonState seen = ButtonState::nothing;
     std::array<input_event, 16> events{};
     for (;;) {
         const ssize_t got = read(descriptor_, events.data(), sizeof events);
@@ -89,7 +89,7 @@ StopButton::Seen StopButton::look() noexcept {
         }
         if (got <= 0 || static_cast<std::size_t>(got) % sizeof(input_event) != 0) {
             close_it();
-            return Seen::gone;
+            return ButtonState::gone;
         }
         for (std::size_t i = 0; i < static_cast<std::size_t>(got) / sizeof(input_event); ++i) {
             const input_event& event = events[i];
@@ -98,7 +98,7 @@ StopButton::Seen StopButton::look() noexcept {
             }
             const bool dropped = event.type == EV_SYN && event.code == SYN_DROPPED;
             if (dropped || (event.type == EV_KEY && event.value == 1)) {
-                seen = Seen::pressed;
+                seen = ButtonState::pressed;
             }
         }
     }

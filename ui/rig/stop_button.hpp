@@ -11,7 +11,7 @@ namespace palpate::ui {
 class StopButton {
 public:
     /// What was seen since the last look.
-    enum class Seen : std::uint8_t {
+    enum class ButtonState : std::uint8_t {
         nothing,
         pressed,  ///< now, or in between: also where the kernel says that it had to drop events
         gone,     ///< unplugged, or it cannot be read
@@ -27,7 +27,7 @@ public:
     /// To be polled for reading; -1: gone.
     [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
     /// Never waits. Of several, what matters most.
-    [[nodiscard]] Seen look() noexcept;
+    [[nodiscard]] ButtonState look() noexcept;
     /// A key of it is held down.
     [[nodiscard]] bool down() const noexcept { return down_ > 0; }
     /// After gone: it is there again, and nobody presses it. Never waits.

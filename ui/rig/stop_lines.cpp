@@ -145,12 +145,12 @@ void StopLines::look_at_terminal() {
 
 void StopLines::look_at_button() {
     switch (button_->look()) {
-        case StopButton::Seen::nothing:
+        case StopButton::ButtonState::nothing:
             break;
-        case StopButton::Seen::pressed:
+        case StopButton::ButtonState::pressed:
             acts_.stop("stop button");
             break;
-        case StopButton::Seen::gone:
+        case StopButton::ButtonState::gone:
             acts_.bar("the stop button is gone: plug it in again");
             acts_.stop("stop button gone");
             return;

@@ -32,7 +32,7 @@ struct Corner {
 enum class Align { left, centre, right };
 
 /// A line of text that stands in the window.
-struct Written {
+struct TextExtent {
     std::string text;
     engine::Vec2 corner{};  ///< top left, pixels
     engine::Vec2 size{};
@@ -89,7 +89,7 @@ public:
               Colour colour,
               Align align = Align::centre);
     /// All lines since the last clear().
-    [[nodiscard]] const std::vector<Written>& written() const noexcept { return written_; }
+    [[nodiscard]] const std::vector<TextExtent>& written() const noexcept { return written_; }
     /// Pixels that the line would take.
     [[nodiscard]] double text_width(std::string_view line, double height);
     void present();
@@ -105,7 +105,7 @@ public:
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
-    std::vector<Written> written_;
+    std::vector<TextExtent> written_;
     const Words* words_;
     protocols::Language language_;
     protocols::InstructionTexts instructions_;

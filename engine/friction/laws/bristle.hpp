@@ -21,7 +21,9 @@ namespace palpate::engine {
 /// In the cone and passive (n sigma <= K): a new bond is never stretched more than the one that
 /// snapped. Needs mu_d >= mu_s / 3; costs a tick by every bristle; ripples by chance, by a share of
 /// 1 / sqrt n.
-[[nodiscard]] inline Rubbed bristle(const LawTask& law, LawState& state, const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce bristle(const LawTask& law,
+                                           LawState& state,
+                                           const Rub& rub) noexcept {
     const double reach = law.mu_s * rub.load / law.stiffness;
     const double lowest = law.mu_s > 0.0 ? 3.0 * law.mu_d / law.mu_s - 2.0 : 1.0;
     const double max_over = std::fabs(rub.travel);

@@ -11,9 +11,9 @@ namespace palpate::engine {
 /// A benchmark's foil: at rest it holds nothing, and where an encoder counts once in several ticks
 /// it chatters between 0 and mu_d F_N. In the cone; not passive, since after a reversal the held
 /// force pushes along for one tick.
-[[nodiscard]] inline Rubbed coulomb_sign(const LawTask& law,
-                                         LawState& /*state*/,
-                                         const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce coulomb_sign(const LawTask& law,
+                                                LawState& /*state*/,
+                                                const Rub& rub) noexcept {
     return {.force = -law.mu_d * rub.load * sign_of(rub.travel),
             .mu = law.mu_d,
             .slid = rub.travel != 0.0};

@@ -28,7 +28,9 @@ namespace palpate::engine {
 /// that it knows neither time nor rate. Where the load falls, f is cut to f_c. In the cone; passive
 /// for sigma <= K. No static friction; drifts under an oscillating load below f_c, for it slips a
 /// little at any force.
-[[nodiscard]] inline Rubbed dahl(const LawTask& law, LawState& state, const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce dahl(const LawTask& law,
+                                        LawState& state,
+                                        const Rub& rub) noexcept {
     const double max = law.mu_d * rub.load;
     const double before = std::clamp(-state.force, -max, max);
     double after = before;

@@ -18,9 +18,9 @@ namespace palpate::engine {
 /// tangent plane at the closest point. Without a velocity it does not chatter. In the cone, passive
 /// for k <= K (the god-object only ever comes nearer); falls by (mu_s - mu_d) F_N in the tick of
 /// break-away.
-[[nodiscard]] inline Rubbed friction_cone(const LawTask& law,
-                                          LawState& state,
-                                          const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce friction_cone(const LawTask& law,
+                                                 LawState& state,
+                                                 const Rub& rub) noexcept {
     state.stretch += rub.travel;
     const double dynamic = law.mu_d * rub.load / law.stiffness;
     const double length = std::fabs(state.stretch);

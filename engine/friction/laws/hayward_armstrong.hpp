@@ -45,9 +45,9 @@ namespace palpate::engine {
 /// everywhere and creeps (`palpate bench friction` shows both). Regimes: sticking, creeping,
 /// sliding; the oscillating one, which needs a map that falls again, is not rendered. In the cone;
 /// passive for k <= K; knows neither time nor rate; no static friction.
-[[nodiscard]] inline Rubbed hayward_armstrong(const LawTask& law,
-                                              LawState& state,
-                                              const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce hayward_armstrong(const LawTask& law,
+                                                     LawState& state,
+                                                     const Rub& rub) noexcept {
     const double max = law.mu_d * rub.load / law.stiffness;
     const double before = std::clamp(state.stretch, -max, max);
     double after = before;

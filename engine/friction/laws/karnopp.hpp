@@ -15,7 +15,9 @@ namespace palpate::engine {
 /// DV is `stick_speed`. A velocity that changed its sign was within DV in between. How it feels
 /// depends on DV, and on the rate: v = dx / T of an encoder's count q jumps by q / T, 10 mm/s for
 /// 10 um at 1 kHz, which DV has to exceed or it chatters.
-[[nodiscard]] inline Rubbed karnopp(const LawTask& law, LawState& state, const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce karnopp(const LawTask& law,
+                                           LawState& state,
+                                           const Rub& rub) noexcept {
     const bool slow = std::fabs(rub.travel) < law.spec.stick_speed * law.period;
     return stuck_spring(law, state, rub, slow || sign_of(rub.travel) != state.way);
 }

@@ -88,7 +88,7 @@ struct Rub {
 };
 
 /// What is felt of it.
-struct Rubbed {
+struct FrictionForce {
     double force = 0.0;  ///< on the user, along the tangent, N
     double mu = 0.0;     ///< coefficient in force
     bool slid = false;   ///< most of the travel was slip
@@ -137,7 +137,7 @@ public:
     FrictionLaw(const LawSpec& spec, const Friction& friction, double stiffness, double period);
 
     /// One tick on. No allocation, no lock; finite for finite numbers, the same bits everywhere.
-    [[nodiscard]] Rubbed step(LawState& state, const Rub& rub) const noexcept {
+    [[nodiscard]] FrictionForce step(LawState& state, const Rub& rub) const noexcept {
         return step_(task_, state, rub);
     }
     /// The law wants to know where on the outline the contact is.
@@ -145,8 +145,10 @@ public:
     [[nodiscard]] const LawTask& task() const noexcept { return task_; }
 
 private:
-    using Step = Rubbed (*)(const LawTask&, LawState&, const Rub&) noexcept;
-    static Rubbed none(const LawTask& /*task*/, LawState& /*state*/, const Rub& /*rub*/) noexcept {
+    using Step = FrictionForce (*)(const LawTask&, LawState&, const Rub&) noexcept;
+    static FrictionForce none(const LawTask& /*task*/,
+                              LawState& /*state*/,
+                              const Rub& /*rub*/) noexcept {
         return {};
     }
     static Step step_of(LawKind kind) noexcept;

@@ -29,7 +29,9 @@ namespace palpate::engine {
 /// sigma_0. In the cone and passive for sigma_1 = sigma_2 = 0 and sigma_0 <= K; dampers leave the
 /// cone and ask the device for as much damping more. Drifts under an oscillating load, as Dahl's
 /// law does.
-[[nodiscard]] inline Rubbed lugre(const LawTask& law, LawState& state, const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce lugre(const LawTask& law,
+                                         LawState& state,
+                                         const Rub& rub) noexcept {
     const double level = lugre_level(law, rub);
     const double max = law.mu_s * rub.load / law.stiffness;
     const double before = std::clamp(state.stretch, -max, max);
@@ -57,9 +59,9 @@ namespace palpate::engine {
 /// Grows without bound where sigma_0 |v| T / g > 2 (euler_limit): at any speed, once the load is
 /// small enough, as it is whenever a contact begins or ends. z is cut at 1e9 m, for finite in gives
 /// finite out. A protocol may not use it.
-[[nodiscard]] inline Rubbed lugre_euler(const LawTask& law,
-                                        LawState& state,
-                                        const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce lugre_euler(const LawTask& law,
+                                               LawState& state,
+                                               const Rub& rub) noexcept {
     constexpr double kFar = 1e9;
     const double level = std::max(lugre_level(law, rub), 1e-30);
     const double change =

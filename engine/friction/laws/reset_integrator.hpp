@@ -17,9 +17,9 @@ namespace palpate::engine {
 /// `bristle_damping`. Jumps by (mu_s - mu_d) F_N on break-away and, by design, back again on each
 /// return. In the cone for sigma_1 = 0. Passive under a load that does not rise; where it rises
 /// while HIP slides, the strain grows along, paid for with mu_d F_N and given back with mu_s F_N.
-[[nodiscard]] inline Rubbed reset_integrator(const LawTask& law,
-                                             LawState& state,
-                                             const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce reset_integrator(const LawTask& law,
+                                                    LawState& state,
+                                                    const Rub& rub) noexcept {
     const double reach = law.mu_s * rub.load / law.stiffness;
     state.stretch = std::clamp(state.stretch + rub.travel, -reach, reach);
     if (std::fabs(state.stretch) >= reach) {

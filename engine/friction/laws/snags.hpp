@@ -38,7 +38,9 @@ namespace palpate::engine {
 /// stay where they are, and so are a texture. A snag catches whoever passes its centre, k is
 /// `stiffness`. In the cone. Between the snags it is coulomb_sign, holds nothing at rest and
 /// chatters, and is not passive; the snags by themselves are.
-[[nodiscard]] inline Rubbed snags(const LawTask& law, LawState& state, const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce snags(const LawTask& law,
+                                         LawState& state,
+                                         const Rub& rub) noexcept {
     const double from = state.placed ? state.place : rub.place;
     state.place = rub.place;
     state.placed = true;

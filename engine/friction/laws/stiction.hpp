@@ -11,7 +11,9 @@ namespace palpate::engine {
 ///
 /// "v = 0" is meant literally: a tick without travel, or a change of sign. So with an encoder that
 /// counts once in several ticks it sticks and breaks away again, a chatter of (mu_s - mu_d) F_N.
-[[nodiscard]] inline Rubbed stiction(const LawTask& law, LawState& state, const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce stiction(const LawTask& law,
+                                            LawState& state,
+                                            const Rub& rub) noexcept {
     return stuck_spring(law, state, rub, sign_of(rub.travel) != state.way);
 }
 

@@ -13,9 +13,9 @@ namespace palpate::engine {
 /// eps is `smoothing_speed`, v_s `stribeck_speed`. In the cone. At rest it holds nothing, so that
 /// it creeps under any load; near rest it is a damper of mu_s F_N / eps, 1400 N s/m for 4 N and 2
 /// mm/s, far beyond what a sampled loop can give passively: it chatters.
-[[nodiscard]] inline Rubbed stribeck_map(const LawTask& law,
-                                         LawState& /*state*/,
-                                         const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce stribeck_map(const LawTask& law,
+                                                LawState& /*state*/,
+                                                const Rub& rub) noexcept {
     const double v = rub.travel / law.period;
     const double share = v / law.spec.stribeck_speed;
     const double mu = law.mu_d + (law.mu_s - law.mu_d) * exponential(-share * share);

@@ -15,10 +15,10 @@ namespace palpate::engine {
 /// the force of sliding stands for was never wound up where the load rose while it slid; the gain
 /// is below (mu_d F_N)^2 / 2 k a slide.
 /// @param rests  the sliding is over
-[[nodiscard]] inline Rubbed stuck_spring(const LawTask& law,
-                                         LawState& state,
-                                         const Rub& rub,
-                                         bool rests) noexcept {
+[[nodiscard]] inline FrictionForce stuck_spring(const LawTask& law,
+                                                LawState& state,
+                                                const Rub& rub,
+                                                bool rests) noexcept {
     if (state.sliding && rests) {
         state.sliding = false;
         state.stretch = -state.force / law.stiffness;

@@ -10,9 +10,9 @@ namespace palpate::engine {
 ///
 /// b is `viscosity`, N s/m. Leaves the cone by b |v|, and asks the device for b more damping, as
 /// any sampled damper does (thesis eq. 1.1). Else as coulomb_sign.
-[[nodiscard]] inline Rubbed viscous(const LawTask& law,
-                                    LawState& /*state*/,
-                                    const Rub& rub) noexcept {
+[[nodiscard]] inline FrictionForce viscous(const LawTask& law,
+                                           LawState& /*state*/,
+                                           const Rub& rub) noexcept {
     return {.force = -law.mu_d * rub.load * sign_of(rub.travel) -
                      law.spec.viscosity * rub.travel / law.period,
             .mu = law.mu_d,
