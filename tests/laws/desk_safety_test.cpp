@@ -150,7 +150,8 @@ TEST_CASE(
                 desk.session->screen_name(), desk.session->program().error());
         CHECK(lost);
     }
-    desk.session->press_at("trouble", "space");
+    desk.session->hand().release("space");
+    desk.goes_on();
     REQUIRE(desk.feel());
     const std::int64_t killed = monotonic_ns();
     desk.session->program().signal(SIGKILL);

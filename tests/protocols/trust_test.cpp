@@ -279,7 +279,8 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
     rig.begins_anew = true;
     Patient observer;
     Kinds kept;
-    CHECK((run(short_protocol(), rig, observer, kept).why == SessionEnd::Why::finished));
+    const SessionEnd end = run(short_protocol(), rig, observer, kept);
+    CHECK((end.why == SessionEnd::Why::finished));
     CHECK(kept.anew == 2);
     REQUIRE_FALSE(observer.troubles.empty());
     CHECK(observer.troubles.back().by_hand);
@@ -320,7 +321,8 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
     } rig(world, 0, Trip::none);
     Patient observer;
     Kinds kept;
-    CHECK((run(protocol, rig, observer, kept).why == SessionEnd::Why::finished));
+    const SessionEnd end = run(protocol, rig, observer, kept);
+    CHECK((end.why == SessionEnd::Why::finished));
     CHECK(rig.trips < 0);
     CHECK(kept.count[EventKind::fault] == 3);
 }
