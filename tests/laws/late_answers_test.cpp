@@ -69,7 +69,17 @@ TEST_CASE(
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'") == "0");
     board.type("delay 0");
     session.wait_until("SELECT count(*) FROM event WHERE event_kind = 'reconnect'", "1");
-    session.press_at("trouble", "space");
+    const bool silent = session.ask(
+                            "SELECT fault_cause FROM trial ORDER BY trial_id DESC LIMIT "
+                            "1") == "device_silent";
+    for (int tries = 0; tries < 20 && session.screen_name() == "trouble"; ++tries) {
+        if (silent) {  // a busy machine's board went away: the experimenter goes on
+            session.hand().chord("p");
+        } else {
+            session.hand().key("space");
+        }
+        tests::pause(0.5);
+    }
     session.wait_for_screen("ready");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
