@@ -11,16 +11,23 @@ namespace {
 class Mending {
 public:
     Mending(Ports& ports, const Fault& fault, std::size_t in_a_row, const TrustPort& rig)
-        : ports_(ports), fault_(fault), rig_(rig) {
+        : ports_(ports), fault_(fault), rig_(rig), stopped_(fault.cause == engine::Trip::stopped) {
         view.sentence = fault.text;
         view.in_a_row = in_a_row;
         view.by_hand = waits_for_experimenter(fault.cause);
         ask_for_experimenter();
     }
 
+    /// Nobody wants a force until the experimenter goes on: no pulse moves the handle.
+    void stop() {
+        view.by_hand = true;
+        stopped_ = true;
+    }
+
     /// One step: the device has to come back whatever is trusted, then what is not proved is.
     void try_on() {
-        ProofStep step = prove_step(ports_.apparatus, back_ ? rig_.trust.state : Trust::unknown);
+        const bool proves = back_ && !stopped_;
+        ProofStep step = prove_step(ports_.apparatus, proves ? rig_.trust.state : Trust::unknown);
         if (!step.event) {
             ++view.tries;
             view.sentence = step.refused.empty() ? fault_.text : step.refused;
@@ -33,7 +40,8 @@ public:
         back_ = true;
         rig_.happened(*step.event);
         ask_for_experimenter();
-        view.solved = !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
+        view.solved =
+            stopped_ || !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
         // No longer why it could not be reached; or what comes next.
         view.sentence = view.solved ? fault_.text : kProofComes;
     }
@@ -64,6 +72,7 @@ private:
     Ports& ports_;
     const Fault& fault_;
     const TrustPort& rig_;
+    bool stopped_;
     bool back_ = false;
 };
 
@@ -89,7 +98,9 @@ Mended mend(Ports& ports,
     TroubleView& view = mending.view;
     TroubleView said_last;
     for (std::size_t slice = 0;; ++slice) {
-        view.by_hand |= note_stop(ports, trial);
+        if (note_stop(ports, trial)) {
+            mending.stop();
+        }
         if (!view.solved && slice % kSlicesPerTry == 0) {
             mending.try_on();
         }

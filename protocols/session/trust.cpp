@@ -12,8 +12,9 @@ namespace {
 using engine::Trip;
 
 /// Causes that lie with people, screen, machine or program, and are soon over.
-constexpr std::array kElsewhere{Trip::focus_lost, Trip::let_go,        Trip::time_limit, Trip::late,
-                                Trip::delayed,    Trip::screen_silent, Trip::none};
+constexpr std::array kElsewhere{Trip::stopped,       Trip::focus_lost, Trip::let_go,
+                                Trip::time_limit,    Trip::late,       Trip::delayed,
+                                Trip::screen_silent, Trip::none};
 /// Causes after which the board may be another one, or begin anew.
 constexpr std::array kAway{Trip::device_lost, Trip::device_silent, Trip::device_stopped,
                            Trip::device_garbage};
@@ -44,9 +45,11 @@ RigTrust after_reconnect(RigTrust trust, const Event& event) noexcept {
     return trust;
 }
 
+/// A stop takes trust when it is over: until then nothing moves the rig, pulses neither.
 RigTrust after_going_on(RigTrust trust, const Event& event) noexcept {
     trust.by_hand = false;
-    return event.duration_s > kLongTrouble ? lowered_to(trust, Trust::answers) : trust;
+    const bool stopped = event.value == to_string(Trip::stopped);
+    return stopped || event.duration_s > kLongTrouble ? lowered_to(trust, Trust::answers) : trust;
 }
 
 RigTrust after_proof(RigTrust trust, const Event& event) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -177,6 +178,16 @@ public:
     [[nodiscard]] bool gives_force() const noexcept override {
         return device_->traits().gives_force;
     }
+    void stop(engine::Trip why) override {
+        stopped_.store(true);
+        ServoApparatus::stop(why);
+    }
+    void allow() override {
+        stopped_.store(false);
+        ServoApparatus::allow();
+    }
+    /// stop() was called, and allow() not since. Any thread.
+    [[nodiscard]] bool stopped() const noexcept { return stopped_.load(); }
     [[nodiscard]] bool has_proof() const noexcept override { return bool{proof_.motors}; }
     [[nodiscard]] engine::ShortForm prove_place() override;
     [[nodiscard]] engine::ShortForm prove_motors() override;
@@ -195,6 +206,7 @@ private:
     std::unique_ptr<engine::Device> device_;
     engine::ThreadServo servo_;
     RigProof proof_;
+    std::atomic<bool> stopped_{false};
     std::size_t homings_;   ///< of the device, when it was last asked whether it began anew
     std::string unproved_;  ///< what was found wrong, and nothing has disproved since
 };

@@ -78,6 +78,7 @@ public:
     [[nodiscard]] engine::ShortForm prove_motors() override {
         CHECK_FALSE(force_on);
         CHECK(placed);  // a force at a wrong place proves nothing
+        ++pulses;
         const auto form = step(pulses_left_, pulsed, "a motor is too strong");
         since = pulsed ? 0 : since;
         return form;
@@ -89,6 +90,7 @@ public:
     }
 
     bool begins_anew = false;  ///< at each change
+    int pulses = 0;
     bool placed = false;
     bool pulsed = false;
     std::size_t since = 0;  ///< trials since pulses were right
@@ -205,8 +207,8 @@ TEST_CASE("each cause of a fault takes as much trust as it could have changed of
         }
     }
     CHECK(all == 4);  // lost, silent, stopped, garbage
-    CHECK(kept == 7);
-    CHECK(place >= 11);
+    CHECK(kept == 8);
+    CHECK(place >= 10);
     CHECK((apply(proved, {.kind = EventKind::fault, .value = "a new cause"}).state < proved.state));
 }
 
@@ -284,6 +286,53 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
     CHECK(kept.anew == 2);
     REQUIRE_FALSE(observer.troubles.empty());
     CHECK(observer.troubles.back().by_hand);
+}
+
+TEST_CASE(
+    "after a stop no pulse moves the rig before the experimenter goes on, and then before a force",
+    "[session][trust][fault][law]") {
+    const bool in_trouble = GENERATE(false, true);  // it is stopped, or while a fault is mended
+    World world{.seed = 5, .fault_share = 0.3};
+    ChangingRig rig(world, 2, in_trouble ? Trip::jump : Trip::stopped);
+    OperatorDesk desk;
+    class Stopper : public Patient {
+    public:
+        Stopper(ChangingRig& rig, OperatorDesk* desk) : rig_(&rig), desk_(desk) {}
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            if (looks_++ == 0) {
+                pulses_ = rig_->pulses;
+                if (desk_ != nullptr) {
+                    desk_->stop("Escape");
+                }
+            }
+            CHECK(rig_->pulses == pulses_);
+            if (!view.solved || looks_ < 30) {  // three tries
+                return std::nullopt;
+            }
+            CHECK(view.by_hand);
+            ++stops;
+            looks_ = 0;
+            return Signal::go_on;
+        }
+        int stops = 0;
+
+    private:
+        ChangingRig* rig_;
+        OperatorDesk* desk_;
+        int looks_ = 0;
+        int pulses_ = 0;
+    } observer(rig, in_trouble ? &desk : nullptr);
+    Kinds kept;
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                                       {.apparatus = rig,
+                                        .observer = observer,
+                                        .recorder = kept,
+                                        .pause = [](double) {},
+                                        .desk = &desk});
+    CHECK((end.why == SessionEnd::Why::finished));
+    CHECK(observer.stops >= 2);
 }
 
 TEST_CASE("a long trouble is a break: the rig is proved once it is over", "[session][trust]") {

@@ -37,19 +37,6 @@ struct CommissionOptions {
 
 constexpr double kPeriod = 1e-3;
 
-/// Somebody ended it by a signal: thrown within a pulse, whose motors are then at zero.
-struct Stopped {};
-
-/// Ticks that end at a signal.
-engine::PulseRunner::Wait ticks_until_stopped() {
-    return [tick = wall_ticks(kPeriod)]() mutable {
-        if (interrupted()) {
-            throw Stopped{};
-        }
-        return tick();
-    };
-}
-
 /// A device whose handle nobody holds, and how it comes to a place.
 struct Rig {
     std::unique_ptr<engine::EmulatedHaply> emulated;
@@ -93,7 +80,7 @@ Rig emulated_rig(engine::Calibration& machine) {
                         emulated->begin({.start = Vec2(place), .tremor = 0.0});
                         return true;
                     },
-                .wait = ticks_until_stopped(),
+                .wait = ticks_until(kPeriod, interrupted),
                 .period = kPeriod};
     return rig;
 }
@@ -115,7 +102,7 @@ Rig real_rig(const CommissionOptions& options,
                                       "Bring the handle to {}, let go of it and press Enter. ",
                                       engine::place_text(place, axes)));
             },
-        .wait = ticks_until_stopped(),
+        .wait = ticks_until(kPeriod, interrupted),
         .period = kPeriod};
     return rig;
 }
@@ -238,7 +225,7 @@ int run(const CommissionOptions& options) {
     try {
         in_real_time(
             [&] { done = engine::commission(*rig.device, machine, places, mass, rig.desk); });
-    } catch (const Stopped&) {
+    } catch (const PulsesStopped&) {
         done.given_up = true;
     }
     if (done.given_up) {

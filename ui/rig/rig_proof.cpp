@@ -113,14 +113,19 @@ OpeningFact prove_mark(engine::PulseRunner& runner,
 using Look = std::function<engine::ShortForm(engine::PulseRunner&, engine::Device&)>;
 protocols::RigProof::Step step_of(const engine::Calibration& calibration,
                                   double period,
+                                  const std::function<bool()>& stopped,
                                   Look look) {
-    return [calibration, period, look = std::move(look)](engine::Device& device) {
+    return [calibration, period, stopped, look = std::move(look)](engine::Device& device) {
         engine::ShortForm form;
-        in_real_time([&] {
-            engine::PulseRunner runner(device, engine::Machine(calibration), period,
-                                       wall_ticks(period));
-            form = look(runner, device);
-        });
+        try {
+            in_real_time([&] {
+                engine::PulseRunner runner(device, engine::Machine(calibration), period,
+                                           ticks_until(period, stopped));
+                form = look(runner, device);
+            });
+        } catch (const PulsesStopped&) {
+            form = {.refused = "no force is wanted, so that the rig was not proved", .found = {}};
+        }
         return form;
     };
 }
@@ -210,6 +215,12 @@ engine::PulseRunner::Wait wall_ticks(double period) {
     };
 }
 
+engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped) {
+    return [tick = wall_ticks(period), stopped = std::move(stopped)]() mutable {
+        return stopped() ? throw PulsesStopped{} : tick();
+    };
+}
+
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
     const bool at_home = engine::starts_at_home(calibration);
     ask_for_yes(
@@ -227,9 +238,9 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
                                        double period,
                                        bool beforehand) {
     std::vector<OpeningFact> facts;
-    in_real_time([&] {
+    const auto prove = [&] {
         engine::PulseRunner runner(device, engine::Machine(calibration), period,
-                                   wall_ticks(period));
+                                   ticks_until(period, interrupted));
         prove_rest(runner, calibration);
         if (record.mark && !beforehand) {
             facts.push_back(prove_mark(runner, calibration, *record.mark));
@@ -249,13 +260,20 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
         facts.push_back({.key = std::string(protocols::kRigCheck),
                          .value = form.found,
                          .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)});
-    });
+    };
+    try {
+        in_real_time(prove);
+    } catch (const PulsesStopped&) {
+        throw std::runtime_error(
+            "stopped while the rig was proved: its motors are off, no session was begun");
+    }
     return facts;
 }
 
 protocols::RigProof proof_between_trials(const engine::Calibration& calibration,
                                          const engine::RigRecord& record,
-                                         double period) {
+                                         double period,
+                                         const std::function<bool()>& stopped) {
     const auto motors = [calibration, record, period](engine::PulseRunner& runner,
                                                       engine::Device& device) {
         engine::ShortForm form =
@@ -280,9 +298,9 @@ protocols::RigProof proof_between_trials(const engine::Calibration& calibration,
             return proof.look(runner, device);
         };
     }
-    return {.home = step_of(calibration, period, home),
-            .mark = step_of(calibration, period, std::move(mark)),
-            .motors = step_of(calibration, period, motors)};
+    return {.home = step_of(calibration, period, stopped, home),
+            .mark = step_of(calibration, period, stopped, std::move(mark)),
+            .motors = step_of(calibration, period, stopped, motors)};
 }
 
 }  // namespace palpate::ui

@@ -51,6 +51,11 @@ void in_real_time(const std::function<void()>& work);
 /// A tick of a real device: deadlines `period` s apart. One that is far behind begins anew.
 [[nodiscard]] engine::PulseRunner::Wait wall_ticks(double period);
 
+/// Thrown within a pulse, whose motors are then at zero.
+struct PulsesStopped {};
+/// The same until somebody wants no force: then it throws PulsesStopped.
+[[nodiscard]] engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped);
+
 /// Before the device is opened: the handle has to be free, and at home, which the device takes its
 /// pose for. @throws as ask_for_yes
 void ask_for_home(const engine::Calibration& calibration, bool beforehand);
@@ -67,8 +72,10 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
 
 /// The same between trials, where nobody sits at a terminal: home and mark count as soon as the
 /// handle rests there to within kAtPlace. See engine::MarkProof.
+/// @param stopped  whether somebody wants no force, that of a pulse included; asked on any thread
 [[nodiscard]] protocols::RigProof proof_between_trials(const engine::Calibration& calibration,
                                                        const engine::RigRecord& record,
-                                                       double period);
+                                                       double period,
+                                                       const std::function<bool()>& stopped);
 
 }  // namespace palpate::ui

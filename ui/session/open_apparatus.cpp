@@ -9,6 +9,7 @@
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
 
 namespace palpate::ui {
@@ -66,7 +67,9 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
         protocol, std::move(device), spec.spin_share,
         unproved(spec) ? protocols::kUnprovedForce : std::numeric_limits<double>::infinity());
     if (spec.record) {
-        apparatus->prove_by(proof_between_trials(calibration, *spec.record, period));
+        apparatus->prove_by(proof_between_trials(
+            calibration, *spec.record, period,
+            [port = apparatus.get()] { return port->stopped() || interrupted(); }));
     }
     return apparatus;
 }
