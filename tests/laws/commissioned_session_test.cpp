@@ -197,3 +197,24 @@ TEST_CASE(
             Catch::Matchers::EndsWith("reconnect anew; start pose; rig check; go on rig check"));
     CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
 }
+
+TEST_CASE("who is noted as not consenting is never run, and no device is touched",
+          "[commission][consent][law]") {
+    const TemporaryFolder folder;
+    const std::string device = "haply:" + folder.file("none");
+    const std::string rig = commissioned_rig(folder, device);
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command({"participant", file, "P1", "--new", "--consent", "no"}).code == 0);
+    const auto run = [&] {
+        return palpate_command({"run", tests::study_of_rig(folder), "--participant", "P1", "--db",
+                                file, "--windowed", "--kind", "real", "--device", device,
+                                "--calibration", rig, "--handle-free"});
+    };
+    const Finished refused = run();
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.error, ContainsSubstring("P1 is noted as not consenting") &&
+                                  ContainsSubstring("P1 --consent yes"));
+    REQUIRE(palpate_command({"participant", file, "P1", "--consent", "yes"}).code == 0);
+    CHECK_THAT(run().error, !ContainsSubstring("not consenting") &&
+                                ContainsSubstring(folder.file("none")));  // the device is next
+}

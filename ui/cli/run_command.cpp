@@ -130,13 +130,20 @@ void check_record(RigSpec& spec, const std::string& device) {
 /// What is noted of the participant; none: nobody of that code is known.
 using Person = std::optional<data::Participant>;
 
-/// Of a real session without a noted consent: said, or refused where the protocol demands it.
+/// Of a real session without a noted consent: said, or refused where the protocol demands it; who
+/// is noted as not consenting is never run.
 void check_consent(const Person& person, const RunOptions& options, const RigSpec& spec) {
     if (spec.kind != data::RunKind::real) {
         return;
     }
     if (person && person->notes.consent == true) {
         return;
+    }
+    if (person && person->notes.consent == false) {
+        throw std::invalid_argument(fmt::format(
+            "{0} is noted as not consenting: nothing real is run with them; if they have changed "
+            "their mind, palpate participant {1} {0} --consent yes notes it",
+            options.participant, options.database));
     }
     const std::string text = fmt::format(
         "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
