@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
@@ -15,6 +17,7 @@ using tests::FreeBoard;
 using tests::palpate_command;
 using tests::replaced;
 using tests::TemporaryFolder;
+using tests::times;
 using tests::TypedTo;
 
 // README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in
@@ -38,6 +41,7 @@ std::string study(const TemporaryFolder& folder) {
 void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
     bool explores = false;
     bool felt = false;
+    int troubles = 0;
     std::string before;
     CHECK(eventually([&] {
         const auto window = hand.find_window("palpate: ");
@@ -47,8 +51,13 @@ void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
         } else if (at == "palpate: ready" && !explores) {
             board.bring("explore");
             explores = true;
-        } else if ((at == "palpate: break" || at == "palpate: trouble") && at != before) {
-            board.bring("0,89.3");  // brought home without a jump, and let go
+        } else if ((at == "palpate: break" || at == "palpate: trouble") &&
+                   (at != before || times(run.program().out(), "trouble: ") > troubles)) {
+            const std::string out = run.program().out();
+            troubles = times(out, "trouble: ");
+            const std::string last = out.substr(std::min(out.rfind("trouble: "), out.size()));
+            const bool mark = last.find("to the second mark") != std::string::npos;
+            board.bring(mark ? tests::last_place(last) : "0,89.3");  // without a jump, and let go
             explores = false;
         } else if (window.id != 0) {
             hand.focus(window);
