@@ -50,8 +50,8 @@ public:
                 ((!fresh || !trusted()) && between(next) == Signal::abort)) {
                 return stopped();
             }
-            fresh = true;  // what is wanted now comes without another gap
-            if (wanted()) {
+            fresh = true;                  // what is wanted now comes without another gap
+            if (wanted() || !trusted()) {  // who stopped a proof goes on before it is right
                 continue;
             }
             const PlannedTrial& planned = plan_.trials.at(pending().next());
