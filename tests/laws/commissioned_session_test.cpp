@@ -206,9 +206,11 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
     const std::string file = folder.file("d.sqlite");
     REQUIRE(palpate_command({"participant", file, "P1", "--new", "--consent", "no"}).code == 0);
     const auto run = [&] {
-        return palpate_command({"run", tests::study_of_rig(folder), "--participant", "P1", "--db",
-                                file, "--windowed", "--kind", "real", "--device", device,
-                                "--calibration", rig, "--handle-free"});
+        TypedTo program(folder, "run",
+                        tests::ran_words(folder, device) + " --kind real --handle-free" +
+                            " --calibration '" + rig + "'",
+                        {"SDL_VIDEODRIVER=dummy"});
+        return program.program().wait();
     };
     const Finished refused = run();
     CHECK(refused.code == 2);
