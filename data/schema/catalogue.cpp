@@ -20,8 +20,8 @@ PRAGMA user_version = 1;
 CREATE TABLE secret (
     -- [file] Random numbers that enter every order and stream of a session beside protocol, participant, number
     -- and seed: who has not this file cannot compute an order, and so not say whose an exported one is. Never
-    -- exported or pushed. One is made with the file; merged files bring theirs. New sessions take the first by
-    -- its digits.
+    -- exported or pushed. One is made with the file; merged files bring theirs. New sessions take that of the
+    -- first one.
     hex TEXT PRIMARY KEY                            -- 128 bits
             CHECK (length(hex) = 32 AND hex NOT GLOB '*[^0-9a-f]*')
 ) STRICT;

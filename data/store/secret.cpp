@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -37,6 +38,30 @@ std::vector<std::string> unused(Database& database) {
         return false;
     });
     return all;
+}
+
+bool has_secret(Database& database, std::string_view hex) {
+    return database.prepare("SELECT 1 FROM secret WHERE hex = ?1").bind(1, hex).step();
+}
+
+/// With which the first session of people was drawn, or without one the first person's number: rows
+/// that somebody adds come later. None: nothing was drawn yet.
+std::optional<std::string> first_used(Database& database) {
+    Statement session = database.prepare(
+        "SELECT secret FROM session WHERE secret <> ?1 ORDER BY session_id LIMIT 1");
+    if (session.bind(1, kDemoSecret).step()) {
+        return session.text(0);
+    }
+    Statement drawn = database.prepare(
+        "SELECT hex, participant_code, subject FROM participant, secret WHERE hex <> ?1 ORDER BY "
+        "participant_id, hex");
+    drawn.bind(1, kDemoSecret);
+    while (drawn.step()) {
+        if (drawn_with(drawn.text(0), drawn.text(1), drawn.integer(2))) {
+            return drawn.text(0);
+        }
+    }
+    return std::nullopt;
 }
 
 /// How many there are, without the demo's.
@@ -91,12 +116,16 @@ std::string own_secret(Database& database) {
             "know whose the next orders are; take a copy made before",
             database.file()));
     }
+    const std::optional<std::string> used = first_used(database);
+    if (used && has_secret(database, *used)) {
+        return *used;
+    }
     Statement row = database.prepare("SELECT min(hex) FROM secret");
     row.step();
-    if (row.null(0)) {
+    if (used || row.null(0)) {
         throw StoreError(fmt::format(
-            "{}: its secret was removed, and without it no order can be drawn or checked; restore "
-            "a copy of the file",
+            "{}: its secret was removed or changed, and without it no order can be drawn or "
+            "checked; restore a copy of the file",
             database.file()));
     }
     return row.text(0);

@@ -10,8 +10,8 @@
 /// The secrets of a file (table secret), and what else is drawn with them.
 namespace palpate::data {
 
-/// The secret of every demo, which anybody may know: nobody real is in it. The last of all by its
-/// digits, so that a session of people in the same file takes the file's own.
+/// The secret of every demo, which anybody may know: nobody real is in it, and nobody real is drawn
+/// with it while the file has another.
 inline constexpr std::string_view kDemoSecret = "ffffffffffffffffffffffffffffffff";
 
 /// Secrets beside others with which nothing was drawn, no session's order and nobody's number:
@@ -19,8 +19,9 @@ inline constexpr std::string_view kDemoSecret = "fffffffffffffffffffffffffffffff
 /// whose the next orders are.
 [[nodiscard]] std::vector<std::string> strange_secrets(Database& database);
 
-/// What new sessions are drawn with: the first by its digits, so that merged files agree.
-/// @throws StoreError if there is none, as somebody removed it, or a strange one
+/// What new sessions are drawn with: that of the first one. Whoever
+/// adds a secret, with rows that were drawn with it, knows nobody's order but those rows'.
+/// @throws StoreError if there is none, as somebody removed or changed it, or a strange one
 [[nodiscard]] std::string own_secret(Database& database);
 
 /// @throws std::invalid_argument unless it is 32 of the digits 0 to 9 and a to f

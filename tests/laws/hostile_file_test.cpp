@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "data/store/database.hpp"
+#include "data/store/secret.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 
@@ -226,6 +227,43 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
     CHECK_THAT(whole.out,
                ContainsSubstring("Not checked, since nothing else in the file says it:") &&
                    ContainsSubstring("when consent was noted"));
+}
+
+TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge][law]") {
+    const Files files;
+    const std::string zeros(32, '0');
+    const std::string file = files.folder.file("mine.sqlite");
+    const auto secret_of = [&](const std::string& code) {
+        return sqlite(file,
+                      "SELECT secret FROM session JOIN participant USING (participant_id) WHERE "
+                      "participant_code = '" +
+                          code + "'");
+    };
+    REQUIRE(palpate_command(files.run(file, "P01")).code == 0);
+    const std::string own = secret_of("P01");
+    bool whole = true;
+    SECTION("planted, with a person who was drawn with it") {
+        sqlite(file, "INSERT INTO secret VALUES ('" + zeros + "')");
+        sqlite(file, "INSERT INTO participant (participant_code, subject) VALUES ('EVE', " +
+                         std::to_string(data::subject_of("EVE", zeros, 0)) + ")");
+    }
+    SECTION("merged, with a session of theirs") {
+        const std::string eve = files.folder.file("eve.sqlite");
+        Words words = files.run(eve, "EVE");
+        words.insert(words.end(), {"--secret", zeros});
+        REQUIRE(palpate_command(words).code == 0);
+        REQUIRE(palpate_command({"merge", file, eve}).code == 0);
+        CHECK(secret_of("EVE") == zeros + "\n");
+    }
+    SECTION("in the place of the file's own") {
+        sqlite(file, "UPDATE secret SET hex = '" + zeros + "'");
+        whole = false;
+    }
+    const Finished ran = palpate_command(files.run(file, "P02"));
+    CAPTURE(ran.error);
+    CHECK(ran.code == (whole ? 0 : 1));
+    CHECK(secret_of("P02") == (whole ? own : ""));
+    CHECK((whole || ran.error.find("was removed or changed") != std::string::npos));
 }
 
 TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]") {
