@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -13,6 +14,9 @@ namespace {
 
 constexpr int kStepsAtOnce = 100'000;
 constexpr int kLongestValue = 50'000'000;  // bytes; the longest that palpate stores has 0.1 MB
+
+/// bytes; what does not find room is refused, and goes to no disk
+constexpr std::int64_t kMaxMemory = std::int64_t{1} << 30U;
 
 /// Pragmas that only say something; others change the connection, the file or other files.
 bool only_says(std::string_view pragma, bool with_value) {
@@ -29,6 +33,8 @@ bool only_says(std::string_view pragma, bool with_value) {
 
 SqlGuard::SqlGuard(Database& database, SqlLimits limits) : database_(database), limits_(limits) {
     begin();
+    database.execute("PRAGMA temp_store = MEMORY");  // sorted rows, as many as a query makes
+    sqlite3_hard_heap_limit64(kMaxMemory);
     sqlite3_limit(database.handle(), SQLITE_LIMIT_LENGTH, kLongestValue);
     sqlite3_progress_handler(database.handle(), kStepsAtOnce, count, this);
     sqlite3_set_authorizer(database.handle(), authorize, this);
@@ -37,6 +43,7 @@ SqlGuard::SqlGuard(Database& database, SqlLimits limits) : database_(database), 
 SqlGuard::~SqlGuard() {
     sqlite3_progress_handler(database_.handle(), 0, nullptr, nullptr);
     sqlite3_set_authorizer(database_.handle(), nullptr, nullptr);
+    sqlite3_hard_heap_limit64(0);
 }
 
 void SqlGuard::begin() noexcept {
