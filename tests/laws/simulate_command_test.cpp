@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <sstream>
 
@@ -115,6 +116,25 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     const auto verified = palpate_command({"verify", one});
     CHECK(verified.code == 0);
     CHECK_THAT(verified.out, ContainsSubstring("Nothing differs."));
+}
+
+TEST_CASE("a simulation follows no link that somebody laid beside its file, and removes no other's",
+          "[simulate][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("s.sqlite");
+    const std::string mine = folder.file("mine");
+    std::ofstream(mine) << "a diary";
+    std::ofstream(file + ".new") << "a letter";
+    fs::create_symlink(mine, file + ".partial.new");
+    const auto ran =
+        palpate_command(simulate({"--db", file, "--scratch", folder.file("scratch")}, "2"));
+    CAPTURE(ran.error);
+    CHECK(ran.code == 0);
+    CHECK(slurp(mine) == "a diary");
+    CHECK(slurp(file + ".new") == "a letter");
+    CHECK(fs::is_symlink(file + ".partial.new"));
+    CHECK(fs::is_regular_file(fs::symlink_status(file)));
+    CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
 TEST_CASE("a simulation that was killed or stopped goes on, and gives the same bytes",

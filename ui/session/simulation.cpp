@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <charconv>
 #include <condition_variable>
+#include <cstdlib>
 #include <exception>
 #include <map>
 #include <mutex>
@@ -13,7 +14,9 @@
 #include <system_error>
 #include <thread>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "engine/base/files.hpp"
 #include "engine/base/sha256.hpp"
@@ -218,24 +221,51 @@ void put_in_place(const fs::path& made, const fs::path& file) {
     static_cast<void>(sync_to_disk(folder_of(file)));
 }
 
+/// A new file of its owner's alone beside its place, by a name that nobody can guess: whoever may
+/// write there cannot lay a link. It goes with this unless it was put in place.
+class NewFile {
+public:
+    explicit NewFile(const fs::path& place) : name_(made(place)), lock_(name_) {}
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+    ~NewFile() {
+        std::error_code gone;
+        fs::remove(name_, gone);
+    }
+    [[nodiscard]] const fs::path& name() const noexcept { return name_; }
+
+private:
+    static fs::path made(const fs::path& place) {
+        remove_leftovers(folder_of(place));
+        std::string name = place.string() + std::string(kPartName) + "XXXXXX";
+        const int fd = ::mkostemp(name.data(), O_CLOEXEC);
+        if (fd < 0) {
+            cannot_keep(place, {errno, std::generic_category()});
+        }
+        ::close(fd);
+        return name;
+    }
+
+    fs::path name_;
+    PartLock lock_;
+};
+
 /// What the rows say in a file of its own, whose bytes depend on nothing else.
 void write_anew(data::Database& from, const fs::path& to) {
-    const fs::path made = to.string() + ".new";
-    remove_database(made);
-    from.prepare("VACUUM INTO ?1").bind(1, std::string_view(made.string())).run();
-    fs::permissions(made, fs::perms::owner_read | fs::perms::owner_write);
-    put_in_place(made, to);
+    const NewFile made(to);
+    from.prepare("VACUUM INTO ?1").bind(1, std::string_view(made.name().string())).run();
+    put_in_place(made.name(), to);
 }
 
 /// @pre nobody has it open, and its log is empty
 void copy_over(const fs::path& from, const fs::path& to) {
-    const fs::path made = to.string() + ".new";
+    const NewFile made(to);
     std::error_code why;
-    fs::copy_file(from, made, fs::copy_options::overwrite_existing, why);
+    fs::copy_file(from, made.name(), fs::copy_options::overwrite_existing, why);
     if (why) {
         cannot_keep(to, why);
     }
-    put_in_place(made, to);
+    put_in_place(made.name(), to);
 }
 
 /// In a folder that many studies may share nobody else's is called the same.
