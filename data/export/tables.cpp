@@ -13,6 +13,14 @@ namespace {
 
 constexpr const char* kYesNo = "0 = no; 1 = yes";
 
+/// What a device calls itself, without the port, the address or the file behind it.
+std::string kind_of(const std::string& device) {
+    return fmt::format(
+        "iif({0} LIKE 'replay of %', 'replay', substr({0}, 1, min(instr({0} || ':', ':'),"
+        " instr({0} || ' at ', ' at ')) - 1))",
+        device);
+}
+
 /// Columns that the file does not have as they are: keys of an export, and what is said of a column
 /// so that it tells nobody who somebody is. All others have name, type, unit, meaning and readers
 /// from the catalogue.
@@ -36,9 +44,9 @@ const std::vector<ExportColumn>& computed_columns() {
         {"sessions", "integer", "1", "sessions in this export", "count(*)"},
         {"day", "integer", "d", "days since the participant's first session here", "chosen.day",
          true},
-        {"device", "text", "", "kind of device",
-         "iif(session.device LIKE 'replay of %', 'replay',"
-         " substr(session.device, 1, instr(session.device || ':', ':') - 1))"},
+        {"device", "text", "", "kind of device with which it began", kind_of("session.device")},
+        {"trial_device", "text", "", "kind of device on which it was felt",
+         kind_of("trial.device")},
         {"device_words", "text", "", "device as given", "session.device", true},
         {"exclusion", "text", "", "why the answer does not count; marked: somebody said so",
          "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
@@ -194,7 +202,7 @@ std::vector<ExportTable> made_tables() {
                 " plan.mu_d trials_since_break trial.outcome counts exclusion response.answer_code"
                 " response.chosen_object response.correct response.confidence"
                 " response.reaction_s response.reaction_uncertainty_s adaptive_plan.run_name"
-                " adaptive_plan.comparison_interval stimulus since_first_ns trial.*"),
+                " adaptive_plan.comparison_interval stimulus since_first_ns trial_device trial.*"),
         table("responses", "one row an answer", trials + " JOIN response USING (trial_id)", trial,
               keys + "trial_number response.*"),
         table("presentations", "one row an interval of an attempt: what was felt, and how",

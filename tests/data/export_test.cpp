@@ -54,7 +54,7 @@ std::string exported_database(const TemporaryFolder& folder) {
         spec.kind = data::RunKind::real;
         spec.key.secret = data::random_secret();
         spec.operator_name = "SECRET operator";
-        spec.device = "haply:/SECRET/tty";
+        spec.device = "Haply 2diy_gen3 at /SECRET/tty";
         spec.provenance = {{"host", "SECRET host"}};
         const std::int64_t session = data::open_session(database, spec).id;
         data::add_note(database, session, "SECRET note");
@@ -64,7 +64,8 @@ std::string exported_database(const TemporaryFolder& folder) {
             .prepare(
                 "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
                 "started_utc,"
-                " done_s) VALUES ('test', ?1, 0, 1, 'complete', ?2, 1.25)")
+                " done_s) VALUES ('Haply 2diy_gen3 at /SECRET/tty', ?1, 0, 1, 'complete', ?2, "
+                "1.25)")
             .bind(1, session)
             .bind(2, std::string_view(data::utc_now()))
             .run();
@@ -117,6 +118,7 @@ TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked
     CHECK(data::export_file(file, format, {}, plain).sessions == 3);
     const std::string text = everything(plain);
     CHECK_THAT(text, !ContainsSubstring("SECRET"));
+    CHECK_THAT(text, ContainsSubstring(",Haply 2diy_gen3,") && ContainsSubstring("trial_device"));
     CHECK_THAT(text, !ContainsSubstring(data::utc_now().substr(0, 10)));
     CHECK_THAT(text, !ContainsSubstring("432198765"));
     CHECK_THAT(text, ContainsSubstring("sub-"));
