@@ -170,7 +170,10 @@ bool SqlShell::run(std::string_view text, std::size_t first_line) {
 void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t first_line) {
     const char* why = sqlite3_errmsg(database_.handle());
     if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
-        fmt::print(error_, "palpate: {}\n", plain(why));
+        const bool no_room = sqlite3_errcode(database_.handle()) == SQLITE_NOMEM;
+        fmt::print(
+            error_, "palpate: {}{}\n", plain(why),
+            no_room ? ": more than 1 GB is asked for; sort, group or join less at once" : "");
         return;
     }
     const std::string_view before = all.substr(0, offset);

@@ -34,8 +34,6 @@ const char* remedy(int code) {
             return "this is not a palpate database: choose another file name";
         case SQLITE_CORRUPT:
             return "the file is damaged: keep it, and restore a copy";
-        case SQLITE_NOMEM:
-            return "it asks for more memory than there is for it: sort, group or join less at once";
         case SQLITE_IOERR:
             return "the disk does not take the data: check its space and health";
         default:

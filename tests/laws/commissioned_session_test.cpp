@@ -205,18 +205,19 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
     const std::string rig = commissioned_rig(folder, device);
     const std::string file = folder.file("d.sqlite");
     REQUIRE(palpate_command({"participant", file, "P1", "--new", "--consent", "no"}).code == 0);
-    const auto run = [&] {
-        TypedTo program(folder, "run",
+    const auto run = [&](const std::string& name) {
+        TypedTo program(folder, name,
                         tests::ran_words(folder, device) + " --kind real --handle-free" +
                             " --calibration '" + rig + "'",
                         {"SDL_VIDEODRIVER=dummy"});
         return program.program().wait();
     };
-    const Finished refused = run();
+    const Finished refused = run("refused");
     CHECK(refused.code == 2);
     CHECK_THAT(refused.error, ContainsSubstring("P1 is noted as not consenting") &&
                                   ContainsSubstring("P1 --consent yes"));
     REQUIRE(palpate_command({"participant", file, "P1", "--consent", "yes"}).code == 0);
-    CHECK_THAT(run().error, !ContainsSubstring("not consenting") &&
-                                ContainsSubstring(folder.file("none")));  // the device is next
+    CHECK_THAT(run("asked").error,
+               !ContainsSubstring("not consenting") &&
+                   ContainsSubstring(folder.file("none")));  // the device is next
 }
