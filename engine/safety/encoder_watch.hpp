@@ -45,8 +45,7 @@ struct EncoderWatch {
 /// count, and those before and after a rest add up: over a hill the force comes and goes with every
 /// stroke.
 /// @param counts  of `axes` encoders, 2 or 3   @param hip  m
-/// @param push    force of each motor's axis at the tick before, N; of two axes no heed is taken of
-/// it
+/// @param push    force of each motor's axis at the tick before, N; ignored with two axes
 [[nodiscard]] bool encoder_stuck(EncoderWatch& watch,
                                  const EncoderWatch::Counts& counts,
                                  const Vec3& hip,

@@ -36,7 +36,7 @@ std::string commission_words(const std::string& device,
            (straight ? " --moved-g X_G,Y_G,Z_G -o rig.toml" : " -o rig.toml");
 }
 
-/// A line of standard input, byte by byte: a signal that asks to stop is heeded while nobody types.
+/// A line of standard input, byte by byte: a signal that asks to stop ends it while nobody types.
 /// @return none: it ended, or the program is to stop
 std::optional<std::string> typed_line() {
     constexpr int kLookMs = 100;

@@ -69,7 +69,7 @@ std::optional<StartMark> SubjectScreen::look_at_start(bool refused) const {
                      .refused = refused && !open};
 }
 
-/// @param heeds_desk  returns as well when the experimenter wants something
+/// @param checks_desk  returns as well when the experimenter wants something
 Signal SubjectScreen::wait_at_start(ReadyFace face, bool checks_desk) {
     face.start = look_at_start(false);
     stage_.show(face);
