@@ -118,7 +118,9 @@ TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked
     CHECK(data::export_file(file, format, {}, plain).sessions == 3);
     const std::string text = everything(plain);
     CHECK_THAT(text, !ContainsSubstring("SECRET"));
-    CHECK_THAT(text, ContainsSubstring(",Haply 2diy_gen3,") && ContainsSubstring("trial_device"));
+    const std::string cell = format == ExportFormat::bids ? "\t" : ",";
+    CHECK_THAT(text, ContainsSubstring(cell + "Haply 2diy_gen3" + cell) &&
+                         ContainsSubstring("trial_device"));
     CHECK_THAT(text, !ContainsSubstring(data::utc_now().substr(0, 10)));
     CHECK_THAT(text, !ContainsSubstring("432198765"));
     CHECK_THAT(text, ContainsSubstring("sub-"));
