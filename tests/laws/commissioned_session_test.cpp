@@ -31,7 +31,12 @@ void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
         const bool there = window.title == "palpate: " + name || !run.program().running();
         if (!there && window.id != 0) {
             hand.focus(window);
-            hand.key(window.title == "palpate: question" ? "1" : "space");
+            if (window.title == "palpate: trouble" &&
+                run.program().out().find("mended: Ctrl+Shift+P") != std::string::npos) {
+                hand.chord("p");  // a busy machine's trouble is a long one
+            } else {
+                hand.key(window.title == "palpate: question" ? "1" : "space");
+            }
         }
         tests::pause(0.2);
         return there;
@@ -90,7 +95,6 @@ TEST_CASE(
     if (!open) {  // a motor that becomes stronger is found in the next break
         press_up_to(hand, run, "question");
         board.bring("gain 2");
-        press_up_to(hand, run, "break");
         board.bring("0,89.3");
         press_up_to(hand, run, "trouble");
         board.bring("gain 1");
@@ -111,11 +115,14 @@ TEST_CASE(
     CHECK(times(row.text(1), " % at ") == 4);
     REQUIRE(row.step());
     CHECK(row.text(0) == (open ? "device watchdog" : "start pose"));  // a Haply board has none
-    CHECK_THAT(row.text(1), ContainsSubstring(open ? "20 ms" : "at home to "));
-    if (!open) {
-        REQUIRE(row.step());
-        CHECK(row.text(1) == "refused");
-        CHECK_THAT(row.text(2), ContainsSubstring("a motor is too strong"));
+    if (open) {
+        CHECK_THAT(row.text(1), ContainsSubstring("20 ms"));
+    } else {
+        auto refused = database.prepare(
+            "SELECT count(*) FROM event WHERE key = 'rig check' AND "
+            "value = 'refused' AND text LIKE '%motor is too strong%'");
+        REQUIRE(refused.step());
+        CHECK(refused.integer(0) >= 1);
     }
     const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
     CHECK(warned != open);
