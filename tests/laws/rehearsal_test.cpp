@@ -115,3 +115,43 @@ TEST_CASE(
                                              rig, "--db", folder.file("e.sqlite")});
     CHECK_THAT(doctor.out, ContainsSubstring("haply-emulator, process "));
 }
+
+TEST_CASE("behind a port where nobody is seen a session has to say of which kind it is",
+          "[haply][kind][law]") {
+    const TemporaryFolder folder;
+    const FreeBoard board(folder);
+    const std::string file = folder.file("d.sqlite");
+    const auto elsewhere = [&](std::vector<std::string> words) {  // where other processes are not
+        words.insert(words.begin(),
+                     {"unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc"});
+        return tests::Process(words, {"SDL_VIDEODRIVER=dummy", "PALPATE_WORD="}).wait();
+    };
+    if (elsewhere({"true"}).code != 0) {
+        WARN("this kernel gives no namespace of processes: not tried");
+        return;
+    }
+    const std::vector<std::string> run{tests::palpate_program(),
+                                       "run",
+                                       study(folder),
+                                       "--participant",
+                                       "P1",
+                                       "--db",
+                                       file,
+                                       "--device",
+                                       board.word(),
+                                       "--calibration",
+                                       "2diy_gen3"};
+    const Finished asked = elsewhere(run);
+    CHECK(asked.code == 2);
+    CHECK_THAT(asked.error, ContainsSubstring("a program that this user cannot see") &&
+                                ContainsSubstring("--kind real"));
+    CHECK_FALSE(std::filesystem::exists(file));
+    const Finished doctor =
+        elsewhere({tests::palpate_program(), "doctor", "--device", board.word(), "--calibration",
+                   "2diy_gen3", "--db", folder.file("e.sqlite"), "--seconds", "0.1"});
+    CHECK_THAT(doctor.out, ContainsSubstring("run will ask for --kind"));
+    std::vector<std::string> real = run;
+    real.insert(real.end(), {"--kind", "real"});
+    CHECK_THAT(elsewhere(real).error, !ContainsSubstring("cannot see") &&
+                                          ContainsSubstring("no real session: "));  // what is next
+}

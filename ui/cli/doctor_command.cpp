@@ -143,11 +143,16 @@ void look_at_device(Report& report, const std::string& word, const DoctorSpec& p
     report.look("device", [&] {
         Check check = check_device(
             word, [&] { return open_device(plan); }, plan.demand, then);
-        if (const auto board = emulator_behind(parse_device(word))) {
+        const Behind board = behind(parse_device(word));
+        if (board.emulator) {
             check.detail += fmt::format(
                 "; behind it is palpate haply-emulator, process {}: its sessions are recorded as "
                 "simulated unless --kind says otherwise",
-                *board);
+                *board.emulator);
+        } else if (board.unseen) {
+            check.detail +=
+                "; behind it is a program that this user cannot see, and it may be an emulator: "
+                "run will ask for --kind";
         }
         return check;
     });

@@ -85,12 +85,19 @@ data::RunKind kind_of(const RunOptions& options,
         }
         return data::RunKind::simulated;
     }
-    if (const auto board = emulator_behind(device); board && options.kind.empty()) {
+    const Behind board = options.kind.empty() ? behind(device) : Behind{};
+    if (board.emulator) {
         warn(
             "behind --device {} is palpate haply-emulator, process {}: the session is recorded as "
             "simulated; --kind pilot and --kind real record it otherwise",
-            options.device, *board);
+            options.device, *board.emulator);
         return data::RunKind::simulated;
+    }
+    if (board.unseen) {
+        throw std::invalid_argument(fmt::format(
+            "behind --device {} is a program that this user cannot see, and it may be an emulator: "
+            "give --kind real if it leads to a board, else --kind pilot",
+            options.device));
     }
     return kind_by_hand(options, device, protocol);
 }

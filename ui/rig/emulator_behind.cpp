@@ -85,24 +85,28 @@ bool holds(const fs::path& process, const std::string& words) {
 
 }  // namespace
 
-std::optional<pid_t> emulator_behind(const DeviceChoice& choice) {
+Behind behind(const DeviceChoice& choice) {
     if (choice.kind != DeviceChoice::Kind::haply && choice.kind != DeviceChoice::Kind::board) {
-        return std::nullopt;
+        return {};
     }
     const std::string words = choice.file.starts_with(engine::kUdp) ? socket_words(choice.file)
                                                                     : master_words(choice.file);
-    std::error_code unseen;
-    for (const auto& entry : fs::directory_iterator("/proc", unseen)) {
+    bool seen = false;
+    std::error_code unread;
+    for (const auto& entry : fs::directory_iterator("/proc", unread)) {
         const std::string name = entry.path().filename().string();
         pid_t id = 0;
         const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
-        if (!words.empty() && error == std::errc{} && end == name.data() + name.size() &&
-            text_of(entry.path() / "comm") == std::string(kName) + "\n" &&
-            holds(entry.path(), words)) {
-            return id;
+        if (words.empty() || error != std::errc{} || end != name.data() + name.size() ||
+            !holds(entry.path(), words)) {
+            continue;
         }
+        if (text_of(entry.path() / "comm") == std::string(kName) + "\n") {
+            return {.emulator = id};
+        }
+        seen = true;
     }
-    return std::nullopt;
+    return {.unseen = !words.empty() && !seen};
 }
 
 }  // namespace palpate::ui
