@@ -9,6 +9,10 @@
 
 namespace palpate::protocols {
 
+/// Why a stop button bars every trial; a screen translates it.
+inline constexpr const char* kButtonGone = "the stop button is gone: plug it in again";
+inline constexpr const char* kButtonDown = "the stop button is pressed: release it";
+
 /// What a mark came to.
 struct MarkReply {
     bool found = false;       ///< an answer that counted; else nothing is changed

@@ -41,6 +41,9 @@ struct Ports {
     /// of it.
     std::function<void(const TroubleView&)> alarm = [](const TroubleView&) {
     };
+    /// A pause of the experimenter's begins (true), or is over.
+    std::function<void(bool)> paused = [](bool) {
+    };
     /// What became of a mark at the desk.
     std::function<void(const MarkReply&)> marked = [](const MarkReply&) {
     };

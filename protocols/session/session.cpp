@@ -14,10 +14,6 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr const char* kAnother =
-    "the device began anew while nobody looked, and may be another one: the experimenter goes on";
-constexpr const char* kNotProved = "nothing is known of the rig any more: it is proved again";
-
 class Session {
 public:
     Session(const Protocol& protocol,
@@ -172,7 +168,9 @@ private:
         }
         note_before_next(EventKind::pause);
         const std::int64_t begun = monotonic_ns();
+        ports_.paused(true);
         const Signal signal = ports_.observer.pause(next);
+        ports_.paused(false);
         const double paused = static_cast<double>(monotonic_ns() - begun) * 1e-9;
         happened({.kind = EventKind::go_on,
                   .text = fmt::format("after a pause of {:.1f} s", paused),

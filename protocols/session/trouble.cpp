@@ -59,10 +59,6 @@ public:
     TroubleView view;
 
 private:
-    static constexpr const char* kProofComes =
-        "the handle is proved before anybody feels a force: nobody may hold it now, weak pulses "
-        "will move it";
-
     /// Whoever felt the rig before cannot tell whether it is the same.
     void ask_for_experimenter() {
         const bool unknown = ports_.apparatus.has_proof() && rig_.trust.state == Trust::unknown;

@@ -12,6 +12,15 @@ namespace palpate::protocols {
 inline constexpr double kTroubleSlice = 0.05;
 inline constexpr std::size_t kSlicesPerTry = 10;
 
+/// What a session says of a rig that nothing is wrong with; a screen translates it.
+inline constexpr const char* kAnother =
+    "the device began anew while nobody looked, and may be another one: the experimenter goes on";
+inline constexpr const char* kNotProved =
+    "nothing is known of the rig any more: it is proved again";
+inline constexpr const char* kProofComes =
+    "the handle is proved before anybody feels a force: nobody may hold it now, weak pulses will "
+    "move it";
+
 struct Mended {
     Signal signal = Signal::go_on;  ///< go_on, abort or give_up
     std::size_t tries = 0;          ///< how often the device was asked to come back, in vain

@@ -60,6 +60,7 @@ public:
     void end_pause(int nth) {
         session_.wait_for_screen("pause");
         session_.wait_until(count("event WHERE event_kind = 'pause'"), std::to_string(nth));
+        session_.wait_for_text("pause: Ctrl+Shift+P at the participant's screen goes on");
         session_.hand().key("space");  // nobody but the experimenter goes on
         pause(0.3);
         CHECK(session_.screen_name() == "pause");
@@ -67,6 +68,7 @@ public:
         session_.wait_until(
             count("event WHERE event_kind = 'go on' AND text LIKE 'after a pause%'"),
             std::to_string(nth));
+        session_.wait_for_text("the pause is over");
         stays_ready();
     }
     /// No force without a press.

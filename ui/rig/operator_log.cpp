@@ -193,6 +193,11 @@ std::string trouble_text(const protocols::TroubleView& view) {
              : std::string("what was wrong is mended: the participant goes on\n");
 }
 
+std::string_view pause_text(bool begins) noexcept {
+    return begins ? "pause: Ctrl+Shift+P at the participant's screen goes on\n"
+                  : "the pause is over\n";
+}
+
 std::string mark_text(const protocols::MarkReply& reply) {
     return reply.found
              ? fmt::format("{} #{} is marked: it does not count and {}\n",

@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocols/session/ports.hpp"
@@ -29,6 +30,9 @@ namespace palpate::ui {
 ///
 ///     trouble: the board at /dev/ttyACM0 is gone: plug it in again and check its power
 [[nodiscard]] std::string trouble_text(const protocols::TroubleView& view);
+
+/// A pause of the experimenter's, and its end.
+[[nodiscard]] std::string_view pause_text(bool begins) noexcept;
 
 /// What a mark at the desk came to.
 [[nodiscard]] std::string mark_text(const protocols::MarkReply& reply);

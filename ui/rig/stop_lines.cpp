@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "protocols/session/operator_desk.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -151,11 +152,11 @@ void StopLines::look_at_button() {
             acts_.stop("stop button");
             break;
         case StopButton::ButtonState::gone:
-            acts_.bar("the stop button is gone: plug it in again");
+            acts_.bar(protocols::kButtonGone);
             acts_.stop("stop button gone");
             return;
     }
-    acts_.bar(button_->down() ? "the stop button is pressed: release it" : nullptr);
+    acts_.bar(button_->down() ? protocols::kButtonDown : nullptr);
 }
 
 void StopLines::await_button() {

@@ -373,6 +373,7 @@ RigEnd run_rig(data::Database& database,
                      say("{}", trouble_text(view));
                      ring();  // they may look elsewhere
                  },
+             .paused = [](bool begins) { say("{}", pause_text(begins)); },
              .marked = [](const protocols::MarkReply& reply) { say("{}", mark_text(reply)); },
              .desk = &desk});
     } catch (const std::exception& e) {
