@@ -97,7 +97,13 @@ TEST_CASE(
         board.bring("gain 2");
         board.bring("0,89.3");
         press_up_to(hand, run, "trouble");
+        board.bring("motor 1 0.6");  // then a weaker one, of which alone
         board.bring("gain 1");
+        CHECK(eventually([&] {
+            return run.program().out().find("weak", run.program().out().rfind("trouble: ")) !=
+                   std::string::npos;
+        }));
+        board.bring("motor 1 1");
         press_up_to(hand, run, "ready");
     }
     end_session(hand, run);
