@@ -46,17 +46,17 @@ StartGate::StartGate(const Protocol& protocol)
 }
 
 bool StartGate::lets_begin(const engine::Vec3& place) const {
-    if (radius_ == 0.0) {
-        return true;
-    }
-    return glm::length(place - start_) <= radius_ &&
-           std::ranges::none_of(
+    return radius_ == 0.0 || (glm::length(place - start_) <= radius_ && !inside(place));
+}
+
+bool StartGate::inside(const engine::Vec3& place) const {
+    return std::ranges::any_of(
                outlines_,
                [&](const auto& outline) {
                    return engine::OutlineFeet(*outline).closest(engine::Vec2(place)).inside;
-               }) &&
-           std::ranges::none_of(surfaces_,
-                                [&](const auto& feet) { return feet.closest(place).inside; });
+               }) ||
+           std::ranges::any_of(surfaces_,
+                               [&](const auto& feet) { return feet.closest(place).inside; });
 }
 
 }  // namespace palpate::protocols

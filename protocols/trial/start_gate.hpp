@@ -29,6 +29,9 @@ public:
     [[nodiscard]] bool lets_begin(const engine::Vec3& place) const;
 
 private:
+    /// Of any object of the study.
+    [[nodiscard]] bool inside(const engine::Vec3& place) const;
+
     engine::Vec3 start_{};
     double radius_ = 0.0;  ///< m, 0: anywhere
     bool in_space_ = false;

@@ -73,6 +73,29 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     CHECK_THAT(as_real.error, ContainsSubstring("is a pilot session; it cannot go on as real"));
 }
 
+TEST_CASE("in a ring that reaches into an object no trial begins where it does",
+          "[window][haply][gate][law]") {
+    const TemporaryFolder folder;
+    tests::FreeBoard board(folder);
+    std::string text = tests::replaced(four_trials(), "stiffness_n_per_m = 1000",
+                                       "start_radius_mm = 60\nstiffness_n_per_m = 200");
+    std::ofstream(folder.file("p.toml"))
+        << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
+    const std::string file = folder.file("d.sqlite");
+    WindowSession session(
+        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device",
+         board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
+        file);
+    session.press_at("welcome", "space");
+    board.bring("0,20");
+    CHECK(stays_ready(session));
+    board.bring("0,66");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}
+
 TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window][desk][law]") {
     const TemporaryFolder folder;
     std::string text = tests::replaced(four_trials(), "explore_min_s = 0.5", "explore_min_s = 0.1");

@@ -160,8 +160,8 @@ TEST_CASE("nothing of the condition is among what the explore screen is drawn fr
 
 TEST_CASE("where a trial may begin is the same for all conditions, and so is what ready says of it",
           "[blind][gate][law]") {
-    const auto [away, radius, in_space, open, refused] = ui::StartMark{};
-    CHECK((glm::length(away) == 0.0 && radius == 0.0 && !in_space && open && !refused));
+    const auto [away, radius, in_space, open, inside, refused] = ui::StartMark{};
+    CHECK((glm::length(away) == 0.0 && radius == 0.0 && !in_space && open && !inside && !refused));
 }
 
 TEST_CASE(

@@ -1,5 +1,6 @@
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "stimuli/two_curve.hpp"
@@ -62,10 +63,11 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     }
     all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
     all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));
-    for (const bool open : {false, true}) {
-        const StartMark mark{{0.03, -0.2, 0.01}, 0.005, true, open, true};
-        all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2, mark},
-                            open ? &Words::press_to_feel : &Words::bring_to_start));
+    for (const auto& [open, inside, to_press] : {std::tuple(true, false, &Words::press_to_feel),
+                                                 std::tuple(false, false, &Words::bring_to_start),
+                                                 std::tuple(false, true, &Words::bring_out)}) {
+        const StartMark mark{{0.03, -0.2, 0.01}, 0.005, true, open, inside, true};
+        all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2, mark}, to_press));
     }
     for (const bool shape : {false, true}) {
         all.push_back(shown(ExploreFace{1027, 1114, true, true, true, true, 2, 2, shape},

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "engine/safety/trip.hpp"
+#include "protocols/session/operator_desk.hpp"
+#include "protocols/session/trouble.hpp"
 #include "ui/subject/words.hpp"
 #include "tests/support/catch.hpp"
 
@@ -42,6 +44,7 @@ constexpr Row kRows[] = {
     {&Words::press_to_feel, 0},
     {&Words::hold_to_feel, 0},
     {&Words::bring_to_start, 0},
+    {&Words::bring_out, 0},
     {&Words::feel, 0},
     {&Words::along_surface, 0},
     {&Words::decide_soon, 0},
@@ -131,6 +134,11 @@ TEST_CASE("what a trip says is said in the screen's language, and other sentence
         for (int k = 1; k < i; ++k) {
             CHECK(turkish != ui::trip_in(Language::tr, explanation(static_cast<engine::Trip>(k))));
         }
+    }
+    for (const char* rig : {protocols::kAnother, protocols::kNotProved, protocols::kProofComes,
+                            protocols::kButtonGone, protocols::kButtonDown}) {
+        CHECK(ui::trip_in(Language::tr, rig) != rig);
+        CHECK(ui::trip_in(Language::en, rig) == rig);
     }
     CHECK(ui::trip_in(Language::tr, "the board at /dev/one is gone") ==
           "the board at /dev/one is gone");

@@ -107,14 +107,18 @@ void draw_scale(Window& window,
     // The words of an end stand below its card, as wide as the margin and the window's middle
     // permit.
     const double below = cards.front().corner.y + cards.front().size.y + 0.6 * type;
-    const auto end = [&](const std::string& words, double x) {
+    const auto area = [&](double x) {
         const double room = std::min(x, window.size().x - x) - type;
         const double half = std::min(room, std::abs(0.5 * window.size().x - x) - 0.5 * type);
-        write_into(window, words, {{x - half, below}, {2.0 * half, 0.14 * window.size().y}},
-                   1.1 * type, kText);
+        return Area{{x - half, below}, {2.0 * half, 0.14 * window.size().y}};
     };
-    end(low, cards.front().centre().x);
-    end(high, cards.back().centre().x);
+    const Area left = area(cards.front().centre().x);
+    const Area right = area(cards.back().centre().x);
+    const double height =  // the longer one's: neither end is to look weightier
+        std::min(fitting_height(window, low, left.size, 1.1 * type),
+                 fitting_height(window, high, right.size, 1.1 * type));
+    write_into(window, low, left, height, kText);
+    write_into(window, high, right, height, kText);
 }
 
 void draw_answers(Window& window, const Question& question, std::optional<std::size_t> selected) {

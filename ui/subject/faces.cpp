@@ -147,7 +147,8 @@ void draw(Window& window, const ReadyFace& face) {
         draw_start(window, *face.start);
     }
     if (face.start && !face.start->open) {
-        press(window, words.bring_to_start, face.start->refused ? kAccent : kText);
+        press(window, face.start->inside ? words.bring_out : words.bring_to_start,
+              face.start->refused ? kAccent : kText);
     } else {
         press(window, face.dead_man ? words.hold_to_feel : words.press_to_feel, kAccent);
     }

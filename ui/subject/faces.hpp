@@ -31,6 +31,7 @@ struct StartMark {
     double radius = 0.0;    ///< m, of the ring
     bool in_space = false;  ///< z is shown as well
     bool open = true;       ///< the trial may begin
+    bool inside = false;    ///< of an object of the study, although it is in the ring
     bool refused = false;   ///< somebody wanted to begin before
 };
 

@@ -74,19 +74,28 @@ std::vector<std::string> wrapped(Window& window,
     }
 }
 
+double fitting_height(Window& window,
+                      std::string_view text,
+                      const engine::Vec2& size,
+                      double height) {
+    constexpr double kSmaller = 0.9;
+    const auto rows = [&] {
+        return static_cast<double>(wrapped(window, text, height, size.x).size());
+    };
+    while (rows() * kLeading * height > size.y && kSmaller * height >= kSmallestType) {
+        height *= kSmaller;
+    }
+    return height;
+}
+
 double write_into(Window& window,
                   std::string_view text,
                   const Area& area,
                   double height,
                   Colour colour,
                   Align align) {
-    constexpr double kSmaller = 0.9;
-    std::vector<std::string> rows = wrapped(window, text, height, area.size.x);
-    while (static_cast<double>(rows.size()) * kLeading * height > area.size.y &&
-           kSmaller * height >= kSmallestType) {
-        height *= kSmaller;
-        rows = wrapped(window, text, height, area.size.x);
-    }
+    height = fitting_height(window, text, area.size, height);
+    const std::vector<std::string> rows = wrapped(window, text, height, area.size.x);
     const double taken = static_cast<double>(rows.size()) * kLeading * height;
     const double share = align == Align::left ? 0.0 : align == Align::centre ? 0.5 : 1.0;
     double y = area.corner.y + 0.5 * (area.size.y - taken) + 0.5 * kLeading * height;

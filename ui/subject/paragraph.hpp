@@ -22,6 +22,12 @@ struct Area {
                                                double height,
                                                double width);
 
+/// The height of write_into()'s type, pixels: at most `height`, smaller if the rows would not fit.
+[[nodiscard]] double fitting_height(Window& window,
+                                    std::string_view text,
+                                    const engine::Vec2& size,
+                                    double height);
+
 /// Writes `text` into the middle of `area`, wrapped, its rows aligned at the left edge, centre or
 /// right edge. Type of `height` pixels, smaller in steps of a tenth if the rows would not fit, but
 /// not below kSmallestType. Returns the height taken.

@@ -28,7 +28,7 @@ constexpr double kFollow = 0.0002;
 
 bool looks_other(const std::optional<StartMark>& a, const std::optional<StartMark>& b) {
     return a.has_value() != b.has_value() ||
-           (a && (a->open != b->open || a->refused != b->refused ||
+           (a && (a->open != b->open || a->inside != b->inside || a->refused != b->refused ||
                   !(glm::length(a->away - b->away) < kFollow)));
 }
 
@@ -66,6 +66,7 @@ std::optional<StartMark> SubjectScreen::look_at_start(bool refused) const {
                      .radius = gate.radius(),
                      .in_space = gate.in_space(),
                      .open = open,
+                     .inside = !open && glm::length(*place - gate.start()) <= gate.radius(),
                      .refused = refused && !open};
 }
 

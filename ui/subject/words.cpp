@@ -1,8 +1,12 @@
 #include "ui/subject/words.hpp"
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "engine/safety/trip.hpp"
+#include "protocols/session/operator_desk.hpp"
+#include "protocols/session/trouble.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -32,6 +36,7 @@ constexpr Words kEnglish{
     .press_to_feel = "Press Space to feel the object",
     .hold_to_feel = "Hold Space down as long as you feel the object",
     .bring_to_start = "Bring the handle to the start: the dot into the ring",
+    .bring_out = "An object reaches into the ring there: bring the dot to its middle",
     .feel = "Feel the object",
     .along_surface = "Go along its surface, as often as you like.",
     .decide_soon = "Please decide soon",
@@ -114,6 +119,7 @@ constexpr Words kTurkish{
     .press_to_feel = "Nesneyi hissetmek için boşluk tuşuna basın",
     .hold_to_feel = "Nesneyi hissettiğiniz sürece boşluk tuşunu basılı tutun",
     .bring_to_start = "Tutamağı başlangıca getirin: noktayı halkanın içine",
+    .bring_out = "Orada halkanın içine bir nesne uzanıyor: noktayı ortasına getirin",
     .feel = "Nesneyi hissedin",
     .along_surface = "Yüzeyi boyunca istediğiniz kadar gezinin.",
     .decide_soon = "Lütfen kararınızı verin",
@@ -210,15 +216,32 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(engine::Trip::st
         "kaldırın, ara tuşlarıyla sürdürün",
         "kuvvet elle kesildi: deneyi yürütenin ara tuşlarıyla sürer"};
 
+/// What a session says of its rig.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kTurkishRig{{
+    {protocols::kAnother,
+     "aygıt kimse bakmazken yeniden başladı, başka bir aygıt olabilir: deneyi yürüten sürdürür"},
+    {protocols::kNotProved, "düzenek hakkında artık hiçbir şey bilinmiyor: yeniden sınanıyor"},
+    {protocols::kProofComes,
+     "kimse kuvvet hissetmeden önce tutamak sınanacak: şimdi onu kimse tutmasın, zayıf itmeler "
+     "hareket ettirecek"},
+    {protocols::kButtonGone, "durdurma düğmesi yok: yeniden takın"},
+    {protocols::kButtonDown, "durdurma düğmesi basılı: serbest bırakın"},
+}};
+
 }  // namespace
 
 std::string_view trip_in(protocols::Language language, std::string_view sentence) noexcept {
-    for (std::size_t i = 1; language == protocols::Language::tr && i < kTurkishTrips.size(); ++i) {
+    if (language != protocols::Language::tr) {
+        return sentence;
+    }
+    for (std::size_t i = 1; i < kTurkishTrips.size(); ++i) {
         if (sentence == explanation(static_cast<engine::Trip>(i))) {
             return kTurkishTrips[i];
         }
     }
-    return sentence;
+    const auto* said = std::ranges::find(kTurkishRig, sentence,
+                                         &std::pair<std::string_view, std::string_view>::first);
+    return said == kTurkishRig.end() ? sentence : said->second;
 }
 
 const Words& words_in(protocols::Language language) noexcept {

@@ -17,7 +17,8 @@ struct Words {
     std::string_view begin;
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;
-    std::string_view ready, hold_handle, press_to_feel, hold_to_feel, bring_to_start;
+    std::string_view ready, hold_handle, press_to_feel, hold_to_feel, bring_to_start,
+        bring_out;  ///< where the ring reaches into an object
     std::string_view feel, along_surface, decide_soon, keep_down, space_when_known,
         enter_when_known;
     std::string_view space_when_felt, enter_when_felt;
@@ -40,8 +41,8 @@ struct Words {
 
 [[nodiscard]] const Words& words_in(protocols::Language language) noexcept;
 
-/// What a trip says, in another language: of engine::explanation(). Any other sentence, as those of
-/// devices, comes back as it is.
+/// What a trip says, in another language: of engine::explanation(), and what a session says of its
+/// rig. Any other sentence, as those of devices, comes back as it is.
 [[nodiscard]] std::string_view trip_in(protocols::Language language,
                                        std::string_view sentence) noexcept;
 
