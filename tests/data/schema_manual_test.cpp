@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <set>
 
+#include <sqlite3.h>
+
 #include "data/schema/catalogue.hpp"
 #include "data/schema/manual.hpp"
 #include "data/store/database.hpp"
+#include "data/store/own_schema.hpp"
 #include "data/trace/sample_columns.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -43,6 +46,30 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
         read += table.columns.size();
     }
     CHECK(read == columns);  // and the manual makes none up
+}
+
+TEST_CASE("what a file of this palpate holds is known without making one, to the letter",
+          "[schema][law]") {
+    const auto differences = [](const char* sql) {
+        data::Connection file{.file = "memory"};
+        sqlite3_open(":memory:", &file.handle);
+        file.execute(sql);
+        const std::size_t found = data::schema_differences(file).size();
+        std::size_t held = 0;
+        {
+            data::Statement row(file, "SELECT count(*) FROM sqlite_master");
+            row.step();
+            held = static_cast<std::size_t>(row.integer(0));
+        }
+        file.forget_idle();
+        sqlite3_close(file.handle);
+        return std::pair(found, held);
+    };
+    const std::string made(data::schema_sql());
+    const auto [changed, held] = differences(made.c_str());
+    CHECK(changed == 0);  // no statement, and no index of a key, is another than SQLite's
+    CHECK(held > 30);
+    CHECK(differences("SELECT 1").first == held);  // and none is missing
 }
 
 TEST_CASE("every column of sample has a meaning, in the order of the program", "[schema][sample]") {
