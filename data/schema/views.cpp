@@ -161,7 +161,7 @@ LEFT JOIN response USING (trial_id)
 WHERE presentation.ticks IS NOT NULL;
 
 CREATE VIEW confusion AS
--- How often each object was taken for which, main trials only.
+-- How often each object was taken for which, main trials only, by who consents.
 SELECT study_name,      -- the protocol's id
        session_kind,    -- real, pilot, simulated
        friction,        -- the condition's name
@@ -169,6 +169,7 @@ SELECT study_name,      -- the protocol's id
        chosen_object,   -- what it was taken for
        count(*) AS n    -- trials
 FROM analysis_trial WHERE counts AND phase = 'main' AND chosen_object IS NOT NULL  -- without pictures nothing is confused
+      AND participant_code NOT IN (SELECT participant_code FROM participant WHERE consent = 0)
 GROUP BY study_name, session_kind, friction, planned_object, chosen_object;
 
 CREATE VIEW fault AS

@@ -191,6 +191,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     edit(file, "UPDATE session SET session_kind = 'simulated'");
     CHECK(rows(file, who) ==
           "study_name,session_kind,who,n\nfour_trials,simulated,\"B,C,E,F,X,Y\",23\n");
+    CHECK(rows(file, "SELECT sum(n) AS n FROM confusion") == "n\n23\n");
     // Another study in the same file: a row of its own. A catch trial's object is in no picture: no
     // answer is right.
     done({"run", PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "--participant", "G", "--db",
