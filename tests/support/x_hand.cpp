@@ -190,18 +190,29 @@ void XHand::chord(const std::string& name) {
 }
 
 std::uint64_t XHand::pixels(const Window& window) {
+    const ScreenImage shown = image(window);
+    return shown.pixels.empty()
+             ? 0
+             : std::hash<std::string_view>{}({reinterpret_cast<const char*>(shown.pixels.data()),
+                                              shown.pixels.size() * sizeof(std::uint32_t)});
+}
+
+ScreenImage XHand::image(const Window& window) {
     static_cast<void>(x_->all_well());
     XImage* image = XGetImage(x_->display, window.id, 0, 0, static_cast<unsigned>(window.width),
                               static_cast<unsigned>(window.height), AllPlanes, ZPixmap);
     static_cast<void>(x_->all_well());
     if (image == nullptr) {
-        return 0;
+        return {};
     }
-    const std::size_t bytes =
-        static_cast<std::size_t>(image->bytes_per_line) * static_cast<std::size_t>(image->height);
-    const std::uint64_t hash = std::hash<std::string_view>{}({image->data, bytes});
+    ScreenImage shown{.width = image->width, .height = image->height};
+    for (int y = 0; y < image->height; ++y) {
+        for (int x = 0; x < image->width; ++x) {
+            shown.pixels.push_back(static_cast<std::uint32_t>(XGetPixel(image, x, y)) & 0xffffffU);
+        }
+    }
     XDestroyImage(image);
-    return hash;
+    return shown;
 }
 
 }  // namespace palpate::tests

@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "tests/support/screen_image.hpp"
+
 namespace palpate::tests {
 
 /// A hand at the real X server: moves the pointer, presses keys and buttons through XTest.
@@ -54,6 +56,8 @@ public:
     void show(const Window& window);
     /// Checksum of the window's pixels as the screen shows them; 0: it is gone.
     [[nodiscard]] std::uint64_t pixels(const Window& window);
+    /// What the window shows; empty: it is gone.
+    [[nodiscard]] ScreenImage image(const Window& window);
 
 private:
     struct Connection;

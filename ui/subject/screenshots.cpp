@@ -29,13 +29,15 @@ public:
         practice_ = all.left(true);
         trials_ = all.left(false);
         number_ = std::max<std::size_t>(1, trials_ / 4);
+        by_pointer_ = protocol.apparatus.device == protocols::DeviceClass::mouse;
         breaks_ = std::ranges::any_of(plan.trials, &protocols::PlannedTrial::break_before);
     }
 
     std::vector<std::string> take_all() {
-        take(
-            "welcome",
-            WelcomeFace{.trials = trials_, .practice = practice_, .asks = protocol_.response.kind});
+        take("welcome", WelcomeFace{.trials = trials_,
+                                    .practice = practice_,
+                                    .moves_pointer = by_pointer_,
+                                    .asks = protocol_.response.kind});
         feeling();
         asking();
         take("pause", PauseFace{});
@@ -58,7 +60,7 @@ private:
         ReadyFace ready{
             .number = number_, .total = trials_, .dead_man = hold, .intervals = intervals_};
         take("ready", ready);
-        if (protocol_.apparatus.start_radius > 0.0) {
+        if (protocol_.apparatus.start_radius > 0.0 && !by_pointer_) {  // it is put at the start
             ready.start = StartMark{.away = {0.012, 0.021, 0.008},
                                     .radius = protocol_.apparatus.start_radius,
                                     .in_space = protocol_.surface.has_value(),
@@ -114,6 +116,7 @@ private:
     std::size_t trials_ = 0;  ///< main and catch trials
     std::size_t number_ = 1;
     bool breaks_ = false;
+    bool by_pointer_ = false;
     std::vector<std::string> files_;
 };
 
