@@ -131,6 +131,33 @@ TEST_CASE(
     CHECK(trials == 4);
 }
 
+TEST_CASE("of a contact on the pointer no force is kept or told, for nobody felt one",
+          "[window][operator][law]") {
+    const TemporaryFolder folder;
+    tests::WindowSession session(
+        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot"},
+        folder.file("d.sqlite"));
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    explore(session.hand(), session.wait_for_screen("explore"));
+    session.press_at("explore", "space");
+    session.press_at("question", "1");
+    session.wait_for_text("answered in");
+    session.program().signal(SIGTERM);
+    const tests::Finished end = session.finish();
+    CHECK_THAT(end.out, Catch::Matchers::Contains(", in contact ") &&
+                            !Catch::Matchers::Contains(" N at most"));
+    CHECK(session.ask("SELECT contact_ticks > 0 FROM trial") == "1");
+    for (const std::string column :
+         {"trial.mean_normal_force_n", "trial.max_normal_force_n", "trial.energy_j",
+          "presentation.mean_normal_force_n", "presentation.normal_force_p50_n"}) {
+        CAPTURE(column);
+        CHECK(session.ask("SELECT count(*) FROM trial JOIN presentation USING (trial_id) WHERE " +
+                          column + " IS NULL") == "1");
+    }
+}
+
 TEST_CASE(
     "a session on surfaces in a real window, broken off at the choice, is what verify recomputes",
     "[window][surface-session]") {

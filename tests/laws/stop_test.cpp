@@ -148,3 +148,37 @@ TEST_CASE(
     CHECK(tests::palpate_command({"stop", desk.file}).code == 1);
     CHECK(tests::palpate_command({"verify", desk.file}).code == 0);
 }
+
+TEST_CASE(
+    "on the pointer, too, a keyboard that goes elsewhere ends a trial until the chord goes on",
+    "[window][safety][law]") {
+    const std::string size = GENERATE("--windowed", "--fullscreen");
+    CAPTURE(size);
+    const TemporaryFolder folder;
+    tests::WindowSession session(
+        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot", size},
+        folder.file("d.sqlite"));
+    tests::XHand& hand = session.hand();
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    hand.take_keyboard_away();
+    session.wait_until("SELECT fault_cause FROM trial", "focus_lost");
+    session.wait_for_screen("trouble");
+    session.wait_for_text("mended: Ctrl+Shift+P at the participant's screen goes on");
+    hand.focus(hand.find_window("palpate: "));
+    tests::pause(0.3);
+    hand.key("space");
+    tests::pause(0.5);
+    CHECK(session.screen_name() == "trouble");
+    for (int tries = 0; tries < 20 && session.screen_name() == "trouble"; ++tries) {
+        hand.focus(hand.find_window("palpate: "));
+        hand.chord("p");
+        tests::pause(0.5);
+    }
+    CHECK(session.screen_name() == "ready");
+    CHECK(session.ask("SELECT count(*) FROM trial") == "1");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}
