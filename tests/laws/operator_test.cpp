@@ -1,11 +1,14 @@
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <thread>
 
+#include "engine/base/clock.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/pressed_desk.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
@@ -219,8 +222,10 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
     CHECK(used() == "0 0");
-    CHECK_THAT(end.out, ContainsSubstring("This run: 0 answered") &&
-                            ContainsSubstring("Stopped before trial 1 of 2"));
+    CHECK_THAT(end.out,
+               ContainsSubstring("four_trials: REAL, participant P1, session 1, 2 trials") &&
+                   ContainsSubstring("This run: 0 answered") &&
+                   ContainsSubstring("Stopped before trial 1 of 2"));
     CHECK(lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 
@@ -301,4 +306,71 @@ TEST_CASE(
                              ContainsSubstring(" trial 1 of ") &&
                              ContainsSubstring("  attempt 2  ") &&
                              !ContainsSubstring("--resume redo-block"));
+}
+
+TEST_CASE("one trial that takes long leaves alone how many minutes the terminal foretells",
+          "[window][operator][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    text = replaced(text, "repetitions = 1", "repetitions = 100");
+    std::ofstream(folder.file("p.toml"))
+        << replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
+    std::int64_t before = monotonic_ns();
+    WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,
+                           "--device", "mouse", "--kind", "pilot"},
+                          file);
+    session.press_at("welcome", "space");
+    std::vector<double> took;  // min
+    for (int trial = 1; trial <= 3; ++trial) {
+        session.press_at("ready", "space");
+        session.press_at("explore", "space");
+        session.wait_for_screen("question");
+        pause(trial == 2 ? 6.0 : 0.0);
+        session.press_at("question", "1");
+        session.wait_for_text(fmt::format("({} left", 400 - trial));
+        const std::int64_t now = monotonic_ns();
+        took.push_back(static_cast<double>(now - before) * 1e-9 / 60.0);
+        before = now;
+    }
+    const std::string out = session.program().out();
+    const std::string said = "(397 left, about ";
+    REQUIRE(out.find(said) != std::string::npos);
+    const double minutes = std::stod(out.substr(out.find(said) + said.size()));
+    std::sort(took.begin(), took.end());
+    CAPTURE(took, minutes);
+    CHECK(minutes <= 397.0 * took[1] + 2.0);
+    CHECK(minutes >= 397.0 * took[0] - 2.0);
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}
+
+TEST_CASE("a trial's line says how much of it was contact, and the largest force, as the file does",
+          "[window][haply][operator][law]") {
+    tests::PressedDesk desk(tests::PressingHand::Does::presses);
+    WindowSession& session = *desk.session;
+    const auto answered = [&] {
+        return session.ask("SELECT count(*) FROM response") == "1";
+    };
+    for (int tries = 0; tries < 20 && !answered(); ++tries) {  // a busy machine's faults
+        REQUIRE(desk.feel());
+        pause(0.6);
+        session.hand().key("Return");
+        tests::eventually([&] { return session.screen_name() != "explore"; });
+        session.hand().release("space");
+        if (session.screen_name() == "question") {
+            session.press_at("question", "1");
+            tests::eventually(answered);
+        }
+    }
+    REQUIRE(answered());
+    session.wait_for_text("answered in");
+    CHECK(session.ask(
+              "SELECT max_normal_force_n > 0.1 FROM trial JOIN response USING (trial_id)") == "1");
+    CHECK_THAT(
+        session.program().out(),
+        ContainsSubstring(session.ask(
+            "SELECT printf('felt %.1f s, in contact %.0f %%, %.1f N at most, answered in %.1f s', "
+            "done_s, 100.0 * contact_ticks / ticks, max_normal_force_n, reaction_s) FROM trial "
+            "JOIN response USING (trial_id)")));
 }
