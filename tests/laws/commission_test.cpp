@@ -220,3 +220,33 @@ TEST_CASE(
     CHECK((end.error.find(" ticks of delay") != std::string::npos) >= slow);
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
+
+TEST_CASE("commission says where home is and asks until somebody says yes, with no torque before",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    TypedTo program(
+        folder, "desk",
+        "commission --device " + board.word() + " -o '" + folder.file("rig.toml") + "'");
+    const auto asked = [&](int n) {
+        return eventually([&] { return times(program.program().out(), "Type yes:") == n; });
+    };
+    REQUIRE(asked(1));
+    CHECK_THAT(program.program().out(), ContainsSubstring("It has to rest at home, (0, 89.") &&
+                                            ContainsSubstring("Nobody may hold the handle"));
+    int questions = 1;
+    for (const char* answer : {"", "no", "yes please"}) {
+        CAPTURE(answer);
+        program.type(answer);
+        CHECK(asked(++questions));
+        CHECK(program.program().running());
+        CHECK(board.motors() == "0, 0");
+    }
+    CHECK_THAT(program.program().out(), !ContainsSubstring("the handle is free\n"));
+    program.type("yes");
+    CHECK(eventually([&] {
+        return program.program().out().find("the handle is free\n") != std::string::npos ||
+               tests::starved(program.program().error());
+    }));
+    CHECK(times(program.program().out(), "Type yes:") == questions);
+}

@@ -1,6 +1,8 @@
 #include <fstream>
+#include <set>
 
 #include "tests/support/catch.hpp"
+#include "tests/support/free_board.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
@@ -78,4 +80,42 @@ TEST_CASE("wrong words to the doctor get a sentence and exit code 2", "[cli][doc
     const Finished protocol = palpate_command({"doctor", "--protocol", "absent.toml"});
     CHECK(protocol.code == 2);
     CHECK_THAT(protocol.error, ContainsSubstring("absent.toml"));
+}
+
+TEST_CASE(
+    "while the doctor looks at a board and calibrate reads its marks, no motor gives a torque",
+    "[doctor][calibrate][haply][law]") {
+    const TemporaryFolder folder;
+    tests::FreeBoard board(folder);
+    std::set<std::string> given;
+    int looks = 0;
+    const auto look = [&] {
+        given.insert(board.motors());
+        ++looks;
+    };
+    tests::Process doctor({tests::palpate_program(), "doctor", "--device", board.word(),
+                           "--seconds", "0.05", "--db", folder.file("d.sqlite")},
+                          {"DISPLAY", "WAYLAND_DISPLAY"});
+    while (doctor.running()) {
+        look();
+    }
+    CHECK_THAT(doctor.out(), ContainsSubstring("  device "));
+    CHECK(looks > 20);
+
+    tests::TypedTo calibrate(folder, "desk",
+                             "calibrate --preset 2diy_gen3 --mark 0,70 --mark=-20,70 --device " +
+                                 board.word() + " -o '" + folder.file("desk.toml") + "'");
+    int brought = 0;
+    CHECK(tests::eventually([&] {
+        const std::string out = calibrate.program().out();
+        look();
+        if (tests::times(out, "Bring the handle to") > brought) {
+            ++brought;
+            board.bring(tests::last_place(out));
+            calibrate.type("");
+        }
+        return !calibrate.program().running();
+    }));
+    CHECK(brought == 2);
+    CHECK(given == std::set<std::string>{"0, 0"});
 }
