@@ -1,4 +1,5 @@
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -142,4 +143,23 @@ TEST_CASE("what a trip says is said in the screen's language, and other sentence
     }
     CHECK(ui::trip_in(Language::tr, "the board at /dev/one is gone") ==
           "the board at /dev/one is gone");
+}
+
+TEST_CASE("no sentence of the participant's screen gives away the experimenter's chords",
+          "[words][law]") {
+    const Language language = GENERATE(Language::en, Language::tr);
+    std::vector<std::string_view> sentences;
+    for (const Row& row : kRows) {
+        sentences.push_back(ui::words_in(language).*row.sentence);
+    }
+    for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {
+        sentences.push_back(ui::trip_in(language, explanation(static_cast<engine::Trip>(i))));
+    }
+    for (const std::string_view sentence : sentences) {
+        CAPTURE(sentence);
+        for (const std::string_view key : {"Ctrl", "Shift", "ctrl", "shift"}) {
+            CHECK(sentence.find(key) == std::string_view::npos);
+        }
+    }
+    CHECK(ui::words_in(language).end_of_pause.find("terminal") != std::string_view::npos);
 }
