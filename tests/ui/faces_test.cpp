@@ -221,3 +221,19 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
         CHECK((size.x < size.y || minutes_of_arc(window, line) >= 16.0));
     }
 }
+
+TEST_CASE("on a Turkish screen a trouble is told in Turkish alone", "[screen][faces][law]") {
+    tests::draw_into_memory();
+    Window window({.width = 1280, .height = 800, .font = {}, .language = Language::tr});
+    for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {
+        const std::string_view english = explanation(static_cast<engine::Trip>(i));
+        window.clear(kBackground);
+        draw(window, TroubleFace{std::string(english), true, true});
+        std::string said;
+        for (const TextExtent& line : window.written()) {
+            said += line.text + ' ';
+        }
+        CHECK_THAT(said, Catch::Contains(std::string(trip_in(Language::tr, english))) &&
+                             !Catch::Contains(std::string(english)));
+    }
+}
