@@ -195,3 +195,32 @@ TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothi
     CHECK_NOTHROW(recorder.end_trial(id, tests::answered(0, true)));
     CHECK(lines(database, "SELECT count(*) FROM fault") == "0 \n");
 }
+
+TEST_CASE("a question that nobody answered in time leaves an unanswered trial, which comes again",
+          "[store][session][law]") {
+    class Slow : public tests::Patient {
+    public:
+        Choice choose(const TrialView& /*trial*/, const Question& /*question*/) override {
+            return {.signal = ++asked % 3 == 1 ? Signal::too_late : Signal::done};
+        }
+        int asked = 0;
+    };
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = tests::session_spec(tests::short_protocol());
+    const data::OpenedSession opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    tests::World world;
+    tests::FaultyApparatus apparatus(world);
+    Slow observer;
+    const SessionEnd end = run_session(
+        spec.protocol, spec.plan, {}, opened.progress,
+        {.apparatus = apparatus, .observer = observer, .recorder = recorder, .pause = [](double) {
+         }});
+    CHECK(end.why == SessionEnd::Why::finished);
+    CHECK(tests::count(database, "trial WHERE outcome = 'unanswered'") == (observer.asked + 2) / 3);
+    CHECK(tests::count(database,
+                       "trial JOIN response USING (trial_id) WHERE outcome <> "
+                       "'complete'") == 0);
+    CHECK(tests::count(database, "response") == tests::count(database, "plan"));
+}

@@ -202,7 +202,8 @@ TEST_CASE("Space begins with the handle at the start alone, where there is a han
     CHECK(screen.ready(kTrial) == Signal::go_on);
 }
 
-TEST_CASE("a question ends unanswered after its time, the confidence too", "[screen][law]") {
+TEST_CASE("a question ends unanswered after its time and not before, the confidence too",
+          "[screen][law]") {
     SubjectScreen screen(options());
     Question question{.kind = ResponseKind::two_interval,
                       .text = {},
@@ -211,7 +212,16 @@ TEST_CASE("a question ends unanswered after its time, the confidence too", "[scr
                       .labels = {},
                       .confidence = true,
                       .timeout_s = 1.5};
-    CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+    {
+        const Later too_late([] { press(SDLK_1); }, 2500);
+        CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+    }
+    {
+        const Later subject([] { press(SDLK_1); });
+        CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+    }
+    question.confidence = false;
+    question.timeout_s = 60.0;
     const Later subject([] { press(SDLK_1); });
-    CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+    CHECK(screen.choose(kTrial, question).signal == Signal::done);
 }
