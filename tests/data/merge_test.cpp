@@ -210,6 +210,28 @@ TEST_CASE(
     CHECK(row.text(0) == "P07");
 }
 
+TEST_CASE("of a session that two files tell differently the preferred file's is taken",
+          "[merge][law]") {
+    const TemporaryFolder folder;
+    const Rig rig(folder.file("a.sqlite"), "P01", 1);
+    const std::string other = copy_of(rig.file(), folder, 1);
+    for (const std::string& file : {rig.file(), other}) {
+        Database database(file, Access::write);
+        data::add_note(database, 1, "said in " + file);
+        database.checkpoint();
+    }
+    for (const std::string& preferred : {rig.file(), other}) {
+        for (const std::string& first : {rig.file(), other}) {
+            const std::string out = folder.file("out.sqlite");
+            const std::string second = first == other ? rig.file() : other;
+            CHECK(data::merge_files(out, {first, second}).added == 0);
+            CHECK(data::merge_files(out, {first, second}, preferred).conflicts.empty());
+            CHECK(content_of(out) == content_of(preferred));
+            std::filesystem::remove(out);
+        }
+    }
+}
+
 TEST_CASE(
     "one study, participant and number under two uuids is a conflict, and what was there stays",
     "[merge][law]") {
@@ -265,7 +287,21 @@ TEST_CASE(
     const MergeReport report = data::merge_files(none, {b.file(), a.file()});
     CHECK(report.conflicts.size() == 1);
     CHECK(report.added == 0);
-    CHECK(data::merge_files(none, {b.file(), a.file()}, b.file()).added == 2);
+    for (const Rig* right : {&a, &b}) {  // of one time: the file that is preferred is right
+        const std::string file = folder.file(right == &a ? "as_a.sqlite" : "as_b.sqlite");
+        CHECK(data::merge_files(file, {b.file(), a.file()}, right->file()).added == 2);
+        const auto notes_of = [](const std::string& of) {
+            Database one(of, Access::read);
+            const auto person = data::find_participant(one, "P01");
+            return std::pair(person->notes.handedness, person->notes.details);
+        };
+        const auto [handedness, details] = notes_of(file);
+        const auto [said_handedness, said_details] = notes_of(right->file());
+        CHECK((!said_handedness || handedness == said_handedness));
+        for (const auto& detail : said_details) {
+            CHECK(std::ranges::find(details, detail) != details.end());
+        }
+    }
 }
 
 TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
