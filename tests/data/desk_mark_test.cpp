@@ -1,6 +1,8 @@
 #include <functional>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
@@ -45,6 +47,7 @@ public:
     Exploring explore(const TrialView& trial, double elapsed_s) override {
         if (elapsed_s >= 0.1 && !decided_) {
             decided_ = true;
+            felt = {trial.practice, trial.number, trial.total};
             const auto attempt =
                 static_cast<std::uint64_t>(apparatus_.attempts[apparatus_.position]);
             tests::Random random(seed_ * 7919 + apparatus_.position * 31 + attempt);
@@ -70,6 +73,7 @@ public:
         return Signal::go_on;
     }
     int pauses = 0;
+    TrialNumber felt{};  ///< as its screen said
 
 private:
     std::uint64_t seed_;
@@ -211,4 +215,51 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
         }
     }
     CHECK(found.count(data::FindingKind::differs) == 0);
+}
+
+TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark",
+          "[session][desk][law]") {
+    const auto seed = GENERATE(range(0ULL, 4ULL));
+    CAPTURE(seed);
+    const tests::TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    Protocol protocol = tests::short_protocol();
+    protocol.invalid.max_requeues = seed % 2;  // 0: what is marked is not run again
+    const data::SessionSpec spec = tests::session_spec(protocol);
+    tests::World world{.seed = seed, .fault_share = 0.3};
+    Placed apparatus(world);
+    const data::OpenedSession opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    OperatorDesk desk;
+    Marking observer(seed, apparatus, desk, 0);
+    std::vector<MarkReply> replies;
+    const auto answered = [&](const MarkReply& said) {
+        replies.push_back(said);
+        const std::optional<MarkReply> shown = desk.take_reply();
+        REQUIRE(shown.has_value());
+        CHECK(shown->found == said.found);
+        CHECK(shown->trial == said.trial);
+        CHECK(said.found == (lines(database,
+                                   "SELECT outcome FROM trial ORDER BY trial_id DESC "
+                                   "LIMIT 1") == "complete \n"));
+        CHECK(said.number == (said.found ? observer.felt : TrialNumber{}));
+    };
+    static_cast<void>(run_session(spec.protocol, spec.plan, {}, opened.progress,
+                                  {.apparatus = apparatus,
+                                   .observer = observer,
+                                   .recorder = recorder,
+                                   .marked = answered,
+                                   .pause = [](double) {},
+                                   .desk = &desk}));
+    CHECK(replies.size() > 3);
+    std::string marked;
+    for (const MarkReply& one : replies) {
+        if (one.found) {
+            marked += fmt::format("{} {} \n", one.trial, one.runs_again ? 1 : 0);
+        }
+    }
+    CHECK(lines(database,
+                "SELECT trial_id, EXISTS (SELECT 1 FROM trial AS later WHERE later.plan_position = "
+                "trial.plan_position AND later.trial_id > trial.trial_id) FROM trial WHERE "
+                "invalid_reason IS NOT NULL ORDER BY trial_id") == marked);
 }
