@@ -8,9 +8,13 @@
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
@@ -166,4 +170,41 @@ TEST_CASE("the guard goes into a control group of its own where systemd grants o
     }
     emulator.signal(SIGINT);
     CHECK(emulator.wait().code == 0);
+}
+
+TEST_CASE("a session on an emulated board is simulated unless --kind says otherwise",
+          "[laws][haply][law]") {
+    const TemporaryFolder folder;
+    const std::string link = folder.file("board");
+    const Process emulator({palpate_program(), "haply-emulator", "--link", link});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    const auto spec = session_spec(small_protocol());
+    write(folder.file("small.toml"), protocols::to_toml(spec.protocol));
+    const std::string file = folder.file("d.sqlite");
+    {  // a simulated session that has begun, on another device
+        palpate::data::Database database(file, palpate::data::Access::write);
+        const auto opened = palpate::data::open_session(database, spec);
+        palpate::data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        static_cast<void>(begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
+    }
+    const auto refused = [&](const std::vector<std::string>& kind) {
+        std::vector<std::string> words{palpate_program(),
+                                       "run",
+                                       folder.file("small.toml"),
+                                       "--participant",
+                                       "P01",
+                                       "--db",
+                                       file,
+                                       "--device",
+                                       "haply:" + link};
+        words.insert(words.end(), kind.begin(), kind.end());
+        const Finished finished = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
+        CHECK(finished.code == 2);
+        return finished.error;
+    };
+    const std::string simulated = refused({});
+    CHECK_THAT(simulated, ContainsSubstring("the session is recorded as simulated"));
+    CHECK_THAT(simulated, ContainsSubstring("--other-device"));
+    CHECK_THAT(refused({"--kind", "pilot"}), ContainsSubstring("cannot go on as pilot"));
+    CHECK_THAT(refused({"--kind", "real"}), ContainsSubstring("no real session"));
 }

@@ -1,8 +1,10 @@
 #include <csignal>
 #include <functional>
 
+#include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/stop_ways.hpp"
+#include "tests/support/studies.hpp"
 
 // Ways to stop a force that need no window's focus, and windows out of reach, tried on the program
 // itself: a real window, a board on a pseudo-terminal with a hand that presses, the experimenter's
@@ -181,4 +183,41 @@ TEST_CASE(
     CHECK(session.ask("SELECT count(*) FROM trial") == "1");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
+}
+
+TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal end the force",
+          "[safety][law]") {
+    const TemporaryFolder folder;
+    const Terminal terminal;
+    const StopButton button(folder.file("button"));  // a session with one listens without a window
+    const std::string file = folder.file("d.sqlite");
+    tests::Process session(
+        {tests::palpate_program(), "run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+         "--participant", "P1", "--db", file, "--headless", "--speed", "0.2", "--stop-button",
+         folder.file("button")},
+        {std::string(tests::kTerminal) + "=" + terminal.name()});
+    REQUIRE(
+        eventually([&] { return session.out().find("If it ends early") != std::string::npos; }));
+    data::Database database(file, data::Access::read);
+    const auto ends = [&](const std::string& way, const std::function<void()>& act) {
+        CAPTURE(way, session.out(), session.error());
+        REQUIRE(eventually(
+            [&] { return tests::count(database, "trial WHERE outcome = 'running'") > 0; }));
+        const std::string stops =
+            "event JOIN trial USING (trial_id) WHERE event_kind = 'stop' AND value = '" + way +
+            "' AND fault_cause = 'stopped'";
+        const std::int64_t before = tests::count(database, stops);
+        act();
+        CHECK(eventually([&] { return tests::count(database, stops) > before; }));
+    };
+    ends("palpate stop", [&] {
+        CHECK_THAT(tests::palpate_command({"stop", file}).out,
+                   ContainsSubstring("No force any more in 1 session"));
+    });
+    ends("terminal", [&] { terminal.type("\n"); });
+    ends("terminal", [&] { terminal.type("\x1b"); });
+    const tests::Finished gave_up = session.wait();  // nobody is there, and three were in a row
+    CHECK(gave_up.code == 1);
+    CHECK_THAT(gave_up.error, ContainsSubstring("3 faults in a row"));
+    CHECK(terminal.as_before());
 }
