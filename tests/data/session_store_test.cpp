@@ -113,8 +113,13 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     auto real = spec;
     real.kind = data::RunKind::real;
     CHECK_THROWS_WITH(data::open_session(database, real), ContainsSubstring("simulated session"));
+    auto elsewhere = spec;
+    elsewhere.device = "another";
+    CHECK_THROWS_AS(data::open_session(database, elsewhere), data::OtherDevice);
     CHECK(count(database, "session") == 1);
     CHECK(count(database, "study") == 1);
+    elsewhere.other_device = true;
+    CHECK(data::open_session(database, elsewhere).id == id);
 }
 
 TEST_CASE("sessions of a participant are found by number", "[store]") {
