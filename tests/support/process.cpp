@@ -133,7 +133,8 @@ std::string Process::error() const {
 }
 
 std::string palpate_program() {
-    return PALPATE_PROGRAM;
+    const char* mutant = std::getenv("PALPATE_TEST_PROGRAM");
+    return mutant != nullptr ? mutant : PALPATE_PROGRAM;
 }
 
 bool others_load_extension() {

@@ -75,7 +75,7 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 /// with kRunSecret unless another --secret is given.
 [[nodiscard]] Finished palpate_command(const std::vector<std::string>& arguments);
 
-/// Path of the program under test.
+/// Path of the program under test: PALPATE_TEST_PROGRAM, else the one that was built.
 [[nodiscard]] std::string palpate_program();
 
 /// Makes `file` of `text`, byte for byte.
