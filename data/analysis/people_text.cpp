@@ -135,7 +135,7 @@ std::string persons_text(const PeopleTable& table) {
 /// How a study asks, as its responses say.
 enum class Asks : std::uint8_t { correct, yes, level };
 
-/// Where answers are neither right nor wrong, yes/no and ratings are told apart by the last
+/// Where answers are neither right nor wrong, yes/no and ratings are distinguished by the last
 /// protocol.
 Asks asks(Database& database, const Group& group) {
     Statement row = database.prepare(

@@ -257,7 +257,7 @@ std::string why_unbounded(SigmaEnd end) {
         case SigmaEnd::unknown:
             break;
     }
-    return "not told: no answers, or too few different ones";
+    return "not known: no answers, or too few different ones";
 }
 
 std::map<std::string, double> item_values(Database& database, const std::string& study) {

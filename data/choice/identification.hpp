@@ -21,7 +21,7 @@ struct IdentificationOptions {
     std::set<std::string> given{};  ///< of the items, those that somebody named: each must be there
 };
 
-/// Of one person, two conditions: a change that is not told from none has a p near 1. Numbers are
+/// Of one person, two conditions: a change that is as good as none has a p near 1. Numbers are
 /// there where both sigmas have ends; intervals and p always, and they agree: a p below .05 is an
 /// interval without the ratio of 1, or the shift of 0.
 struct ThurstoneChange {

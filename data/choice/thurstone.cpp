@@ -181,7 +181,7 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     const Model model(counts, spec);
     const Layout& layout = model.layout();
     if (layout.used.size() < 2) {
-        throw std::invalid_argument("every answer is the same response: nothing is told apart");
+        throw std::invalid_argument("every answer is the same response: nothing is distinguished");
     }
     const double spacing = least_distance(spec.items);
     Maximum top;

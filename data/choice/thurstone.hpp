@@ -62,7 +62,7 @@ struct ThurstoneFit {
 ///     P(response <= j | item i, condition f) = Phi((c_j - x_i - b_f) / sigma_f),   b_0 = 0
 ///
 /// mixed with lapses, lapse / m each. The criteria are the observer's own in all conditions: so
-/// sigma, how well items are told apart, and the shift, by how much all feel more or less, come
+/// sigma, how well items are distinguished, and the shift, by how much all feel more or less, come
 /// apart, as no share correct can part them. Fisher scoring with Levenberg's damping from three
 /// starts, the highest taken.
 /// @param counts  of each condition, all of the same size

@@ -116,10 +116,10 @@ for (study in unique(main$study_label)) {
     own <- droplevels(main[main$study_label == study & !is.na(main$correct), ])
     if (nrow(own) == 0) {
         cat(study, ', ', kind, ': no answer is right or wrong here: no share of right answers\n', sep = '')
-        told <- subset(main, study_label == study & is.na(comparison_interval) & is.na(chosen_object))
-        if (nrow(told) > 0) {  # yes is 1, no 0; a rating's first level is 0
+        judged <- subset(main, study_label == study & is.na(comparison_interval) & is.na(chosen_object))
+        if (nrow(judged) > 0) {  # yes is 1, no 0; a rating's first level is 0
             cat('mean answer_code\n')
-            print(round(with(droplevels(told), tapply(answer_code, list(subject, paste(planned_object, friction)), mean)), 3))
+            print(round(with(droplevels(judged), tapply(answer_code, list(subject, paste(planned_object, friction)), mean)), 3))
         }
         next
     }
@@ -172,10 +172,10 @@ for study, own in main.groupby("study_label", observed=True, sort=False):
     own = own[own.correct.notna()]
     if own.empty:
         print(f"{study}, {kind}: no answer is right or wrong here: no share of right answers")
-        told = main[(main.study_label == study) & main.comparison_interval.isna() & main.chosen_object.isna()]
-        if not told.empty:  # yes is 1, no 0; a rating's first level is 0
+        judged = main[(main.study_label == study) & main.comparison_interval.isna() & main.chosen_object.isna()]
+        if not judged.empty:  # yes is 1, no 0; a rating's first level is 0
             print("mean answer_code")
-            print(told.pivot_table(values="answer_code", index="subject", columns=["planned_object", "friction"],
+            print(judged.pivot_table(values="answer_code", index="subject", columns=["planned_object", "friction"],
                                    aggfunc="mean", observed=True).round(3))
         continue
     print(f"{study}, {kind}:")

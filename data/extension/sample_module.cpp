@@ -192,7 +192,7 @@ bool sample_is_hidden(sqlite3* db) {
                      " AND type IN ('table', 'view')")
             .step();
     } catch (const SampleError&) {
-        return false;  // whoever asks for ticks is told why the file cannot be read
+        return false;  // whoever asks for ticks hears why the file cannot be read
     }
 }
 

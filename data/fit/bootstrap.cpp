@@ -31,7 +31,7 @@ CurvePoint source(const CurveModel& model, const CurveFit& fit) {
     return held.whole(climb(held, start, held.free()).at);
 }
 
-/// Told by its logarithm: it is above 0, and off by a factor.
+/// Given by its logarithm: it is above 0, and off by a factor.
 bool by_logarithm(const CurveSpec& spec, Quantity quantity) {
     switch (quantity) {
         case Quantity::jnd:

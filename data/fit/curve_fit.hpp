@@ -11,7 +11,7 @@
 /// Psychometric functions fitted by maximum likelihood, or MAP where the spec has priors.
 namespace palpate::data {
 
-/// What is told of a curve. x_q is the stimulus with F(x_q) = q.
+/// What is said of a curve. x_q is the stimulus with F(x_q) = q.
 enum class Quantity : std::uint8_t {
     threshold,  ///< x_.5: halfway from guesses to lapses; the point of subjective equality of a comparison
     jnd,    ///< (x_.75 - x_.25) / 2: 0.6745 sd (normal), 1.0986 / b (logistic)

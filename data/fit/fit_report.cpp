@@ -97,7 +97,7 @@ FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Qua
     return estimate;
 }
 
-/// All that is told of a curve that is fitted.
+/// All that is said of a curve that is fitted.
 void tell(FittedCurve& curve, const FitOptions& options) {
     std::vector<Quantity> asked{Quantity::threshold, Quantity::jnd,   Quantity::weber,
                                 Quantity::slope,     Quantity::guess, Quantity::lapse};

@@ -72,7 +72,7 @@ std::string interval_text(const std::optional<Interval>& interval, double scale 
              : "-";
 }
 
-/// By what a number can be told from its interval's ends.
+/// By what a number differs from its interval's ends.
 double scale_of(const std::optional<Interval>& interval) {
     return interval ? interval->high - interval->low : 0.0;
 }
@@ -276,7 +276,7 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
     if (!fit.agree) {
         all.push_back(
             fmt::format("the two optimisers differ: Nelder-Mead ended {:.3g} {} in log-likelihood; "
-                        "the higher maximum is told",
+                        "the higher maximum is given",
                         std::fabs(fit.second - fit.value),
                         fit.second >= fit.value ? "higher than Fisher scoring" : "lower"));
     }

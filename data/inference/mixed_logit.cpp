@@ -187,7 +187,7 @@ void add_errors(const Objective& f, const Minimum& best, MixedFit& fit) {
 MixedFit fit_of(const Objective& f, const MixedSpec& spec, const Minimum& best) {
     const auto all = f.whole(best.at);
     MixedFit fit{.spec = spec, .intercept = all[0], .effect = all[1]};
-    // L and L with a column turned round give the same covariance: the diagonal is told above 0.
+    // L and L with a column turned round give the same covariance: the diagonal is held above 0.
     const double one = all[2] < 0.0 ? -1.0 : 1.0;
     fit.l = {std::fabs(all[2]), one * all[3], std::fabs(all[4])};
     fit.sd_intercept = fit.l[0];

@@ -43,7 +43,7 @@ std::int64_t false_alarms(const PersonCell& cell) {
 
 void add_sensitivity(const StatsReport& report, const Taken& trials, PersonCell& cell) {
     if (!report.yes_no && report.table.alternatives < 2) {
-        return;  // one picture alone is told from nothing
+        return;  // one picture alone is compared with nothing
     }
     if (!report.yes_no) {
         cell.d_prime =

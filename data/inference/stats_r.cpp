@@ -45,7 +45,7 @@ bits_95 <- function(t) {  # every cell of the rows and columns corrected for, -+
     ends <- centre + qnorm(c(.025, .975)) * se
     pmin(pmax(c(ends[1], max(ends[2], miller_madow(t))), 0), h(rowSums(t)))
 }
-told <- function(x, size) ifelse(abs(x) <= 1e-12 * size, 0, x)  # rounding is no difference
+rounded <- function(x, size) ifelse(abs(x) <= 1e-12 * size, 0, x)  # rounding is no difference
 signed_rank <- function(x) {  # every pattern of signs, ties with their mean rank
     x <- x[abs(x) > 1e-9 * max(abs(x))]
     if (!length(x)) return(c(0, 1))
@@ -147,7 +147,7 @@ trend <- function(d, y) {
     if (nrow(d) < 3 || diff(range(d$trial)) == 0) return(c(NA, NA))
     rested <- !anyNA(d$since_break) && nrow(d) > 3
     b <- coef(if (rested) lm(y ~ d$trial + d$since_break) else lm(y ~ d$trial))
-    c(told(b[2], max(abs(y)) / sd(d$trial)), if (rested) told(b[3], max(abs(y)) / sd(d$since_break)) else NA)
+    c(rounded(b[2], max(abs(y)) / sd(d$trial)), if (rested) rounded(b[3], max(abs(y)) / sd(d$since_break)) else NA)
 }
 part <- function(d, at) {
     say(paste0(at, '/answers'), nrow(d))
@@ -203,7 +203,7 @@ part <- function(d, at) {
     for (what in names) for (f in frictions) {
         x <- value[, f, what]; to <- paste0(at, '/measures/', what)
         mean_of_people(x, what == 'share', paste0(to, '/means/', key(f)))
-        if (f != frictions[1]) tests(told(x - value[, frictions[1], what], pmax(abs(x), abs(value[, frictions[1], what]))), 0, paste0(to, '/effects/', key(f)))
+        if (f != frictions[1]) tests(rounded(x - value[, frictions[1], what], pmax(abs(x), abs(value[, frictions[1], what]))), 0, paste0(to, '/effects/', key(f)))
     }
     for (what in colnames(slopes)) tests(slopes[, what], if (what == 'confidence_area') .5 else 0,
         paste0(at, '/within_person/', what))

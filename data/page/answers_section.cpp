@@ -279,7 +279,8 @@ void add_sensitivity(PageWriter& page, const Study& study, const PageNumbers& nu
         figure.panels.push_back(paired_panel(pairs));
     }
     figure.caption = fmt::format(
-        "Yes is right for {}. d': how well they are told from the others; c: above 0 rather no. "
+        "Yes is right for {}. d': how well they are distinguished from the others; c: above 0 "
+        "rather no. "
         "Log-linear correction (Hautus 1995), of the least answers of a person under a friction. A "
         "thin line is a person; bars: means over people with 95 % intervals. Their tests stand "
         "with "

@@ -137,7 +137,7 @@ void add_ratings(PageWriter& page, const Study& study) {
         return;
     }
     page.section("ratings", "Ratings");
-    PageFigure figure{.id = "levels-told",
+    PageFigure figure{.id = "levels-apart",
                       .title = "Which level was said of what",
                       .width = 400.0,
                       .data = study.ask(kLevels)};

@@ -48,14 +48,14 @@
   }
 
   function draw(figure) {
-    var told = JSON.parse(figure.querySelector('script.ticks').textContent);
+    var drawn = JSON.parse(figure.querySelector('script.ticks').textContent);
     var live = figure.querySelector('.live');
-    var times = numbers(told.time.text, told.ticks, told.time.step);
+    var times = numbers(drawn.time.text, drawn.ticks, drawn.time.step);
     var begin = times[0], end = times[times.length - 1];
     var shown = { min: begin, max: end };
-    told.strips.forEach(function (strip) {
+    drawn.strips.forEach(function (strip) {
       strip.lines.forEach(function (line) {
-        line.values = numbers(line.text, told.ticks, line.step * line.shown);
+        line.values = numbers(line.text, drawn.ticks, line.step * line.shown);
       });
     });
 
@@ -95,7 +95,7 @@
       var last = times.length - 1;
       while (last > 0 && times[last] > shown.max) --last;
       var parts = [];
-      told.strips.forEach(function (strip) {
+      drawn.strips.forEach(function (strip) {
         strip.lines.forEach(function (line) {
           if (strip.names.length > 0) return;
           var low = null, high = null;
@@ -136,7 +136,7 @@
       var c = plot.ctx, box = plot.bbox, size = 4 * devicePixelRatio, foot = box.top + box.height;
       c.save();
       c.fillStyle = ink;
-      told.sticks.forEach(function (at) {
+      drawn.sticks.forEach(function (at) {
         if (at < plot.scales.x.min || at > plot.scales.x.max) return;
         var x = plot.valToPos(at, 'x', true);
         c.beginPath();
@@ -153,7 +153,7 @@
       var inks = dark.matches ? INKS.dark : INKS.light;
       var text = colour('--text'), rule = colour('--rule');
       var font = '11px sans-serif';
-      plots = told.strips.map(function (strip, place) {
+      plots = drawn.strips.map(function (strip, place) {
         var words = strip.names;
         var unit = strip.lines[0].unit;
         var options = {
@@ -170,12 +170,12 @@
           series: [{ label: 'time', value: function (plot, t) { return t === null ? '\u2013' : t.toFixed(3) + ' s'; } }],
           hooks: {
             setScale: [function (plot, key) {
-              if (key === 'x' && !busy && plots.length === told.strips.length) {
+              if (key === 'x' && !busy && plots.length === drawn.strips.length) {
                 show(plot.scales.x.min, plot.scales.x.max);
               }
             }],
             draw: [function (plot) {
-              told.marks.forEach(function (mark) {
+              drawn.marks.forEach(function (mark) {
                 vertical(plot, Math.min(mark.at, end), place === 0 ? mark.text : '', mark.fault ? inks.vermillion : text);
               });
               if (place === 1) triangles(plot, inks.green);
@@ -209,7 +209,7 @@
     dark.addEventListener('change', build);
     window.addEventListener('resize', function () {
       plots.forEach(function (plot, i) {
-        plot.setSize({ width: Math.max(280, live.clientWidth), height: told.strips[i].height });
+        plot.setSize({ width: Math.max(280, live.clientWidth), height: drawn.strips[i].height });
       });
     });
   }

@@ -32,7 +32,7 @@ std::int64_t bytes_free(const std::string& file) {
     struct statvfs disk {};
     if (statvfs(file.c_str(), &disk) != 0) {
         throw StoreError(
-            fmt::format("{}: the room on its disk cannot be told: {}", file, std::strerror(errno)));
+            fmt::format("{}: the room on its disk is not known: {}", file, std::strerror(errno)));
     }
     return static_cast<std::int64_t>(disk.f_bavail) * static_cast<std::int64_t>(disk.f_frsize);
 }

@@ -14,7 +14,7 @@ namespace palpate::data {
 [[nodiscard]] std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials);
 
 /// What the file's disk can still take of ours, bytes.
-/// @throws StoreError if it cannot be told
+/// @throws StoreError if nobody knows it
 [[nodiscard]] std::int64_t bytes_free(const std::string& file);
 
 /// @throws StoreError with a sentence if the disk has less room than `trials` need

@@ -78,7 +78,7 @@ std::optional<Participant> find_participant(Database& database, std::string_view
 
 namespace {
 
-/// What was noted of a participant; the value of a detail is told nowhere else.
+/// What was noted of a participant; the value of a detail stands nowhere else.
 protocols::Event noted(const std::string& key, const std::string& value = {}) {
     return {.kind = protocols::EventKind::participant,
             .text = value.empty() ? "detail " + key : fmt::format("{} {}", key, value),

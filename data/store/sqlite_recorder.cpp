@@ -256,7 +256,7 @@ void SqliteRecorder::write_finished() {
         .bind(1, session_)
         .bind(2, database_.utc_now())
         .run();
-    // Power may fail once the end is on the disk and before anybody is told: it ended then, and has
+    // Power may fail once the end is on the disk and before anybody knows: it ended then, and has
     // its link.
     if (database_.changes() > 0) {
         chain_session(database_, session_);

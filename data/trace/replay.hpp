@@ -48,7 +48,7 @@ class ReplayError : public TraceError {
 public:
     using TraceError::TraceError;
 };
-/// What a person is told then: of which trial and tick, and the remedy.
+/// What a person reads then: of which trial and tick, and the remedy.
 [[nodiscard]] std::string replay_sentence(std::int64_t trial, std::int64_t tick);
 
 /// The trials of one session.

@@ -20,7 +20,7 @@ struct Finding {
     std::optional<std::int64_t> tick;   ///< the first one, where ticks differ
     std::string what;                   ///< table.column, or a check of SQLite's
     std::string stored;                 ///< in the file
-    std::string recomputed;             ///< what it should be, or why it cannot be told
+    std::string recomputed;             ///< what it should be, or why it is not known
     std::int64_t count = 1;             ///< ticks of the trial in which this column differs
 };
 

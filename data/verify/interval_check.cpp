@@ -121,7 +121,7 @@ std::vector<CheckedInterval> check_intervals(Database& database,
         try {
             one.chunks = stored_chunks(database, id, static_cast<std::int64_t>(i + 1));
             if (frame.traceless) {
-                one.trace.whole = false;  // nothing can be told from what nobody kept
+                one.trace.whole = false;  // nothing is known of what nobody kept
                 if (!one.chunks.views.empty()) {
                     findings.differs("trace_chunk", "ticks", "none: the session kept none");
                 }

@@ -37,7 +37,7 @@ struct Sight {
 [[nodiscard]] ShortForm prove_home(PulseRunner& runner, const Calibration& calibration);
 
 /// The handle rests at the second mark, after a pose was taken for home that nobody saw to. One
-/// that rests at neither for some looks is where the person was told to bring it: home was
+/// that rests at neither for some looks is where the person was asked to bring it: home was
 /// elsewhere, and is asked for again.
 class MarkProof {
 public:

@@ -34,7 +34,7 @@ struct MotorProof {
                                          double delay);
 
 /// @param pulses  at three places or more, all directions; encoders are right (prove_encoders)
-/// @param mass    what the handle weighs, kg: strength and mass cannot be told apart by motion
+/// @param mass    what the handle weighs, kg: strength and mass cannot be distinguished by motion
 [[nodiscard]] MotorProof prove_motors(const PantographSpec& spec,
                                       std::span<const Pulse> pulses,
                                       double mass,

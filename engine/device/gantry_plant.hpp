@@ -43,7 +43,7 @@ public:
 
     /// Puts the handle at the start of a new exploration, at rest, motors off.
     void begin(const SurfaceExploration& plan);
-    /// What the motors are told to give from now on, N.
+    /// What the motors are asked to give from now on, N.
     void set_force(const Vec3& force) noexcept { command_ = force; }
     /// From now on it rubs and weighs so much. @throws std::invalid_argument for a number outside
     /// its range

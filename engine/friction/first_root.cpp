@@ -87,7 +87,7 @@ Excess excess_at(const ConeNet<Real>& net, const Real& z, const Real& rest) noex
             .noise = of_rest * c.noise[0] + of_z * c.noise[1]};
 }
 
-/// Closes in on the one root of min(A, B) in a net. In the second half of it the place is told by
+/// Closes in on the one root of min(A, B) in a net. In the second half of it the place is given by
 /// what is left to the end, which has all its digits there.
 template <class Real>
 class Bracket {

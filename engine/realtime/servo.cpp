@@ -44,7 +44,7 @@ void Servo::beat() noexcept {
     const std::int64_t now = monotonic_ns();
     beat_ns_.store(now, std::memory_order_relaxed);
     std::int64_t seen = held_ns_.load();
-    if (seen != 0 && seen != kAlways) {  // who is alive would have told that it was let go
+    if (seen != 0 && seen != kAlways) {  // who is alive would have said that it was let go
         held_ns_.compare_exchange_strong(seen, now);
     }
 }

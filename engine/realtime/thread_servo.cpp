@@ -215,7 +215,7 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     return true;
 }
 
-/// Nobody reads the device any more: zero is proved, then the state is told.
+/// Nobody reads the device any more: zero is proved, then the state is said.
 void ThreadServo::leave(State state) noexcept {
     loop_.prove_zero();
     left_ = true;

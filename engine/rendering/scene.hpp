@@ -121,7 +121,7 @@ struct ContactState {
 /// A law of friction from the literature (engine/friction/laws) is felt on the frictionless
 /// god-object: F = F_N n + F_T t there, F_T by the law from the load F_N and the travel of HIP
 /// along the tangent t along which friction was held. So the held force works on just the travel
-/// that the law is told of, and what the law gives on a line it gives on any curve. Unlike with GOS
+/// that the law knows of, and what the law gives on a line it gives on any curve. Unlike with GOS
 /// the god-object is then the local closest point, and a stuck contact follows it around corners.
 ///
 /// An object that yields moves under the spring of its contact, and the god-object stays on its

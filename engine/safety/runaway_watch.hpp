@@ -41,7 +41,7 @@ struct RunawayWatch {
 /// what the hand does: it is let in faster the deeper it gets. A motor with the wrong sign alone,
 /// or both swapped, do so on one side of an object. What this cannot see: a motor that is too
 /// strong or too weak, and wrong signs under a hand so firm that it does not give way. And a hand
-/// that is slow, then jabs, looks like a runaway; it is told what to do about either.
+/// that is slow, then jabs, looks like a runaway; it hears what to do about either.
 ///
 /// @param full   the command since the last reading was as strong as it may be
 /// @param depth  along the normal, m; 0 out of contact: friction along the surface takes no part

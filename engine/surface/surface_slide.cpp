@@ -11,7 +11,7 @@ namespace {
 
 using Way = Footing::Way;
 
-/// Way beside the flow that is told, of the size.
+/// Way beside the flow that is reported, of the size.
 constexpr double kAstray = 1e-8;
 
 /// Sine of the angle between tangents, and their length by the size, below which a place is
@@ -75,7 +75,7 @@ private:
         const SurfaceFlow::Arrival to =
             SurfaceFlow(ground_, work_ / 2).follow(at.spot, slew_.budget - slew_.used);
         strays_ = to.end != End::foot;
-        lost_ = to.end == End::failed;  // in steps from here on, and it is told
+        lost_ = to.end == End::failed;  // in steps from here on, and it is reported
         if (!(to.spot.r2 <= at.spot.r2 + 12.0 * std::sqrt(at.spot.r2) * at.spot.noise)) {
             return false;
         }

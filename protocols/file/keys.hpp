@@ -116,7 +116,7 @@ struct LawKeys {
     /// Whether a friction of this law may have the key.
     [[nodiscard]] bool reads(const Key& key) const;
 };
-/// All laws, in the order in which they are told.
+/// All laws, in the order in which they are listed.
 [[nodiscard]] std::span<const LawKeys> friction_laws() noexcept;
 /// Null for a word that is no law.
 [[nodiscard]] const LawKeys* keys_of_law(std::string_view law) noexcept;

@@ -76,7 +76,7 @@ private:
         return fmt::format("object.{}.{}", object + 1, key);
     }
 
-    /// Two equal pictures could not be told apart by anybody.
+    /// Two equal pictures could not be distinguished by anybody.
     void pictures_differ() {
         const std::vector<std::size_t> pictured = objects_of(protocol_, true);
         for (auto one = pictured.begin(); one != pictured.end(); ++one) {

@@ -35,7 +35,7 @@ void Problems::throw_if_any(std::string_view file_name) const {
     std::size_t shown = 0;
     for (const auto& [at, what] : found_) {
         if (++shown > kMax) {
-            text += fmt::format("\n{}:{}:{}: {} more are not told", file_name, at.line, at.column,
+            text += fmt::format("\n{}:{}:{}: {} more are not listed", file_name, at.line, at.column,
                                 found_.size() - kMax);
             break;
         }

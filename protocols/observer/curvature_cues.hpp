@@ -35,8 +35,8 @@ struct Cues {
 /// motion, one way up and the other way down. In the position cue it removes how deep and how askew
 /// the hand presses.
 ///
-/// Both use the hand (HIP), not the surface: where the surface is below a pressed hand, nobody is
-/// told. So the force cue is stretched by 1 / (1 - curvature * depth), 3 % at 3 mm on 10 1/m, and
+/// Both use the hand (HIP), not the surface: where the surface is below a pressed hand, nobody
+/// knows. So the force cue is stretched by 1 / (1 - curvature * depth), 3 % at 3 mm on 10 1/m, and
 /// the position cue shrinks by K / (K + hand stiffness), since a hand yields less than the surface
 /// would ask: .77 for 1000 N/m and a hand of 300 N/m. Arc and chord differ by below 1 % for
 /// |curvature| <= 10 1/m.

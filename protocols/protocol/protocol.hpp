@@ -188,7 +188,7 @@ enum class ResponseKind : std::uint8_t {
     rating,  ///< a level of a scale
 };
 
-/// When the participant is told whether an answer was right.
+/// When the participant learns whether an answer was right.
 enum class Feedback : std::uint8_t { none, practice, all };
 
 struct ResponseSpec {

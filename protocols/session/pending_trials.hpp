@@ -16,7 +16,7 @@ struct RequeueRule {
     std::size_t max = 10;  ///< times a position, InvalidSpec::max_requeues
 };
 
-/// Where a trial stands, as people are told: practice is counted by itself, main and catch trials
+/// Where a trial stands, as people read it: practice is counted by itself, main and catch trials
 /// together.
 struct TrialNumber {
     bool practice = false;

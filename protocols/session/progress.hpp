@@ -26,7 +26,7 @@ struct Attempt {
 /// The key of a mark that takes back the one before of the same trial.
 inline constexpr std::string_view kUndone = "undone";
 
-/// What a session knows of itself: what is left to run, what its rules were told, which answers
+/// What a session knows of itself: what is left to run, what its rules heard, which answers
 /// count. It follows from attempts and events alone, in their order: the running session, its
 /// resumption from a database and those who check one apply() the same.
 ///

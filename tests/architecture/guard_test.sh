@@ -214,12 +214,12 @@ catches data/a.cpp:2 'one machine'
 put tests/data/a.cpp "const char* k = \"$scratch/tree/data\";"
 catches tests/data/a.cpp:1 'one machine'
 
-# Several breaches in several files are all told.
+# Several breaches in several files are all listed.
 put data/a.cpp '#include "ui/a.hpp"' '#include <SDL.h>'
 put stimuli/a.cpp '#include "ui/a.hpp"'
 check
-told=$(printf "%s\n" "$found" | grep -c "^[a-z/.]*:[12]: ")
-[ "$told" = 3 ] || { failed=$((failed + 1)); echo "not all told: $found"; }
+listed=$(printf "%s\n" "$found" | grep -c "^[a-z/.]*:[12]: ")
+[ "$listed" = 3 ] || { failed=$((failed + 1)); echo "not all listed: $found"; }
 
 echo "$failed rules of the guard broken"
 [ "$failed" = 0 ]

@@ -33,7 +33,7 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// Dies in the call that it is told to.
+/// Dies in the call that it is asked to.
 class Killer : public protocols::Recorder {
 public:
     struct Killed {};

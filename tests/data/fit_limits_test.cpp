@@ -166,7 +166,7 @@ TEST_CASE("a difference has no bootstrap interval where one of its curves has no
     CHECK(difference().threshold_interval);
 }
 
-TEST_CASE("answers that bound nothing are told so, and a prior bounds them", "[fit]") {
+TEST_CASE("answers that bound nothing are reported so, and a prior bounds them", "[fit]") {
     const std::vector<Level> perfect{{1, 10, 0}, {2, 10, 0}, {3, 10, 10}, {4, 10, 10}};
     CurveSpec spec{.family = GENERATE(Family::weibull, Family::weibull_log10, Family::weibull_db,
                                       Family::gumbel, Family::normal, Family::logistic)};
@@ -215,7 +215,7 @@ TEST_CASE(
         sum += point[1] - samples.from[1];
     }
     CHECK(lapsing > 100);
-    // The slope is told by its logarithm, which is the second parameter.
+    // The slope is given by its logarithm, which is the second parameter.
     const double slope = corrected(spec, fit, samples, Quantity::slope).value();
     CHECK(std::log(slope) == Approx(fit.at[1] - sum / 400.0).epsilon(1e-12));
     CHECK(slope < quantity_of(spec, fit.at, Quantity::slope));

@@ -250,7 +250,7 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
 }
 
-TEST_CASE("UTF-8 is told from what is none, byte by byte as RFC 3629 has it", "[people]") {
+TEST_CASE("UTF-8 is distinguished from what is none, byte by byte as RFC 3629 has it", "[people]") {
     // Every sequence of one, two and three bytes against the ranges of the RFC's table 3-7 in
     // Unicode.
     const auto by_table = [](unsigned a, unsigned b, unsigned c) -> std::size_t {

@@ -189,7 +189,7 @@ TEST_CASE("a link to a database in a locked folder is read, too", "[store][law]"
                ContainsSubstring("Study small"));
 }
 
-TEST_CASE("a rig whose folder cannot be written is told so", "[store][law]") {
+TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
     const TemporaryFolder folder;
     static_cast<void>(record(folder.file("a.sqlite")));
     const Locked locked(folder);

@@ -254,7 +254,7 @@ TEST_CASE("over any window a function says to the bit what the rows of its frame
     }
 }
 
-TEST_CASE("information is log2 of what is told apart, none where answers ignore the object",
+TEST_CASE("information is log2 of what is distinguished, none where answers ignore the object",
           "[sql][functions]") {
     Asked asked;
     const auto five =

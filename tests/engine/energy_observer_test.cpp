@@ -164,8 +164,8 @@ namespace {
 struct Wall {
     double stiffness = 1000.0;  ///< N/m
     double damping = 0.55;      ///< N s/m, of the device
-    std::size_t delay = 0;      ///< ticks from command to force, told to the chain
-    std::size_t lag = 0;        ///< ticks that the rendering looks back, told to nobody
+    std::size_t delay = 0;      ///< ticks from command to force, known to the chain
+    std::size_t lag = 0;        ///< ticks that the rendering looks back, known to nobody
 };
 
 /// A mass of 150 g that a hand holds with 2 N against the wall y < 0, for 20 s.
@@ -205,7 +205,7 @@ TEST_CASE("a wall within the passivity bound runs for ever, one rendered from ol
     // K T (1/2 + d): 0.5 N s/m without delay, 1.5 with one tick.
     CHECK((against({.damping = 0.55}) == Trip::none));
     CHECK((against({.damping = 1.6, .delay = 1}) == Trip::none));
-    CHECK((against({.damping = 0.3}) == Trip::none));  // unstable, but a spring: told beforehand
+    CHECK((against({.damping = 0.3}) == Trip::none));  // unstable, but a spring: said beforehand
     CHECK((against({.lag = 2}) == Trip::energy));
     CHECK((against({.lag = 4}) == Trip::energy));
 }

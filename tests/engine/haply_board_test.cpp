@@ -159,7 +159,7 @@ TEST_CASE("torques are clamped at 0.123 N m and cut to 12 bits", "[haply][law]")
     }
 }
 
-TEST_CASE("a counter starts at its offset and counts in the direction it was told",
+TEST_CASE("a counter starts at its offset and counts in the direction it was given",
           "[haply][law]") {
     Naive host;
     HaplySetup setup = haply_setup(*host.machine.haply, host.machine.pantograph);

@@ -13,7 +13,7 @@ using namespace palpate::engine;
 
 namespace {
 
-/// A hand that goes where it is told; what it is pressed by is kept.
+/// A hand that goes where it is sent; what it is pressed by is kept.
 class ScriptedHand : public Device {
 public:
     std::vector<Vec3> way;
@@ -34,7 +34,7 @@ public:
         pressed.push_back(force);
         return {};
     }
-    [[nodiscard]] std::string name() const override { return "told hand"; }
+    [[nodiscard]] std::string name() const override { return "sent hand"; }
 
 private:
     std::size_t next_ = 0;

@@ -36,7 +36,7 @@ double lag(double speed) {
     return speed / kLambda - speed * kTick;
 }
 
-/// A hand that is told where to go next.
+/// A hand that is sent where to go next.
 class Hand {
 public:
     explicit Hand(ThesisScene scene) : scene_(std::move(scene)) {}

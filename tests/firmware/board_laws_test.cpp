@@ -330,7 +330,7 @@ TEMPLATE_TEST_CASE("a reset switches off, and the board has to be begun anew",
     CHECK_FALSE(talk.board.enabled());
 }
 
-TEMPLATE_TEST_CASE("counts follow the joints both ways, and begin where they are told to",
+TEMPLATE_TEST_CASE("counts follow the joints both ways, and begin where they are asked to",
                    "[firmware][law]",
                    BOARDS) {
     Talk<TestType> talk;

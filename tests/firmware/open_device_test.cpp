@@ -25,7 +25,7 @@ namespace {
 
 template <class On>
 struct Desk {
-    /// @param machine  the truth   @param told  what the calibration says of it
+    /// @param machine  the truth   @param says  what the calibration says of it
     explicit Desk(const Calibration& machine = open_machine(),
                   const std::optional<Calibration>& says = std::nullopt)
         : claimed(says.value_or(machine)), truth(machine) {}
@@ -309,7 +309,8 @@ TEST_CASE("a handle that moves while the board is opened is refused", "[open][la
                       ContainsSubstring("moves: let it rest at home"));
 }
 
-TEST_CASE("a port where something else speaks is told from one where nobody does", "[open]") {
+TEST_CASE("a port where something else speaks is distinguished from one where nobody does",
+          "[open]") {
     const Calibration machine = open_machine();
     Calibration haply = emulated_calibration("gen3");
     GuidedHand plant(haply);

@@ -112,7 +112,7 @@ TEMPLATE_TEST_CASE("at the fastest that encoders may turn no count, byte or answ
     CHECK(last.bad_frames == 0);
 }
 
-TEMPLATE_TEST_CASE("encoders that turn too fast are told, or the motors are off",
+TEMPLATE_TEST_CASE("encoders that turn too fast are reported, or the motors are off",
                    "[firmware][law]",
                    On328p,
                    On2560) {

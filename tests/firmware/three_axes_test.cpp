@@ -209,7 +209,7 @@ TEST_CASE("a board of another number of axes is refused with the remedy", "[open
 }
 
 #if defined(PALPATE_FIRMWARE_328P)
-TEMPLATE_TEST_CASE("three encoders are counted, to and fro, and one that is too fast is told",
+TEMPLATE_TEST_CASE("three encoders are counted, to and fro, and one that is too fast is reported",
                    "[firmware][gantry][law]",
                    On2560Of3) {
     Talk3<TestType> talk;

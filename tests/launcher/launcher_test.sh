@@ -76,7 +76,7 @@ holds 'peers are installed when they are asked for' has "$calls" "$install libsi
 holds 'peers have a tree of their own' has "$calls" \
     'cmake -DPALPATE_TESTS=OFF -DPALPATE_BENCH_PEERS=ON -B build/peers --preset release'
 holds 'and a program of their own' grep -qx "name $tree/build/peers/palpate_bench" "$machine/program-saw"
-holds 'which is told' has "$out" '<--peers>'
+holds 'which is said' has "$out" '<--peers>'
 : >"$machine/calls"
 launch bench contact --peers
 holds 'once configured, it stays so' lacks "$calls" preset

@@ -124,7 +124,7 @@ constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the 
 
 }  // namespace
 
-TEST_CASE("pauses and marks on every screen of a session with the pointer are heeded",
+TEST_CASE("pauses and marks on every screen of a session with the pointer are obeyed",
           "[long][window][desk][law]") {
     const TemporaryFolder folder;
     std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");

@@ -185,7 +185,7 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
             "min(count_2) > 500" +
             whole) == "1");
     CHECK(row("SELECT count(*) FROM trace_chunk WHERE holds LIKE '%hip%'") == "0");
-    // F = K (GO - HIP) upwards, and the third motor was told to: 0.8 codes a mN m of a drum of 10
+    // F = K (GO - HIP) upwards, and the third motor was asked to: 0.8 codes a mN m of a drum of 10
     // mm, a tick later.
     CHECK(row("SELECT max(abs(rendered_z_n - 800 * (go_z_m - hip_z_m))) < 1e-9 AND "
               "max(rendered_z_n) > 1 AND min(hip_z_m) < -0.002 FROM sample WHERE mode <> "

@@ -249,7 +249,7 @@ private:
         }
     }
 
-    /// Dead encoders are told from a hand at rest by a force that stands for some time.
+    /// Dead encoders are distinguished from a hand at rest by a force that stands for some time.
     void still(const Watched& device) {
         if (encoders_dead_ && pushed_since_ == kNever && glm::length(device.last) > kStillForce) {
             pushed_since_ = now();

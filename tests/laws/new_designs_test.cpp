@@ -30,7 +30,7 @@ std::string one(const std::string& file, const std::string& sql) {
 
 }  // namespace
 
-TEST_CASE("free forms in friction blocks are felt, told apart, kept, and verified to the bit",
+TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and verified to the bit",
           "[free_forms][study][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");

@@ -131,7 +131,7 @@ TEST_CASE(
     CHECK(trials == 4);
 }
 
-TEST_CASE("of a contact on the pointer no force is kept or told, for nobody felt one",
+TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one",
           "[window][operator][law]") {
     const TemporaryFolder folder;
     tests::WindowSession session(

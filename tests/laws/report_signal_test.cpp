@@ -132,7 +132,7 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     const std::string html = tests::slurp(folder.file("r.html"));
     const auto sources = tests::sources_of(html);
     for (const char* name :
-         {"simulated-levels-told.csv", "simulated-rated.csv", "simulated-times.csv",
+         {"simulated-levels-apart.csv", "simulated-rated.csv", "simulated-times.csv",
           "simulated-deciles.csv", "simulated-sure.csv", "simulated-learning.csv"}) {
         CAPTURE(name);
         REQUIRE(sources.contains(name));
@@ -145,7 +145,7 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
         REQUIRE(done.code == 0);
         return done.out.substr(done.out.find('\n') + 1);
     };
-    const std::string& levels = sources.at("simulated-levels-told.csv").sql;
+    const std::string& levels = sources.at("simulated-levels-apart.csv").sql;
     CHECK(asked("SELECT sum(n), round(sum(share), 9) FROM (" + levels + ")") ==
           asked("SELECT count(*), 4.0 FROM analysis_trial WHERE counts AND phase = 'main' AND "
                 "session_id <> 2"));

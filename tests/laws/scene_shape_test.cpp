@@ -117,7 +117,7 @@ TEST_CASE("a surface with a collapsed span is refused, however it lies in space"
     const auto seed = GENERATE(range(0U, 4U));
     CAPTURE(seed);
     Random random(seed + 2906U);
-    // Rows of two points; the second row repeats the first where it is told to.
+    // Rows of two points; the second row repeats the first where it is asked to.
     const bool full_knots = seed % 2U == 1U;
     const auto rows = [&random](std::size_t count, std::size_t repeated) {
         std::string text;

@@ -151,7 +151,7 @@ TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") 
     CHECK(palpate_command({"sql", "/nowhere/a.sqlite", "-c", "SELECT 1"}).code != 0);
 }
 
-TEST_CASE("palpate sql changes nothing, whatever it is told", "[sql][law]") {
+TEST_CASE("palpate sql changes nothing, whatever it is asked", "[sql][law]") {
     const std::string before = sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out;
     const TemporaryFolder folder;
     for (const std::string& query :

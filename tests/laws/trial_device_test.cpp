@@ -50,7 +50,7 @@ void break_off(const std::string& file, const std::string& device) {
 
 }  // namespace
 
-TEST_CASE("each trial has its own device: another one is meant or refused, kept, told and verified",
+TEST_CASE("each trial has its own device: another one is meant or refused, kept, said and verified",
           "[verify][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");

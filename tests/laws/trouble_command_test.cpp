@@ -191,7 +191,7 @@ TEST_CASE("a share of spinning that cannot be is refused before anything is made
     CHECK(folder.names().empty());
 }
 
-TEST_CASE("a question at the terminal heeds a signal, and nothing is begun", "[cli][fault][law]") {
+TEST_CASE("a question at the terminal obeys a signal, and nothing is begun", "[cli][fault][law]") {
     const TemporaryFolder folder;
     const int number = GENERATE(SIGINT, SIGTERM, SIGHUP);
     CAPTURE(number);

@@ -71,7 +71,8 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
 }
 
 TEST_CASE(
-    "a stranger at a UDP port is told from a cable, and a board that is in use from a silent one",
+    "a stranger at a UDP port is distinguished from a cable, and a board that is in use from a "
+    "silent one",
     "[laws][open][doctor]") {
     const TemporaryFolder folder;
     const std::uint16_t number = free_udp_port();

@@ -282,7 +282,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a difference is told with trial, column, stored and recomputed value, other files with 2",
+    "a difference is reported with trial, column, stored and recomputed value, other files with 2",
     "[verify][cli]") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));

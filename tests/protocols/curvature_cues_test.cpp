@@ -50,7 +50,7 @@ TEST_CASE("a trembling hand does not bias the cues", "[observer][law]") {
     CHECK(std::fabs(*cues.position - 5.0) < 0.2);
 }
 
-TEST_CASE("nothing is told by ticks that are free, too light, stuck or off the chords",
+TEST_CASE("nothing is learnt from ticks that are free, too light, stuck or off the chords",
           "[observer]") {
     auto ticks = strokes({.curvature = 5.0});
     const auto none_of = [](const std::vector<palpate::engine::TickRecord>& some) {

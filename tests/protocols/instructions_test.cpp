@@ -14,7 +14,7 @@ std::string study_text() {
     return std::string(shipped_protocol("shape_friction").text);
 }
 
-/// What the file is told, with the number of lines of the study taken off: 1 is the first added
+/// What the file says, with the number of lines of the study taken off: 1 is the first added
 /// line.
 std::string instruction_refusal(const std::string& added) {
     const std::string text = study_text();

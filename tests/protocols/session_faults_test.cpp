@@ -293,7 +293,7 @@ TEST_CASE("with nobody there a session gives up after ten tries, or three faults
     }
 }
 
-TEST_CASE("no session goes on before the device works, however often it is told to",
+TEST_CASE("no session goes on before the device works, however often it is asked to",
           "[session][fault][law]") {
     class Hasty : public Patient {
     public:

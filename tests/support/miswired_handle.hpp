@@ -42,7 +42,7 @@ public:
         }
         return seen;
     }
-    double asked = 0.0;  ///< the most torque that the motors were told to give, N m
+    double asked = 0.0;  ///< the most torque that the motors were asked to give, N m
 
 private:
     static engine::PlantModel plant_of(const engine::Calibration& machine) {

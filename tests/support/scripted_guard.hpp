@@ -7,7 +7,7 @@
 
 namespace palpate::tests {
 
-/// A guard that only says what it is told to say, and counts what it hears.
+/// A guard that only says what it is given to say, and counts what it hears.
 class ScriptedGuard : public engine::MotorGuard {
 public:
     struct Script {

@@ -181,7 +181,7 @@ TEST_CASE(
         Exploring explore(const TrialView& trial, double elapsed_s) override {
             TrialView view = trial;
             view.number = 1;
-            view.total = 1;  // of practice and of the others: told apart by what is counted
+            view.total = 1;  // of practice and of the others: distinguished by what is counted
             view.practice = false;
             if (looks_++ % 8 == 0) {
                 static_cast<void>(screen_.explore(view, elapsed_s));

@@ -222,7 +222,7 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
     }
 }
 
-TEST_CASE("on a Turkish screen a trouble is told in Turkish alone", "[screen][faces][law]") {
+TEST_CASE("on a Turkish screen a trouble is said in Turkish alone", "[screen][faces][law]") {
     tests::draw_into_memory();
     Window window({.width = 1280, .height = 800, .font = {}, .language = Language::tr});
     for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {

@@ -236,8 +236,9 @@ TEST_CASE(
     CHECK(loudest < 6.0 * std::pow(10.0, -30.0 / 20.0));
 }
 
-TEST_CASE("a real session that asks for noise is refused where nobody would hear it, a pilot told",
-          "[sound][law]") {
+TEST_CASE(
+    "a real session that asks for noise is refused where nobody would hear it, a pilot warned",
+    "[sound][law]") {
     ui::RigSpec spec;
     spec.study.protocol = tests::short_protocol();
     spec.study.protocol.masking = kPink;

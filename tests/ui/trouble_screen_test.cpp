@@ -12,7 +12,7 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-/// A screen with a dead-man key, and what it told the apparatus.
+/// A screen with a dead-man key, and what it said to the apparatus.
 struct Rig {
     explicit Rig(bool dead_man = true) : screen(with(dead_man)) {}
 
@@ -100,7 +100,7 @@ TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and h
     CHECK(rig.holds.back() == false);
 }
 
-TEST_CASE("without a dead-man key Space is done as ever, and nobody is told of it",
+TEST_CASE("without a dead-man key Space is done as ever, and nobody hears of it",
           "[screen][fault]") {
     Rig rig(false);
     {

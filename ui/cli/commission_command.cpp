@@ -159,7 +159,7 @@ Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machin
     }
     const std::string wanted = fmt::format(
         "give --moved-g, what the motors of the axes x, y and z move, the handle and all that "
-        "comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is told by it",
+        "comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is known by it",
         kMaxG);
     if (options.handle_g > 0.0) {
         throw std::invalid_argument(
@@ -255,9 +255,10 @@ void declare(CommandWords& words, CommissionOptions& options) {
     words.add("--mark", options.marks, "X_MM,Y_MM of a place besides home; twice. Left out: chosen")
         .again_for_each();
     words
-        .add("--handle-g", options.handle_g,
-             "What the handle weighs with the near halves of its links: strength is told by it; 60 "
-             "without it")
+        .add(
+            "--handle-g", options.handle_g,
+            "What the handle weighs with the near halves of its links: strength is known by it; 60 "
+            "without it")
         .within(1.0, 2000.0);
     words
         .add("--moved-g", options.moved_g,

@@ -179,7 +179,7 @@ void serve(Port& port, const SetDelay& set_delay, const Obey& obey, double delay
                     set_delay(delay);
                     say("Answers take {:g} ms\n", *ms);
                 } else if (!obey(line)) {
-                    warn("{}: nothing here heeds this; delay 2 makes answers take 2 ms", line);
+                    warn("{}: nothing here takes this; delay 2 makes answers take 2 ms", line);
                 }
             } catch (const std::exception& e) {
                 warn("{}", e.what());

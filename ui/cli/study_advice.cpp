@@ -47,7 +47,7 @@ void advise_on_plan(const protocols::Protocol& protocol,
     if (!protocol.procedure && protocol.design.order == protocols::OrderRule::random &&
         !has(protocols::Phase::catch_trial)) {
         all.push_back(
-            "there are no catch trials, so who only guesses is not told apart from who "
+            "there are no catch trials, so who only guesses is not distinguished from who "
             "cannot feel it; give [design] catch_trials");
     }
 }

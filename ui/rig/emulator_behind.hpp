@@ -11,7 +11,7 @@ namespace palpate::ui {
 /// What the kernel says of the other end of a port.
 struct Behind {
     std::optional<pid_t> emulator{};  ///< the process of `palpate haply-emulator` that is the board
-    bool unseen = false;              ///< a program of this machine, and it cannot be told which
+    bool unseen = false;              ///< a program of this machine, and nobody knows which
 };
 
 /// The protocol of a Haply board has no question that would tell, and an answer could be made up.

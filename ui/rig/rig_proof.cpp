@@ -72,7 +72,7 @@ void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibrat
             "the handle moves: let it rest, free, at home, and run the same command again");
     }
     if (!engine::starts_at_home(calibration)) {
-        return;  // its counts are its own: where it rests is told by them alone
+        return;  // its counts are its own: where it rests is known by them alone
     }
     const engine::Machine::Counts home = engine::Machine(calibration).home();
     const engine::Vec3 off = glm::abs(rest.counts - engine::Vec3(home[0], home[1], home[2]));

@@ -12,7 +12,7 @@ namespace palpate::ui {
 /// The session's side.
 class StopCall {
 public:
-    /// @param database  a file that is there   @param label  what a caller is told that it stopped
+    /// @param database  a file that is there   @param label  what a caller hears that it stopped
     StopCall(const std::string& database, std::string label);
     StopCall(const StopCall&) = delete;
     StopCall& operator=(const StopCall&) = delete;

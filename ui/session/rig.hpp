@@ -46,7 +46,7 @@ struct RigSpec {
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec
-    std::string go_on;          ///< the command that resumes it; empty: nobody is told
+    std::string go_on;          ///< the command that resumes it; empty: nobody hears it
     std::shared_ptr<StopButton> stop_button{};  ///< of the rig; none: it has none
     bool watch_only =
         false;  ///< in a window the simulated observer answers, and people watch (demo)

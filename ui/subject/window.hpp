@@ -61,7 +61,7 @@ public:
     ~Window();
 
     [[nodiscard]] engine::Vec2 size() const;  ///< pixels
-    /// Pixels of the canvas for one of the display's units, in which pointers are told: > 1 where
+    /// Pixels of the canvas for one of the display's units, in which pointers come: > 1 where
     /// the desktop scales small pixels up.
     [[nodiscard]] double scale() const;
     /// Asks the desktop for the keyboard.

@@ -26,7 +26,7 @@ public:
     /// Somebody brings the handle there and lets go, m, or where a hand holds it keeps it there.
     /// @throws std::invalid_argument outside the workspace
     void bring(const Vec3& place);
-    /// From now on its motors give `gain` times what they are told to.
+    /// From now on its motors give `gain` times what is asked of them.
     void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
     /// The same of one motor. @param motor  below 3
     void strengthen(std::size_t motor, double gain) noexcept {

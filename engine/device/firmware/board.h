@@ -43,7 +43,7 @@ enum board_state {
     BOARD_IDENTIFIED,  /* it said who it is, and has no limits yet */
     BOARD_CONFIGURED,  /* limits and watchdog are known, motors off */
     BOARD_ARMED,       /* the only state with motors on */
-    BOARD_STOPPED      /* it switched them off itself, and waits to be told */
+    BOARD_STOPPED      /* it switched them off itself, and waits for a word */
 };
 
 /* Bits of the flags in a STATE. */

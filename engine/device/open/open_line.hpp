@@ -29,7 +29,7 @@ public:
     [[nodiscard]] bool forgive() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
     [[nodiscard]] bool ask(const std::array<double, kMaxAxes>& torque) noexcept override;
-    /// Never: its answers are told apart, and one that was lost must not end the talk.
+    /// Never: its answers are distinguished, and one that was lost must not end the talk.
     [[nodiscard]] bool full(std::size_t /*depth*/) const noexcept override { return false; }
     [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave) noexcept override;
     [[nodiscard]] Answer probe(std::int64_t wait_ns) noexcept override;
