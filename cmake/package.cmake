@@ -3,6 +3,7 @@
 set(CMAKE_INSTALL_MESSAGE LAZY)
 install(TARGETS palpate RUNTIME DESTINATION bin)
 install(TARGETS palpate_sample LIBRARY DESTINATION lib/palpate)
+install(TARGETS palpate_figures RUNTIME DESTINATION lib/palpate)
 install(DIRECTORY protocols/library/ DESTINATION share/palpate/protocols FILES_MATCHING PATTERN *.toml)
 install(DIRECTORY engine/device/firmware DESTINATION share/palpate/engine/device
         FILES_MATCHING PATTERN *.c PATTERN *.h PATTERN *.sh)

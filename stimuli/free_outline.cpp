@@ -8,6 +8,8 @@
 
 #include "engine/geometry/arc.hpp"
 #include "engine/geometry/cusps.hpp"
+#include "engine/geometry/nurbs_curve.hpp"
+#include "engine/geometry/outline.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::stimuli {
@@ -140,9 +142,9 @@ std::vector<Vec2> silhouette(const engine::Outline& outline, double tolerance) {
     return points;
 }
 
-std::optional<Vec2> self_crossing(std::span<const Vec2> polyline) {
+std::optional<Vec2> self_crossing(std::span<const Vec2> polyline, bool closed) {
     std::vector<Edge> edges;
-    for (std::size_t i = 0; i < polyline.size(); ++i) {
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < polyline.size(); ++i) {
         const Edge edge{polyline[i], polyline[(i + 1) % polyline.size()]};
         if (edge.from != edge.to) {
             edges.push_back(edge);
@@ -157,7 +159,8 @@ std::optional<Vec2> self_crossing(std::span<const Vec2> polyline) {
         const std::size_t a = by_left[i];
         for (std::size_t k = i + 1; k < n && edges[by_left[k]].left() <= edges[a].right(); ++k) {
             const std::size_t b = by_left[k];
-            if ((a + 1) % n == b || (b + 1) % n == a) {
+            const std::size_t apart = a < b ? b - a : a - b;
+            if (apart == 1 || (closed && apart + 1 == n)) {
                 continue;  // they share a corner
             }
             if (const auto point = meeting(edges[a], edges[b])) {

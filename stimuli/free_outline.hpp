@@ -6,7 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "engine/geometry/outline.hpp"
+#include "engine/geometry/vec.hpp"
+
+namespace palpate::engine {
+template <int D>
+class NurbsCurve;
+class Outline;
+}  // namespace palpate::engine
 
 /// Objects of any shape: an outline from control points, placed by size, turn and offset.
 namespace palpate::stimuli {
@@ -57,7 +63,9 @@ struct Segment {
 [[nodiscard]] std::vector<engine::Vec2> silhouette(const engine::Outline& outline,
                                                    double tolerance = 20e-6);
 
-/// A place where a closed polyline crosses or touches itself, m; nothing if it does neither.
-[[nodiscard]] std::optional<engine::Vec2> self_crossing(std::span<const engine::Vec2> polyline);
+/// A place where a polyline crosses or touches itself, m; nothing if it does neither.
+/// @param closed  an edge leads from its last point to its first
+[[nodiscard]] std::optional<engine::Vec2> self_crossing(std::span<const engine::Vec2> polyline,
+                                                        bool closed = true);
 
 }  // namespace palpate::stimuli

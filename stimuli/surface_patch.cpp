@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/base/text.hpp"
+#include "engine/surface/nurbs_surface.hpp"
 
 namespace palpate::stimuli {
 namespace {

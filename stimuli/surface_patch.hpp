@@ -3,7 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "engine/surface/nurbs_surface.hpp"
+#include "engine/geometry/vec.hpp"
+
+namespace palpate::engine {
+class NurbsSurface;
+}
 
 namespace palpate::stimuli {
 
@@ -53,6 +57,7 @@ struct PatchDrawing {
     std::vector<ShadedPoint> shade;                ///< triangles, in threes
     std::vector<std::vector<engine::Vec2>> walls;  ///< the block's two front ones, closed polylines
 };
+/// Parallel projection, m, y up. For pictures, not for haptics: lines and shade are sampled.
 [[nodiscard]] PatchDrawing drawing_of(const engine::NurbsSurface& surface);
 
 }  // namespace palpate::stimuli

@@ -140,6 +140,11 @@ std::vector<LeftOut> left_out_everywhere(Database& database, std::string_view ki
     return all;
 }
 
+LeftOut without_words(LeftOut account) {
+    account.withdrawals.clear();
+    return account;
+}
+
 std::string left_out_text(const LeftOut& account) {
     const std::string people =
         parts_text({{account.no_consent.people,
@@ -206,6 +211,33 @@ Json left_out_json(const LeftOut& account) {
             {"by_rule", reasons(account.broken)},
             {"withdrawn", reasons(account.withdrawals)},
             {"elsewhere", std::move(elsewhere)}};
+}
+
+Json left_out_json(const std::vector<LeftOut>& accounts) {
+    Json all = Json::array();
+    for (const LeftOut& one : accounts) {
+        all.push_back(left_out_json(one));
+    }
+    return all;
+}
+
+std::string remarked(std::string_view text) {
+    std::string out = "# ";
+    for (const char c : plain(text.substr(0, text.find_last_not_of('\n') + 1), Lines::kept)) {
+        out += c == '\n' ? std::string("\n# ") : std::string(1, c);
+    }
+    return out + '\n';
+}
+
+Json versions_json(const std::vector<StudyVersion>& versions) {
+    Json all = Json::array();
+    for (const StudyVersion& one : versions) {
+        all.push_back({{"study", one.study},
+                       {"protocol_sha256", one.protocol_sha256},
+                       {"kind", one.kind},
+                       {"people", one.people}});
+    }
+    return all;
 }
 
 std::string none_left_text(Database& database, std::string_view study, std::string_view kind) {

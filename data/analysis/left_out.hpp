@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/export/json_text.hpp"
+#include "data/csv/json_text.hpp"
 #include "data/store/analysed.hpp"
 
 /// Whom and what the numbers of a study are without, and why: one account, which every command
@@ -55,6 +55,16 @@ struct LeftOut {
 /// For people, lines of two spaces and more; for programs the same numbers.
 [[nodiscard]] std::string left_out_text(const LeftOut& account);
 [[nodiscard]] Json left_out_json(const LeftOut& account);
+[[nodiscard]] Json left_out_json(const std::vector<LeftOut>& accounts);
+
+/// To be handed on: no reason that the lab wrote, and nobody who is in no table.
+[[nodiscard]] LeftOut without_words(LeftOut account);
+/// Lines as remarks of a script: "# " before each.
+[[nodiscard]] std::string remarked(std::string_view text);
+
+/// Versions of protocols that a file has, with how many people; an empty list where there are no
+/// several.
+[[nodiscard]] Json versions_json(const std::vector<StudyVersion>& versions);
 
 /// Where a study or kind has no answer to analyse: who would have some, or nothing to say.
 [[nodiscard]] std::string none_left_text(Database& database,

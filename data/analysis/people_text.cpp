@@ -5,27 +5,20 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/statistics/over_people.hpp"
+#include "data/tables/table.hpp"
 
 namespace palpate::data {
 namespace {
-
-std::string interval_text(const std::optional<Interval>& interval) {
-    return interval ? fmt::format("{:.3f} to {:.3f}", interval->low, interval->high)
-                    : std::string("no interval");
-}
 
 std::string why_none(std::size_t people) {
     return people == 1
              ? "one person: how people differ is not known"
              : fmt::format("{} people with the same value: how people differ is not known", people);
-}
-
-std::string line(std::string_view name, std::size_t width, double value, const std::string& rest) {
-    return fmt::format("    {:<{}}  {:>6.3f}   {}\n", name, width, value, rest);
 }
 
 /// Those who have both conditions.
@@ -54,82 +47,112 @@ Pairs pairs_of(const PeopleTable& table,
     return pairs;
 }
 
-std::string test_text(const std::vector<double>& differences) {
-    const SignFlip test = sign_flip(differences);
-    const std::size_t n = differences.size();
-    const auto patterns = static_cast<int>(n);
-    return fmt::format("{} people; sign-flip p = {:.3g} ({})", n, test.p,
-                       test.exact
-                           ? fmt::format("all {:.0f} patterns of signs", std::ldexp(1.0, patterns))
-                           : "1,000,000 patterns of signs drawn");
-}
-
-/// What so few people cannot show.
-std::string limit_text(const PeopleTable& table, const std::set<std::string>& left_out) {
-    const auto kept = std::ranges::count_if(
-        table.people, [&](const auto& one) { return !left_out.contains(one.first); });
-    const double least = std::ldexp(1.0, 1 - static_cast<int>(kept));
-    return kept < 2 || least <= 0.05 || table.conditions.size() < 2
+/// What so few people cannot show; empty for others.
+std::string limit_text(std::size_t people, const PeopleTable& table) {
+    const double least = std::ldexp(1.0, 1 - static_cast<int>(people));
+    return people < 2 || least <= 0.05 || table.conditions.size() < 2
              ? std::string()
              : fmt::format(
-                   "    {} people are too few to show a difference: no sign-flip p is below {:g}\n",
-                   kept, least);
+                   "{} people are too few to show a difference: no sign-flip p is below {:g}",
+                   people, least);
 }
 
-std::string difference_text(const PeopleTable& table,
-                            const std::set<std::string>& left_out,
-                            const std::string& other,
-                            std::size_t width) {
-    const std::string& first = table.conditions.front();
-    const std::string name = fmt::format("{} - {}", other, first);
-    const Pairs pairs = pairs_of(table, left_out, first, other);
-    const std::size_t n = pairs.differences.size();
-    if (n == 0) {
-        return fmt::format("    {:<{}}  nobody has both\n", name, width);
-    }
-    const PeopleMean mean = mean_over_people(pairs.differences);
-    if (n == 1) {
-        return line(name, width, mean.mean,
-                    pairs.own ? interval_text(pairs.own) +
-                                    "   of this person's own trials (Newcombe), not of people"
-                              : "no interval   of this person, not of people");
-    }
-    return line(name, width, mean.mean,
-                interval_text(mean.interval) + "   within person, " + test_text(pairs.differences));
-}
-
-std::string own_text(const Own& own, bool share) {
-    if (!share) {
-        return fmt::format("{:.2f} ({})", own.mean, counted(own.n, "answer"));
-    }
-    const Interval ci = wilson(own.sum, own.n);
-    return fmt::format("{:>3} of {:>3} = {:.2f} ({:.2f} to {:.2f})", own.sum, own.n, own.mean,
-                       ci.low, ci.high);
-}
-
-std::string persons_text(const PeopleTable& table) {
-    std::string text;
-    std::size_t width = 4;
+Table persons_table(const PeopleTable& table, const std::set<std::string>& left_out) {
+    Table made{
+        .place = "people/*/*",
+        .title = fmt::format("  {}, person by person{}", table.what,
+                             table.share ? " (95 % Wilson interval of the person's share)" : ""),
+        .columns = {{.key = "person", .words = "person"},
+                    {.key = table.factor, .words = table.factor},
+                    {.key = "k", .words = "k"},
+                    {.key = "n", .words = table.share ? "of n" : "n"},
+                    {.key = "mean", .words = table.share ? "share" : "mean"},
+                    {.key = "interval_95", .words = "interval"}},
+        .index = 2};
     for (const auto& [person, has] : table.people) {
-        width = std::max(width, person.size());
-    }
-    const int column = table.share ? 32 : 20;
-    text += fmt::format("    {:<{}}", "", width);
-    for (const std::string& condition : table.conditions) {
-        text += fmt::format("   {:<{}}", table.factor + ' ' + condition, column);
-    }
-    text = text.substr(0, text.find_last_not_of(' ') + 1) + '\n';
-    for (const auto& [person, has] : table.people) {
-        std::string row = fmt::format("    {:<{}}", person, width);
         for (const std::string& condition : table.conditions) {
             const auto own = has.find(condition);
-            row += fmt::format("   {:<{}}",
-                               own == has.end() ? "no answer" : own_text(own->second, table.share),
-                               column);
+            if (own == has.end() || left_out.contains(person)) {
+                continue;
+            }
+            const auto& [mean, sum, n] = own->second;
+            made.rows.push_back({person, condition, table.share ? Cell(sum) : Cell(Nothing{}), n,
+                                 cell_of(mean),
+                                 table.share ? Cell(wilson(sum, n)) : Cell(Nothing{})});
         }
-        text += row.substr(0, row.find_last_not_of(' ') + 1) + '\n';
     }
-    return text;
+    return made;
+}
+
+Table means_table(const PeopleTable& table, const std::set<std::string>& left_out) {
+    Table made{
+        .place = "means/*",
+        .title = fmt::format("  {}, mean over people (95 % interval over people, t)", table.what),
+        .columns = {{.key = table.factor, .words = " "},
+                    {.key = "mean", .words = "mean"},
+                    {.key = "interval_95", .words = "interval"},
+                    {.key = "people", .words = "people"}}};
+    for (const std::string& condition : table.conditions) {
+        std::vector<double> values;
+        for (const auto& [person, has] : table.people) {
+            const auto own = has.find(condition);
+            if (own != has.end() && !left_out.contains(person)) {
+                values.push_back(own->second.mean);
+            }
+        }
+        if (values.empty()) {
+            continue;
+        }
+        const PeopleMean mean =
+            table.share ? mean_share_over_people(values) : mean_over_people(values);
+        made.rows.push_back({Named{condition, fmt::format("{} {}", table.factor, condition)},
+                             cell_of(mean.mean), cell_of(mean.interval, why_none(mean.people)),
+                             cell_of(mean.people)});
+    }
+    return made;
+}
+
+/// Each condition against the first, within person.
+Table differences_table(const PeopleTable& table, const std::set<std::string>& left_out) {
+    Table made{.place = "differences/*",
+               .title = "  within person",
+               .columns = {{.key = "comparison", .words = " "},
+                           {.key = "mean", .words = "mean"},
+                           {.key = "interval_95", .words = "interval"},
+                           {.key = "people", .words = "people"},
+                           {.key = "sign_flip_p", .words = "sign-flip p", .says = Column::Says::p},
+                           {.key = "own_95",
+                            .words = "of this person's own trials (Newcombe), not "
+                                     "of people"}}};
+    const auto kept = std::ranges::count_if(
+        table.people, [&](const auto& one) { return !left_out.contains(one.first); });
+    for (std::size_t i = 1; i < table.conditions.size(); ++i) {
+        const std::string& other = table.conditions[i];
+        const Pairs pairs = pairs_of(table, left_out, table.conditions.front(), other);
+        const std::size_t n = pairs.differences.size();
+        const Named name{other, fmt::format("{} - {}", other, table.conditions.front())};
+        if (n == 0) {
+            made.rows.push_back(
+                {name, Nothing{"nobody has both"}, Nothing{}, cell_of(n), Nothing{}, Nothing{}});
+            continue;
+        }
+        const PeopleMean mean = mean_over_people(pairs.differences);
+        const SignFlip test = sign_flip(pairs.differences);
+        made.rows.push_back({name, cell_of(mean.mean), cell_of(mean.interval, why_none(n)),
+                             cell_of(n), n > 1 ? Cell(test.p) : Cell(Nothing{}),
+                             n == 1 ? cell_of(pairs.own) : Cell(Nothing{})});
+        if (n > 1 && made.notes.empty()) {
+            made.notes.push_back(fmt::format(
+                "sign-flip: {} patterns of signs",
+                test.exact ? fmt::format("all {:.0f}", std::ldexp(1.0, static_cast<int>(n)))
+                           : "1,000,000 drawn"));
+        }
+    }
+    if (const std::string limit = limit_text(static_cast<std::size_t>(kept), table);
+        !limit.empty()) {
+        made.notes.push_back(limit);
+    }
+    return made;
 }
 
 /// How a study asks, as its responses say.
@@ -198,63 +221,51 @@ PeopleTable table_of(Database& database,
 
 }  // namespace
 
-std::string table_text(const PeopleTable& table, const std::set<std::string>& left_out) {
-    std::size_t width = 0;
-    for (const std::string& condition : table.conditions) {
-        width = std::max({width, table.factor.size() + 1 + condition.size(),
-                          condition.size() + 3 + table.conditions.front().size()});
-    }
-    std::string text =
-        fmt::format("\n  {}, mean over people (95 % interval over people, t)\n", table.what);
-    for (const std::string& condition : table.conditions) {
-        std::vector<double> values;
-        for (const auto& [person, has] : table.people) {
-            const auto own = has.find(condition);
-            if (own != has.end() && !left_out.contains(person)) {
-                values.push_back(own->second.mean);
-            }
-        }
-        if (values.empty()) {
-            continue;
-        }
-        const PeopleMean mean =
-            table.share ? mean_share_over_people(values) : mean_over_people(values);
-        text += line(fmt::format("{} {}", table.factor, condition), width, mean.mean,
-                     mean.interval
-                         ? fmt::format("{}   {} people", interval_text(mean.interval), mean.people)
-                         : "no interval   " + why_none(mean.people));
-    }
-    for (std::size_t i = 1; i < table.conditions.size(); ++i) {
-        text += difference_text(table, left_out, table.conditions[i], width);
-    }
-    return text + limit_text(table, left_out);
+std::string people_text(const PeopleTable& table, const std::set<std::string>& left_out) {
+    return table_text(means_table(table, left_out)) +
+           table_text(differences_table(table, left_out));
 }
 
-std::string answers_text(Database& database,
-                         const Group& group,
-                         const std::set<std::string>& left_out) {
+Json people_json(const PeopleTable& table, const std::set<std::string>& left_out) {
+    Json all = {{"what", table.what},       {"factor", table.factor},
+                {"people", Json::object()}, {"means", Json::object()},
+                {"less", Json(nullptr)},    {"differences", Json::object()}};
+    if (table.conditions.size() > 1) {
+        all["less"] = table.conditions.front();
+    }
+    put_table(all, persons_table(table, left_out));
+    put_table(all, means_table(table, left_out));
+    put_table(all, differences_table(table, left_out));
+    return all;
+}
+
+std::vector<PeopleTable> answers_tables(Database& database, const Group& group) {
     const Asks what = asks(database, group);
     std::vector<std::string> objects{""};
     if (what != Asks::correct) {
         objects = names(database, group, "planned_object min(curvature_per_m), planned_object");
     }
-    std::string text;
+    std::vector<PeopleTable> tables;
     for (const std::string& object : objects) {
-        const PeopleTable table =
-            table_of(database, group, what, object,
-                     what == Asks::correct ? "share correct"
-                     : what == Asks::yes   ? "share of yes to " + object
-                                           : "mean level of " + object + ", 1 the lowest");
-        if (table.people.empty()) {
-            continue;
-        }
+        tables.push_back(table_of(database, group, what, object,
+                                  what == Asks::correct ? "share correct"
+                                  : what == Asks::yes
+                                      ? "share of yes to " + object
+                                      : "mean level of " + object + ", 1 the lowest"));
+    }
+    std::erase_if(tables, [](const PeopleTable& table) { return table.people.empty(); });
+    return tables;
+}
+
+std::string answers_text(Database& database,
+                         const Group& group,
+                         const std::set<std::string>& left_out) {
+    std::string text;
+    for (const PeopleTable& table : answers_tables(database, group)) {
         if (left_out.empty()) {
-            text +=
-                fmt::format("\n  {}, person by person{}\n", table.what,
-                            table.share ? " (95 % Wilson interval of the person's share)" : "") +
-                persons_text(table);
+            text += table_text(persons_table(table, left_out));
         }
-        text += table_text(table, left_out);
+        text += people_text(table, left_out);
     }
     return text;
 }

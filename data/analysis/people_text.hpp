@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
 
 /// What a summary says of people: each for themselves, all together, and differences within a
@@ -37,12 +38,16 @@ struct PeopleTable {
 /// against the first: the difference within a person, its interval, and an exact sign-flip p. With
 /// one person the difference is that of their own trials, and it says that nothing follows for
 /// others.
-[[nodiscard]] std::string table_text(const PeopleTable& table,
-                                     const std::set<std::string>& left_out);
+[[nodiscard]] std::string people_text(const PeopleTable& table,
+                                      const std::set<std::string>& left_out);
+
+/// The same for programs, with each person's own.
+[[nodiscard]] Json people_json(const PeopleTable& table, const std::set<std::string>& left_out);
 
 /// Of main trials without a rule, by friction: the share correct; of yes/no answers the share of
 /// yes and of ratings the mean level, object by object. Person by person (unless somebody is left
 /// out: then it stands above), then over people. Empty without such an answer.
+[[nodiscard]] std::vector<PeopleTable> answers_tables(Database& database, const Group& group);
 [[nodiscard]] std::string answers_text(Database& database,
                                        const Group& group,
                                        const std::set<std::string>& left_out = {});
@@ -52,6 +57,8 @@ struct PeopleTable {
 [[nodiscard]] std::string runs_text(Database& database,
                                     const Group& group,
                                     const std::set<std::string>& left_out = {});
+/// Its means by estimate, a condition a run.
+[[nodiscard]] std::vector<PeopleTable> runs_tables(Database& database, const Group& group);
 
 /// How many answers of main trials are neither right nor wrong; empty where all are.
 [[nodiscard]] std::string no_correct_text(Database& database, const Group& group);

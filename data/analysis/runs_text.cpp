@@ -251,41 +251,58 @@ std::string legend(const Protocol& protocol) {
                       spec);
 }
 
-}  // namespace
-
-std::string runs_text(Database& database,
-                      const Group& group,
-                      const std::set<std::string>& left_out) {
-    const std::vector<Run> runs = runs_of(database, group);
+/// Runs, what is said of each, and the means of each estimate.
+struct RunsRead {
+    std::vector<Run> runs;
     std::string text;
     Means means;
-    std::optional<Protocol> protocol;
-    for (const Run& run : runs) {
-        protocol = protocol_of(database, run.session);
-        if (!protocol || !protocol->procedure) {
-            text += fmt::format("    {} session {}: unknown; palpate verify says more\n",
-                                run.person, run.number);
+    std::optional<Protocol> protocol;  ///< of the last
+};
+
+RunsRead read_runs(Database& database, const Group& group) {
+    RunsRead read{.runs = runs_of(database, group), .text = {}, .means = {}, .protocol = {}};
+    for (const Run& run : read.runs) {
+        read.protocol = protocol_of(database, run.session);
+        if (!read.protocol || !read.protocol->procedure) {
+            read.text += fmt::format("    {} session {}: unknown; palpate verify says more\n",
+                                     run.person, run.number);
             continue;
         }
-        text += run_text(database, run, *protocol, means);
+        read.text += run_text(database, run, *read.protocol, read.means);
     }
-    if (runs.empty()) {
-        return {};
-    }
-    for (PeopleTable& table : means) {  // whoever came first: the first run is what others are less
+    // Whoever came first: the first run is what others are less.
+    for (PeopleTable& table : read.means) {
         std::ranges::stable_sort(table.conditions, {}, [&](const std::string& name) {
             return std::ranges::min(
-                       runs, {},
+                       read.runs, {},
                        [&](const Run& run) { return std::pair(run.name != name, run.run); })
                 .run;
         });
     }
-    if (protocol && protocol->procedure) {
-        text = legend(*protocol) + text;
+    return read;
+}
+
+}  // namespace
+
+std::vector<PeopleTable> runs_tables(Database& database, const Group& group) {
+    return read_runs(database, group).means;
+}
+
+std::string runs_text(Database& database,
+                      const Group& group,
+                      const std::set<std::string>& left_out) {
+    const RunsRead read = read_runs(database, group);
+    if (read.runs.empty()) {
+        return {};
     }
-    text = left_out.empty() ? "\n  what the rule estimates, run by run\n" + text : std::string();
-    for (const PeopleTable& table : means) {
-        text += table_text(table, left_out);
+    std::string text;
+    if (left_out.empty()) {
+        text = "\n  what the rule estimates, run by run\n";
+        text += read.protocol && read.protocol->procedure ? legend(*read.protocol) : std::string();
+        text += read.text;
+    }
+    for (const PeopleTable& table : read.means) {
+        text += people_text(table, left_out);
     }
     return text;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
 #include "data/analysis/exclusion.hpp"
@@ -62,17 +63,11 @@ std::size_t width_of(const std::vector<std::string>& texts, std::size_t least) {
     return least;
 }
 
-/// Nothing where the answers are no pictures.
-std::string confusion_text(Database& database, const Group& group) {
-    Statement pictures = database.prepare(
-        "SELECT 1 FROM picture JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
-        "study_name = ?1 AND session_kind = ?2");
-    pictures.bind(1, group.study).bind(2, group.kind);
-    if (!pictures.step()) {
-        return {};
-    }
-    const std::vector<std::string> names = objects(database, group);
-    std::map<std::pair<std::string, std::string>, std::int64_t> counts;
+/// How often what was felt was taken for what.
+using Confusion = std::map<std::pair<std::string, std::string>, std::int64_t>;
+
+Confusion confusion_of(Database& database, const Group& group) {
+    Confusion counts;
     Statement row = database.prepare(
         "SELECT planned_object, chosen_object, sum(n) FROM confusion WHERE study_name = ?1 AND "
         "session_kind = ?2 GROUP BY 1, 2");
@@ -80,6 +75,23 @@ std::string confusion_text(Database& database, const Group& group) {
     while (row.step()) {
         counts[{row.text(0), row.text(1)}] = row.integer(2);
     }
+    return counts;
+}
+
+bool chooses_pictures(Database& database, const Group& group) {
+    Statement pictures = database.prepare(
+        "SELECT 1 FROM picture JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
+        "study_name = ?1 AND session_kind = ?2");
+    return pictures.bind(1, group.study).bind(2, group.kind).step();
+}
+
+/// Nothing where the answers are no pictures.
+std::string confusion_text(Database& database, const Group& group) {
+    if (!chooses_pictures(database, group)) {
+        return {};
+    }
+    const std::vector<std::string> names = objects(database, group);
+    Confusion counts = confusion_of(database, group);
     const std::size_t width = width_of(names, 4);
     std::string text = fmt::format("\n  {:<{}}   chosen\n  {:<{}}", "", width, "felt", width);
     for (const std::string& name : names) {
@@ -131,12 +143,16 @@ std::string exclusions_text(Database& database, const Group& group) {
 }
 
 /// Trials that a fault cut short; nothing as long as there are none.
-std::string faults_text(Database& database, const Group& group) {
+std::int64_t faults_of(Database& database, const Group& group) {
     Statement row = database.prepare(
         "SELECT count(*) FROM trial JOIN session USING (session_id) JOIN study USING (study_id) "
         "WHERE study_name = ?1 AND session_kind = ?2 AND outcome = 'faulted'");
     row.bind(1, group.study).bind(2, group.kind).step();
-    const std::int64_t n = row.integer(0);
+    return row.integer(0);
+}
+
+std::string faults_text(Database& database, const Group& group) {
+    const std::int64_t n = faults_of(database, group);
     return n == 0 ? std::string()
                   : fmt::format("\n  {} ended by a fault and not counted: SELECT * FROM fault\n",
                                 counted(n, "trial"));
@@ -204,6 +220,39 @@ std::string summary_text(Database& database) {
     const std::string versions = versions_text(versions_of(database));
     text += versions.empty() ? "" : versions + '\n';
     return text + fmt::format("Data: {}\n", database.file());
+}
+
+std::string summary_json(Database& database) {
+    const Snapshot now(database);
+    Json all = {{"file", database.file()},
+                {"versions", versions_json(versions_of(database))},
+                {"studies", Json::array()}};
+    for (const Group& group : groups(database)) {
+        const LeftOut account = left_out_of(database, group.study, group.kind, true);
+        Json one = {{"study", group.study},
+                    {"kind", group.kind},
+                    {"left_out", left_out_json(account)},
+                    {"faulted_trials", faults_of(database, group)},
+                    {"confusion", Json::array()},
+                    {"applied", Json::array()},
+                    {"not_applied", Json::array()}};
+        for (const auto& [pair, n] :
+             chooses_pictures(database, group) ? confusion_of(database, group) : Confusion()) {
+            one["confusion"].push_back({{"felt", pair.first}, {"chosen", pair.second}, {"n", n}});
+        }
+        std::set<std::string> excluded;
+        for (const LeftOut::Reason& reason : account.broken) {
+            excluded.insert(reason.person);
+        }
+        for (const auto& tables : {answers_tables(database, group), runs_tables(database, group)}) {
+            for (const PeopleTable& table : tables) {
+                one["applied"].push_back(people_json(table, excluded));
+                one["not_applied"].push_back(people_json(table, {}));
+            }
+        }
+        all["studies"].push_back(std::move(one));
+    }
+    return json_text(all) + '\n';
 }
 
 std::string example_queries(const std::string& file) {

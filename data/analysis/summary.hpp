@@ -13,6 +13,8 @@ namespace palpate::data {
 /// of exclusion what is said over people comes twice: of everybody who consents, and without those
 /// whom the rules leave out. left_out.hpp says who that is.
 [[nodiscard]] std::string summary_text(Database& database);
+/// The same for programs: a member of `studies` for each study and run kind.
+[[nodiscard]] std::string summary_json(Database& database);
 
 /// Two queries to try, as they may be pasted into a shell; `file` is quoted.
 [[nodiscard]] std::string example_queries(const std::string& file);

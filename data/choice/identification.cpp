@@ -1,7 +1,6 @@
 #include "data/choice/identification.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -9,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "data/inference/mixed_logit.hpp"
+#include "data/statistics/distributions.hpp"
 
 namespace palpate::data {
 namespace {
@@ -19,11 +20,8 @@ std::optional<double> value_of(const IdentificationOptions& options, const std::
     if (const auto found = options.items.find(name); found != options.items.end()) {
         return found->second;
     }
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), value);
-    const bool number =
-        error == std::errc{} && end == name.data() + name.size() && std::isfinite(value);
-    return number ? std::optional(value) : std::nullopt;
+    const auto value = parsed<double>(name);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// Items and responses are one list, by value.
@@ -159,7 +157,7 @@ void add_number(IdentificationReport& report,
     if (report.people.size() < 2) {
         return;
     }
-    IdentifiedNumber made{.what = std::move(what), .ratio = ratio};
+    OverPeople made{.what = std::move(what), .ratio = ratio};
     std::vector<double> values;
     std::vector<double> ranks;
     for (const IdentifiedPerson& person : report.people) {

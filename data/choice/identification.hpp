@@ -9,12 +9,13 @@
 #include "data/choice/similarity_choice.hpp"
 #include "data/choice/thurstone.hpp"
 #include "data/inference/trials.hpp"
-#include "data/statistics/over_people.hpp"
+#include "data/tables/over_people_table.hpp"
 
 /// Which of several things was it: what identifications say of how well people tell things apart,
 /// and of how they name them.
 namespace palpate::data {
 
+/// What may be asked of identifications.
 struct IdentificationOptions {
     double lapse = 0.02;
     std::map<std::string, double> items{};  ///< values by name; a name that is a number is its own
@@ -33,6 +34,7 @@ struct ThurstoneChange {
     double shift_p = 1.0;       ///< both by likelihood ratio, chi-square of 1 df
 };
 
+/// One person's answers, and what the models say of them.
 struct IdentifiedPerson {
     std::string name{};
     std::vector<CallCounts> counts{};  ///< of each condition
@@ -44,16 +46,7 @@ struct IdentifiedPerson {
     std::vector<std::string> no_similarity{};
 };
 
-/// A number a person, over people; of a change also the sign-flip test of none.
-struct IdentifiedNumber {
-    std::string what{};
-    PeopleMean mean{};  ///< of a logarithm where `ratio` says so
-    bool ratio = false;
-    std::optional<double> median{};  ///< of all, a sigma without end by its rank
-    std::optional<SignFlip> test{};
-    std::vector<LeftOutPerson> left_out{};
-};
-
+/// All people, and what they have in common.
 struct IdentificationReport {
     TrialTable table{};
     IdentificationOptions options{};
@@ -61,7 +54,7 @@ struct IdentificationReport {
     std::vector<double> values{};
     std::vector<IdentifiedPerson> people{};
     std::vector<std::string> left_out{};  ///< who cannot be fitted, and why
-    std::vector<IdentifiedNumber> over_people{};
+    std::vector<OverPeople> over_people{};
 };
 
 /// The value of every item of a database that has one: the curvature of its object, 1/m.

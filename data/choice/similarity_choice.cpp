@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
+
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {
@@ -15,14 +20,14 @@ namespace {
 constexpr double kResidual = 1e-10;
 constexpr int kMaxRounds = 100000;
 
-using Table = std::vector<std::vector<double>>;
+using Numbers = std::vector<std::vector<double>>;
 
 struct Margins {
     std::vector<double> rows;
     std::vector<double> columns;
 };
 
-Margins margins_of(const Table& table) {
+Margins margins_of(const Numbers& table) {
     Margins sums{std::vector<double>(table.size()), std::vector<double>(table.size())};
     for (std::size_t i = 0; i < table.size(); ++i) {
         for (std::size_t j = 0; j < table.size(); ++j) {
@@ -37,7 +42,7 @@ Margins margins_of(const Table& table) {
 struct Factors {
     std::vector<double> row;
     std::vector<double> column;
-    Table pair;
+    Numbers pair;
 
     explicit Factors(std::size_t m)
         : row(m, 1.0), column(m, 1.0), pair(m, std::vector<double>(m, 1.0)) {}
@@ -45,8 +50,8 @@ struct Factors {
     [[nodiscard]] double at(std::size_t i, std::size_t j) const {
         return row[i] * column[j] * pair[i][j];
     }
-    [[nodiscard]] Table table() const {
-        Table all(row.size(), std::vector<double>(row.size()));
+    [[nodiscard]] Numbers table() const {
+        Numbers all(row.size(), std::vector<double>(row.size()));
         for (std::size_t i = 0; i < row.size(); ++i) {
             for (std::size_t j = 0; j < row.size(); ++j) {
                 all[i][j] = at(i, j);
@@ -61,7 +66,7 @@ double ratio(double wanted, double is) {
 }
 
 /// One round of matching. @return the largest difference before it
-double match(Factors& f, const Table& counts, const Margins& wanted) {
+double match(Factors& f, const Numbers& counts, const Margins& wanted) {
     const std::size_t m = counts.size();
     double worst = 0.0;
     const Margins now = margins_of(f.table());
@@ -85,8 +90,8 @@ double match(Factors& f, const Table& counts, const Margins& wanted) {
     return worst;
 }
 
-Table as_numbers(const CallCounts& counts) {
-    Table table;
+Numbers as_numbers(const CallCounts& counts) {
+    Numbers table;
     for (std::size_t i = 0; i < counts.size(); ++i) {
         if (counts[i].size() != counts.size()) {
             throw std::invalid_argument(
@@ -106,7 +111,7 @@ Table as_numbers(const CallCounts& counts) {
 /// have a similarity of 0.
 class HeldPair {
 public:
-    HeldPair(const Table& counts, std::size_t one, std::size_t other)
+    HeldPair(const Numbers& counts, std::size_t one, std::size_t other)
         : counts_(counts), place_(counts.size(), std::vector<int>(counts.size(), kNone)) {
         const std::size_t m = counts.size();
         size_ = static_cast<int>(m) - 1;  // ln bias of all but the first
@@ -118,7 +123,7 @@ public:
                 size_ += held || never ? 0 : 1;
             }
         }
-        at_ = Eigen::VectorXd::Zero(size_);
+        at_.assign(width(), 0.0);
     }
 
     /// The highest log-likelihood. The next one is looked for from where this one was.
@@ -126,25 +131,27 @@ public:
         held_ = log_similarity;
         double value = derivatives(at_);
         for (int step = 0; step < 200; ++step) {
-            const Eigen::MatrixXd information =
-                information_ +
-                1e-11 * (1.0 + information_.trace()) * Eigen::MatrixXd::Identity(size_, size_);
-            Eigen::VectorXd move = information.ldlt().solve(gradient_);
-            const double gain = move.dot(gradient_);
+            std::vector<double> move = solve_symmetric(raised(), gradient_);
+            const double gain =
+                std::inner_product(move.begin(), move.end(), gradient_.begin(), 0.0);
             if (!(gain > 1e-11)) {
                 break;
             }
-            double next = derivatives(at_ + move);
-            for (int half = 0; half < 40 && !(next >= value); ++half) {
-                move *= 0.5;
-                next = derivatives(at_ + move);
+            std::vector<double> next = sum_of(at_, move);
+            double there = derivatives(next);
+            for (int half = 0; half < 40 && !(there >= value); ++half) {
+                for (double& one : move) {
+                    one *= 0.5;
+                }
+                next = sum_of(at_, move);
+                there = derivatives(next);
             }
-            if (!(next >= value)) {
+            if (!(there >= value)) {
                 static_cast<void>(derivatives(at_));
                 break;
             }
-            at_ += move;
-            value = next;
+            at_ = std::move(next);
+            value = there;
         }
         return value;
     }
@@ -154,9 +161,32 @@ private:
     static constexpr int kHeld = -2;
     static constexpr int kNever = -3;
 
-    double derivatives(const Eigen::VectorXd& at) {
-        gradient_.setZero(size_);
-        information_.setZero(size_, size_);
+    [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(size_); }
+
+    static std::vector<double> sum_of(std::vector<double> a, const std::vector<double>& b) {
+        std::ranges::transform(a, b, a.begin(), std::plus<>());
+        return a;
+    }
+
+    /// The information with a little on its diagonal: also of what no answer tells it has an
+    /// inverse.
+    [[nodiscard]] std::vector<double> raised() const {
+        const std::size_t n = width();
+        double trace = 0.0;
+        for (std::size_t i = 0; i < n; ++i) {
+            trace += information_[i * n + i];
+        }
+        std::vector<double> all = information_;
+        for (std::size_t i = 0; i < n; ++i) {
+            all[i * n + i] += 1e-11 * (1.0 + trace);
+        }
+        return all;
+    }
+
+    double derivatives(const std::vector<double>& at) {
+        const std::size_t n = width();
+        gradient_.assign(n, 0.0);
+        information_.assign(n * n, 0.0);
         const std::size_t m = counts_.size();
         double sum = 0.0;
         std::vector<double> weights(m);
@@ -165,8 +195,8 @@ private:
             double largest = -std::numeric_limits<double>::infinity();
             for (std::size_t j = 0; j < m; ++j) {
                 const int pair = place_[i][j];
-                weights[j] = (j > 0 ? at[static_cast<int>(j) - 1] : 0.0) +
-                             (pair >= 0        ? at[pair]
+                weights[j] = (j > 0 ? at[j - 1] : 0.0) +
+                             (pair >= 0        ? at[static_cast<std::size_t>(pair)]
                               : pair == kHeld  ? held_
                               : pair == kNever ? -std::numeric_limits<double>::infinity()
                                                : 0.0);
@@ -178,17 +208,21 @@ private:
                 weight = std::exp(weight - largest);
                 total += weight;
             }
-            Eigen::VectorXd mean = Eigen::VectorXd::Zero(size_);
+            std::vector<double> mean(n);
             for (std::size_t j = 0; j < m; ++j) {
                 const double p = weights[j] / total;
                 sum += counts_[i][j] > 0.0 ? counts_[i][j] * std::log(p) : 0.0;
-                for_each(i, j, [&](int a) {
+                for_each(i, j, [&](std::size_t a) {
                     gradient_[a] += counts_[i][j] - answers * p;
                     mean[a] += p;
-                    for_each(i, j, [&](int b) { information_(a, b) += answers * p; });
+                    for_each(i, j, [&](std::size_t b) { information_[a * n + b] += answers * p; });
                 });
             }
-            information_ -= answers * mean * mean.transpose();
+            for (std::size_t a = 0; a < n; ++a) {
+                for (std::size_t b = 0; b < n; ++b) {
+                    information_[a * n + b] -= mean[a] * (answers * mean[b]);
+                }
+            }
         }
         return std::isfinite(sum) ? sum : -std::numeric_limits<double>::infinity();
     }
@@ -197,20 +231,20 @@ private:
     template <class Do>
     void for_each(std::size_t i, std::size_t j, const Do& what) const {
         if (j > 0) {
-            what(static_cast<int>(j) - 1);
+            what(j - 1);
         }
         if (place_[i][j] >= 0) {
-            what(place_[i][j]);
+            what(static_cast<std::size_t>(place_[i][j]));
         }
     }
 
-    const Table& counts_;
+    const Numbers& counts_;
     std::vector<std::vector<int>> place_;
     int size_ = 0;
     double held_ = 0.0;
-    Eigen::VectorXd at_{};
-    Eigen::VectorXd gradient_{};
-    Eigen::MatrixXd information_{};
+    std::vector<double> at_{};
+    std::vector<double> gradient_{};
+    std::vector<double> information_{};  ///< row by row
 };
 
 /// Where the loss against `top` is that of 95 %, from `start` towards `end`; nothing if it never
@@ -234,9 +268,9 @@ std::optional<double> edge(HeldPair& profile, double top, double start, double e
     return 0.5 * (near + far);
 }
 
-void add_intervals(SimilarityFit& fit, const Table& table) {
-    constexpr double kLeast = -20.0;  // ln 2e-9
-    constexpr double kMax = 14.0;     // ln 1e6
+void add_intervals(SimilarityFit& fit, const Numbers& table) {
+    constexpr double kMin = -20.0;  // ln 2e-9
+    constexpr double kMax = 14.0;   // ln 1e6
     const std::size_t m = table.size();
     fit.intervals.assign(m, std::vector<Interval>(m, Interval{1.0, 1.0}));
     for (std::size_t i = 0; i < m; ++i) {
@@ -244,8 +278,8 @@ void add_intervals(SimilarityFit& fit, const Table& table) {
             HeldPair profile(table, i, j);
             const double similarity = fit.similarity[i][j];
             const double start =
-                similarity > 0.0 ? std::clamp(std::log(similarity), kLeast, kMax) : kLeast;
-            const auto low = edge(profile, fit.log_likelihood, start, kLeast);
+                similarity > 0.0 ? std::clamp(std::log(similarity), kMin, kMax) : kMin;
+            const auto low = edge(profile, fit.log_likelihood, start, kMin);
             HeldPair upward(table, i, j);
             const auto high = edge(upward, fit.log_likelihood, start, kMax);
             fit.intervals[i][j] = fit.intervals[j][i] = {
@@ -262,7 +296,7 @@ void add_intervals(SimilarityFit& fit, const Table& table) {
 }  // namespace
 
 SimilarityFit fit_similarity(const CallCounts& counts) {
-    const Table table = as_numbers(counts);
+    const Numbers table = as_numbers(counts);
     const std::size_t m = table.size();
     const Margins wanted = margins_of(table);
     Factors f(m);

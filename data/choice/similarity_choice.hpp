@@ -10,6 +10,7 @@
 
 namespace palpate::data {
 
+/// Luce's choice model with similarities: P(j | i) = bias_j similarity_ij / sum over k of the same.
 struct SimilarityFit {
     std::vector<double> bias{};  ///< of each response; they sum to 1
     std::vector<std::vector<double>>

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "data/choice/thurstone_model.hpp"
 #include "data/statistics/simplex.hpp"
 
 namespace palpate::data {

@@ -4,23 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "data/choice/thurstone_model.hpp"
 #include "data/statistics/wilson.hpp"
 
 namespace palpate::data {
-
-/// How often each item (row) was called each response (column), both in order of what is judged.
-using CallCounts = std::vector<std::vector<std::int64_t>>;
-
-/// Ordered items that differ in one quantity.
-struct ThurstoneSpec {
-    std::vector<double> items{};  ///< values of the rows, strictly increasing, 2 or more
-    double lapse = 0.02;          ///< share of answers that any response gets alike, 0 .. 0.25
-    bool one_sigma = false;       ///< the same in all conditions
-    bool no_shift = false;        ///< no condition shifts the percept
-    bool relative = false;  ///< sigma of a condition is fitted by its ratio to the first one's
-    bool checked = true;    ///< also by the second optimiser
-    bool intervals = true;  ///< also the intervals
-};
 
 /// Whether the answers bound a sigma. Its estimate is a number in the first case alone.
 enum class SigmaEnd : std::uint8_t {
@@ -44,6 +31,7 @@ struct ThurstonePart {
     std::optional<Interval> shift_interval{};
 };
 
+/// A fitted model: percepts are normal about an item's place, criteria cut them into responses.
 struct ThurstoneFit {
     /// Percepts at which a response passes to the next, one fewer than responses; two are equal
     /// where the response between them was never given.

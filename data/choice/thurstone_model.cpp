@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
-#include <Eigen/Dense>
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data::thurstone {
 namespace {
@@ -115,21 +116,17 @@ double Model::row_value(const Parameters& at,
 }
 
 Maximum climb(const Model& model, Parameters start, std::size_t held) {
-    const auto n = static_cast<Eigen::Index>(start.size());
-    const auto kept = static_cast<Eigen::Index>(held);
-    Parameters slopes;
-    Parameters squares;
-    Eigen::VectorXd gradient;
-    Eigen::MatrixXd information;
+    const std::size_t n = start.size();
+    Parameters gradient;
+    Parameters information;
     const auto derivatives = [&](const Parameters& at) {
-        const double value = model.value(at, &slopes, &squares);
-        gradient = Eigen::Map<const Eigen::VectorXd>(slopes.data(), n);
-        information = Eigen::Map<const Eigen::MatrixXd>(squares.data(), n, n);
+        const double value = model.value(at, &gradient, &information);
         if (held != kNone) {
-            gradient[kept] = 0.0;
-            information.row(kept).setZero();
-            information.col(kept).setZero();
-            information(kept, kept) = 1.0;
+            gradient[held] = 0.0;
+            for (std::size_t i = 0; i < n; ++i) {
+                information[held * n + i] = information[i * n + held] = 0.0;
+            }
+            information[held * n + held] = 1.0;
         }
         return value;
     };
@@ -137,16 +134,22 @@ Maximum climb(const Model& model, Parameters start, std::size_t held) {
     best.value = derivatives(best.at);
     double damping = 0.0;
     for (int step = 0; step < 300 && std::isfinite(best.value); ++step) {
-        Eigen::MatrixXd damped = information;
-        damped.diagonal() += damping * information.diagonal();
-        damped.diagonal().array() += 1e-12 * (1.0 + information.trace());
-        const Eigen::VectorXd move = damped.ldlt().solve(gradient);
-        const double promised = move.dot(gradient);
-        Maximum next{best.at, kLowest};
-        for (std::size_t i = 0; i < next.at.size(); ++i) {
-            next.at[i] += move[static_cast<Eigen::Index>(i)];
+        double trace = 0.0;
+        for (std::size_t i = 0; i < n; ++i) {
+            trace += information[i * n + i];
         }
-        if (move.allFinite()) {
+        Parameters damped = information;
+        for (std::size_t i = 0; i < n; ++i) {
+            damped[i * n + i] += damping * information[i * n + i];
+            damped[i * n + i] += 1e-12 * (1.0 + trace);
+        }
+        const Parameters move = solve_symmetric(damped, gradient);
+        const double promised = std::inner_product(move.begin(), move.end(), gradient.begin(), 0.0);
+        Maximum next{best.at, kLowest};
+        for (std::size_t i = 0; i < n; ++i) {
+            next.at[i] += move[i];
+        }
+        if (std::ranges::all_of(move, [](double one) { return std::isfinite(one); })) {
             model.keep_within(next.at, held);
             next.value = model.value(next.at);
         }

@@ -6,7 +6,25 @@
 #include <limits>
 #include <vector>
 
-#include "data/choice/thurstone.hpp"
+#include "data/statistics/wilson.hpp"
+
+namespace palpate::data {
+
+/// How often each item (row) was called each response (column), both in order of what is judged.
+using CallCounts = std::vector<std::vector<std::int64_t>>;
+
+/// Ordered items that differ in one quantity.
+struct ThurstoneSpec {
+    std::vector<double> items{};  ///< values of the rows, strictly increasing, 2 or more
+    double lapse = 0.02;          ///< share of answers that any response gets alike, 0 .. 0.25
+    bool one_sigma = false;       ///< the same in all conditions
+    bool no_shift = false;        ///< no condition shifts the percept
+    bool relative = false;  ///< sigma of a condition is fitted by its ratio to the first one's
+    bool checked = true;    ///< also by the second optimiser
+    bool intervals = true;  ///< also the intervals
+};
+
+}  // namespace palpate::data
 
 /// The likelihood of the ordinal model of thurstone.hpp, and how it is climbed.
 namespace palpate::data::thurstone {
@@ -18,9 +36,11 @@ inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+/// Of the standard normal distribution at z.
 [[nodiscard]] double density(double z);
 /// Phi(high) - Phi(low) without loss in either tail.
 [[nodiscard]] double between(double low, double high);
+/// Between two neighbours among items in rising order.
 [[nodiscard]] double least_distance(const std::vector<double>& items);
 /// Ends of ln sigma, or of ln of a ratio of two: below 0.1 of the least distance of two items
 /// nothing but lapses is left, beyond 1,000 times the range of all an answer tells nothing of the
@@ -34,6 +54,8 @@ struct Layout {
     bool one_sigma = false;
     bool no_shift = false;
 
+    /// Where Parameters have what: criteria first, then ln sigma of each condition (or one for
+    /// all), then shifts of all conditions but the first; how many there are.
     [[nodiscard]] std::size_t criteria() const { return used.size() - 1; }
     [[nodiscard]] std::size_t sigma(std::size_t condition) const {
         return criteria() + (one_sigma ? 0 : condition);
@@ -46,8 +68,10 @@ struct Layout {
     }
 };
 
+/// The likelihood of the counts, for one value of the parameters after the other.
 class Model {
 public:
+    /// Keeps references to both. @pre a row of counts for each item, of equal length
     Model(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec)
         : counts_(counts), spec_(spec) {
         const std::size_t responses = counts.front().front().size();
@@ -90,6 +114,7 @@ public:
     /// Of a condition.
     [[nodiscard]] double answers(std::size_t f) const { return answers_[f]; }
 
+    /// Of its parameters.
     [[nodiscard]] const Layout& layout() const { return layout_; }
 
     /// Log-likelihood, and if asked for its gradient and the expected information.
@@ -107,6 +132,7 @@ public:
                spec_.lapse / m;
     }
 
+    /// Of condition f at `at`, in the items' unit; also where the parameters hold a ratio.
     [[nodiscard]] double sigma(const Parameters& at, std::size_t f) const {
         const bool ratio = spec_.relative && f > 0;
         return std::exp(at[layout_.sigma(f)] + (ratio ? at[layout_.sigma(0)] : 0.0));
@@ -138,6 +164,7 @@ private:
     std::vector<double> answers_{};
 };
 
+/// Where the likelihood is highest, and its logarithm there.
 struct Maximum {
     Parameters at;
     double value = kLowest;

@@ -1,7 +1,9 @@
 #include "data/csv/csv_text.hpp"
 
 #include <algorithm>
-#include <charconv>
+
+#include "engine/base/parsed.hpp"
+#include "engine/base/quotes.hpp"
 
 namespace palpate::data {
 namespace {
@@ -10,9 +12,7 @@ bool is_number(std::string_view text) {
     if (text.starts_with('+') || text.starts_with('-')) {
         text.remove_prefix(1);
     }
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc{} && end == text.data() + text.size() &&
+    return parsed<double>(text) &&
            text.find_first_not_of("0123456789.eE+-") == std::string_view::npos &&
            text.find_first_of("+-") != 0;
 }
@@ -21,19 +21,11 @@ bool is_number(std::string_view text) {
 bool is_formula(std::string_view text) {
     const std::string_view start = text.substr(std::min(text.find_first_not_of('\''), text.size()));
     return !start.empty() &&
-           std::string_view("=+-@\t\r").find(start.front()) != std::string_view::npos;
+           std::string_view("=+-@\t\r\n").find(start.front()) != std::string_view::npos;
 }
 
 std::string no_formula(std::string_view text) {
     return (is_formula(text) && !is_number(text) ? "'" : "") + std::string(text);
-}
-
-std::string in_quotes(std::string_view text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        out += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return out + '"';
 }
 
 }  // namespace

@@ -1,29 +1,21 @@
 #include "data/csv/number_table.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cerrno>
 #include <cmath>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/file/text_pieces.hpp"
-#include "data/csv/number_rows.hpp"
 
 namespace palpate::data {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlank = " \t\r";
-    const std::size_t first = text.find_first_not_of(kBlank);
-    if (first == std::string_view::npos) {
-        return {};
-    }
-    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
+constexpr std::string_view kBlank = " \t\r";
 
 /// A field of a line, without blanks and quotes around it.
 struct Field {
@@ -59,7 +51,7 @@ std::vector<Field> fields_of(std::string_view line) {
     const char* const begin = line.data();
     while (true) {
         const std::size_t end = end_of_field(line);
-        const std::string_view text = trimmed(line.substr(0, end));
+        const std::string_view text = trimmed(line.substr(0, end), kBlank);
         const char* const at = text.empty() ? line.data() : text.data();
         fields.push_back({unquoted(text), static_cast<std::size_t>(at - begin) + 1});
         if (end == line.size()) {
@@ -222,7 +214,7 @@ private:
             line_ = rest_.substr(0, end);
             rest_.remove_prefix(std::min(end + 1, rest_.size()));
             ++number_;
-            if (!trimmed(line_).empty()) {
+            if (!trimmed(line_, kBlank).empty()) {
                 return true;
             }
         }
@@ -270,16 +262,14 @@ private:
         if (digits.starts_with('+')) {
             digits.remove_prefix(1);
         }
-        double value = 0.0;
-        const auto [end, error] =
-            std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
+        const auto value = parsed<double>(digits);
+        if (!value || !std::isfinite(*value)) {
             fail_at(field.character,
                     fmt::format("{} is \"{}\", not a finite number: give one, with a "
                                 "point for decimals",
                                 column, field.text.substr(0, 40)));
         }
-        return value;
+        return *value;
     }
 
     protocols::TextPieces* pieces_ = nullptr;  ///< null: all is in rest_
@@ -335,6 +325,33 @@ NumberTable read_numbers(const std::filesystem::path& file,
         throw CsvError(e.what());
     }
     return parse_numbers(text, file.string(), wanted, optional, texts);
+}
+
+RereadableText::RereadableText(const std::filesystem::path& file)
+    : name_(file.string()), place_(file) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error)) {
+        return;
+    }
+    try {
+        protocols::TextPieces pieces(file);
+        copy_.reset(std::tmpfile());
+        std::string piece;
+        while (copy_ && pieces.next(piece) &&
+               std::fwrite(piece.data(), 1, piece.size(), copy_.get()) == piece.size()) {
+            piece.clear();
+        }
+    } catch (const protocols::ProtocolError& e) {  // it names the file and why
+        throw CsvError(e.what());
+    }
+    if (!copy_ || std::fflush(copy_.get()) != 0 || std::ferror(copy_.get()) != 0) {
+        const std::string why = std::generic_category().message(errno);
+        throw CsvError(fmt::format(
+            "{}:1: cannot be copied to a file without a name: {}; check the space in /tmp, or give "
+            "a file on a disk",
+            name_, why));
+    }
+    place_ = fmt::format("/proc/self/fd/{}", ::fileno(copy_.get()));
 }
 
 struct NumberRows::Source {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -30,7 +32,9 @@ struct NumberTable {
     std::vector<std::uint32_t>
         text_characters;  ///< of each text: where in its line it begins, from 1
 
+    /// Rows of numbers, the head not counted.
     [[nodiscard]] std::size_t rows() const noexcept { return lines.size(); }
+    /// @pre row < rows(), column < columns.size()
     [[nodiscard]] double at(std::size_t row, std::size_t column) const {
         return values[row * columns.size() + column];
     }
@@ -61,5 +65,47 @@ struct NumberTable {
                                        std::span<const std::string_view> wanted,
                                        std::span<const std::string_view> optional = {},
                                        std::span<const std::string_view> texts = {});
+
+/// The text of a file that can be read more than once: what is no file on a disk, a pipe or
+/// standard input, is copied to one without a name.
+class RereadableText {
+public:
+    /// @throws CsvError if it cannot be read or copied
+    explicit RereadableText(const std::filesystem::path& file);
+
+    /// Where its text can be read from, again and again.
+    [[nodiscard]] const std::filesystem::path& place() const noexcept { return place_; }
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }  ///< as it was given
+
+private:
+    struct Close {
+        void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+    };
+
+    std::string name_;
+    std::filesystem::path place_;
+    std::unique_ptr<std::FILE, Close> copy_{};
+};
+
+/// parse_numbers() row by row, for what is longer than the memory: some 100 KiB of it are held.
+class NumberRows {
+public:
+    /// Reads the head. @throws CsvError as parse_numbers() does, as next() does
+    NumberRows(const RereadableText& text, std::span<const std::string_view> wanted);
+    ~NumberRows();
+    NumberRows(const NumberRows&) = delete;
+    NumberRows& operator=(const NumberRows&) = delete;
+
+    /// Reads the next row. @return false at the end
+    [[nodiscard]] bool next();
+    /// Its value in column `column` of `wanted`. @pre next()
+    [[nodiscard]] double at(std::size_t column) const;
+    /// Line of the file in which it stands, from 1.
+    [[nodiscard]] std::size_t line() const;
+
+private:
+    struct Source;
+    std::unique_ptr<Source> source_;
+};
 
 }  // namespace palpate::data

@@ -14,7 +14,7 @@ namespace palpate::data {
 namespace {
 
 void describe(const ExportOptions& options, const std::filesystem::path& path) {
-    DelimitedFile file(path, Delimited::csv);
+    DelimitedFile file(path, TableStyle::csv);
     const auto row = [&file](std::initializer_list<std::string_view> words) {
         for (const std::string_view word : words) {
             word.empty() ? file.none() : file.text(word);
@@ -55,34 +55,23 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "that a spreadsheet would take for a "
         "formula "
         "has\n"
-        "' in front.\n{}{}",
+        "' in front.\n{}",
         counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
                           "not know them.\n"
                         : "De-identified: codes, operators, wall clock, notes and details of "
-                          "participants left out.\n",
-        selection.without_consent() == 0
-            ? ""
-            : counted(selection.without_consent(),
-                      "participant who does not consent is left out.\n",
-                      "participants who do not consent are left out.\n"));
+                          "participants left out.\n");
 }
 
 void write_rows(Statement row,
                 const std::vector<ExportColumn>& columns,
                 const std::filesystem::path& path) {
-    DelimitedFile file(path, Delimited::csv);
+    DelimitedFile file(path, TableStyle::csv);
     for (const ExportColumn& column : columns) {
         file.text(column.name);
     }
     file.end_row();
-    while (row.step()) {
-        for (int column = 0; column < row.columns(); ++column) {
-            file.value(row, column);
-        }
-        file.end_row();
-    }
-    file.close();
+    write_rows(std::move(row), file);
 }
 
 }  // namespace
@@ -116,7 +105,7 @@ void write_ticks(Database& database,
                  std::int64_t number,
                  const ChosenSession& session,
                  const std::filesystem::path& path) {
-    DelimitedFile file(path, Delimited::csv);
+    DelimitedFile file(path, TableStyle::csv);
     for (const ExportColumn& key : tick_keys()) {
         file.text(key.name);
     }
@@ -142,7 +131,7 @@ void write_ticks(Database& database,
 }
 
 void write_codes(Database& database, const std::filesystem::path& path) {
-    DelimitedFile file(path, Delimited::csv);
+    DelimitedFile file(path, TableStyle::csv);
     file.text("subject");
     file.text("participant_code");
     file.end_row();

@@ -17,7 +17,7 @@ constexpr std::size_t kPending = std::size_t{1} << 16U;
 
 }  // namespace
 
-DelimitedFile::DelimitedFile(std::filesystem::path path, Delimited style)
+DelimitedFile::DelimitedFile(std::filesystem::path path, TableStyle style)
     : path_(std::move(path)), style_(style) {
     // "T": as it is.
     file_ = gzopen(path_.c_str(), path_.extension() == ".gz" ? "wbe6" : "wbeT");
@@ -39,14 +39,14 @@ void DelimitedFile::fail() const {
 
 void DelimitedFile::raw(std::string_view value) {
     if (!first_) {
-        pending_ += style_ == Delimited::csv ? ',' : '\t';
+        pending_ += style_ == TableStyle::csv ? ',' : '\t';
     }
     first_ = false;
     pending_ += value;
 }
 
 void DelimitedFile::text(std::string_view value) {
-    raw(style_ == Delimited::tsv ? tsv_field(value) : csv_field(value));
+    raw(style_ == TableStyle::tsv ? tsv_field(value) : csv_field(value));
 }
 
 void DelimitedFile::integer(std::int64_t value) {
@@ -56,7 +56,7 @@ void DelimitedFile::real(double value) {
     std::isnan(value) ? none() : raw(number_text(value));
 }
 void DelimitedFile::none() {
-    raw(style_ == Delimited::tsv ? "n/a" : "");
+    raw(style_ == TableStyle::tsv ? "n/a" : "");
 }
 
 void DelimitedFile::value(const TickValue& value) {
@@ -103,6 +103,16 @@ void DelimitedFile::close() {
     if (gzclose(static_cast<gzFile>(std::exchange(file_, nullptr))) != Z_OK) {
         fail();
     }
+}
+
+void write_rows(Statement row, DelimitedFile& file) {
+    while (row.step()) {
+        for (int column = 0; column < row.columns(); ++column) {
+            file.value(row, column);
+        }
+        file.end_row();
+    }
+    file.close();
 }
 
 }  // namespace palpate::data

@@ -1,19 +1,225 @@
 #include "data/export/export.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
-#include "data/export/bids_export.hpp"
+#include "engine/base/files.hpp"
 #include "data/export/csv_export.hpp"
-#include "data/export/new_folder.hpp"
-#include "data/export/parquet_export.hpp"
-#include "data/export/peer_export.hpp"
-#include "data/export/procedure_export.hpp"
-#include "data/export/psych_ds_export.hpp"
+#include "data/export/duckdb.hpp"
+#include "data/export/formats.hpp"
+#include "data/export/selection.hpp"
+#include "data/export/table_sql.hpp"
+#include "data/store/adaptive_export.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
+namespace {
+
+void require_synced(const std::filesystem::path& what) {
+    if (!sync_to_disk(what)) {
+        throw std::runtime_error(fmt::format("{} could not be written to the disk: {}; is it full?",
+                                             what.string(), std::strerror(errno)));
+    }
+}
+
+/// A folder that is there whole or not at all: filled under another name beside its place, and
+/// renamed by keep(). Removed with all that is in it if keep() was not reached.
+class NewFolder {
+public:
+    explicit NewFolder(std::filesystem::path place) : place_(std::move(place)) {
+        if (!place_.has_filename()) {  // "here/"
+            place_ = place_.parent_path();
+        }
+        std::error_code unknown;
+        if (place_.empty() ||
+            (std::filesystem::exists(std::filesystem::symlink_status(place_, unknown)) &&
+             !(std::filesystem::is_directory(place_, unknown) &&
+               std::filesystem::is_empty(place_, unknown)))) {
+            throw std::invalid_argument(fmt::format(
+                "\"{}\" is there already: give -o the name of a new folder", place_.string()));
+        }
+        remove_leftovers(folder_of(place_));
+        std::string name = place_.string() + std::string(kPartName) + "XXXXXX";
+        if (mkdtemp(name.data()) == nullptr) {
+            throw std::runtime_error(
+                fmt::format("cannot make a folder beside {}: is its parent there and writable?",
+                            place_.string()));
+        }
+        building_ = name;
+        held_.emplace(building_);
+    }
+    NewFolder(const NewFolder&) = delete;
+    NewFolder& operator=(const NewFolder&) = delete;
+    ~NewFolder() {
+        if (!building_.empty()) {
+            std::error_code gone;
+            std::filesystem::remove_all(building_, gone);
+        }
+    }
+
+    /// Where to write until keep().
+    [[nodiscard]] const std::filesystem::path& path() const { return building_; }
+
+    /// @param own  nobody but its owner may look inside, nor into files where they are copied to
+    void keep(bool own) {
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(building_)) {
+            if (own) {  // also where it is copied to
+                chmod(entry.path().c_str(),
+                      S_IRUSR | S_IWUSR | (entry.is_directory() ? S_IXUSR : 0U));
+            }
+            require_synced(entry.path());
+        }
+        require_synced(building_);
+        if (!own) {
+            chmod(building_.c_str(), usual_rights(S_IRWXU | S_IRWXG | S_IRWXO));
+        }
+        std::error_code failed;
+        std::filesystem::rename(building_, place_, failed);
+        if (failed) {
+            throw std::runtime_error(fmt::format("cannot rename {} to {}: {}", building_.string(),
+                                                 place_.string(), failed.message()));
+        }
+        building_.clear();
+        static_cast<void>(sync_to_disk(folder_of(place_)));  // some network disks cannot
+    }
+
+private:
+    std::filesystem::path place_;
+    std::filesystem::path building_;
+    std::optional<PartLock> held_;
+};
+
+namespace fs = std::filesystem;
+
+using Types = std::vector<std::pair<std::string, std::string>>;
+
+std::string type_of(std::string_view type) {
+    return type == "integer" ? "BIGINT" : type == "real" ? "DOUBLE" : "VARCHAR";
+}
+
+void convert(DuckDb& duck, const std::string& from, const fs::path& to, const Types& types) {
+    constexpr std::string_view kMarked = "'^''(''*[-=+@\t\r])'";
+    std::string columns;
+    std::string texts;
+    for (const auto& [name, type] : types) {
+        columns += fmt::format("{}{}: {}", columns.empty() ? "" : ", ", quoted_text(name),
+                               quoted_text(type));
+        if (type == "VARCHAR") {  // no spreadsheet opens it: the mark of csv_field() goes again
+            texts += fmt::format("{}regexp_replace({}, {}, '\\1') AS {}", texts.empty() ? "" : ", ",
+                                 quoted_name(name), kMarked, quoted_name(name));
+        }
+    }
+    duck.run(fmt::format(
+        "COPY (SELECT *{} FROM read_csv({}, header = true, delim = ',', quote = '\"', escape = "
+        "'\"',"
+        " auto_detect = false, allow_quoted_nulls = false, columns = {{{}}})) TO {} (FORMAT "
+        "parquet, COMPRESSION zstd)",
+        texts.empty() ? "" : " REPLACE (" + texts + ")", quoted_text(from), columns,
+        quoted_text(to.string())));
+}
+
+Types tick_types() {
+    Types types;
+    for (const ExportColumn& key : tick_keys()) {
+        types.emplace_back(std::string(key.name), type_of(key.type));
+    }
+    for (const TraceColumn& column : trace_columns()) {
+        types.emplace_back(std::string(column.name), type_of(column.type));
+    }
+    return types;
+}
+
+/// A pattern of files could mean more than this folder, whose name is not ours: from inside there
+/// are none.
+std::string all_ticks(const fs::path& folder) {
+    std::string escaped;
+    for (const char c : (folder / "ticks").string()) {
+        escaped += c == '*' || c == '?' || c == '[' ? fmt::format("[{}]", c) : std::string(1, c);
+    }
+    return escaped + "/*.csv.gz";
+}
+
+/// The tables of export_csv(), zstd; columns.csv and README.txt stay beside them.
+void export_parquet(Database& database,
+                    const Selection& selection,
+                    const ExportOptions& options,
+                    const std::filesystem::path& folder) {
+    DuckDb duck;  // before any work
+    export_csv(database, selection, options, folder);
+    duck.run("SET preserve_insertion_order = true");
+    for (const ExportTable& table : export_tables()) {
+        const fs::path from = folder / (std::string(table.name) + ".csv");
+        if (!fs::exists(from)) {
+            continue;
+        }
+        Types types;
+        for (const ExportColumn& column : visible_columns(table, options.details)) {
+            types.emplace_back(std::string(column.name), type_of(column.type));
+        }
+        convert(duck, from.string(), folder / (std::string(table.name) + ".parquet"), types);
+        fs::remove(from);
+    }
+    if (options.traces) {
+        if (!fs::is_empty(folder / "ticks")) {
+            convert(duck, all_ticks(folder), folder / "ticks.parquet", tick_types());
+        }
+        fs::remove_all(folder / "ticks");
+    }
+}
+
+/// Every run of a rule as `palpate procedure` reads it: its random numbers follow from the file's
+/// secret, and lead back neither to it nor to the participant. Marked answers are left out.
+void export_procedures(Database& database,
+                       const Selection& selection,
+                       const std::filesystem::path& folder) {
+    int runs = 0;
+    Statement row = database.prepare(
+        "SELECT DISTINCT run_number FROM adaptive_plan WHERE session_id = ?1 ORDER BY run_number");
+    for (const ChosenSession& session : selection.sessions()) {
+        row.bind(1, session.id);
+        for (; row.step(); ++runs) {
+            const ExportedRun made = exported_run(database, session.id, row.integer(0));
+            const std::filesystem::path place =
+                folder / fmt::format("study-{}_subject-{}_session-{}_run-{}", session.label,
+                                     session.subject.substr(4), session.number, row.integer(0));
+            std::filesystem::create_directory(place);
+            write_whole(place / "CONFIG.toml", made.procedure);
+            write_whole(place / "RESPONSES.csv", made.responses);
+        }
+        row.reset();
+    }
+    if (runs == 0) {
+        throw std::invalid_argument(
+            "no session of the file has a rule that chooses stimuli: take another format");
+    }
+}
+
+/// At the end of what a format says of itself.
+void add_accounts(const std::filesystem::path& readme,
+                  const std::vector<LeftOut>& accounts,
+                  bool details) {
+    std::string text =
+        file_text(readme) +
+        "\nNothing is here of who does not consent and of withdrawn sessions; whom a rule of the "
+        "protocol leaves out is.\n\n";
+    for (const LeftOut& one : accounts) {
+        text += left_out_text(details ? one : without_words(one));
+    }
+    write_whole(readme, text);
+}
+
+}  // namespace
 
 ExportFormat parse_export_format(std::string_view word) {
     const auto found = std::ranges::find(kExportWords, word);
@@ -24,10 +230,47 @@ ExportFormat parse_export_format(std::string_view word) {
     return static_cast<ExportFormat>(found - kExportWords.begin());
 }
 
-Exported export_file(const std::string& file,
-                     ExportFormat format,
-                     const ExportOptions& options,
-                     const std::filesystem::path& folder) {
+namespace {
+
+void write_tables(Database& database,
+                  ExportFormat format,
+                  const Selection& selection,
+                  const ExportOptions& options,
+                  const std::filesystem::path& folder) {
+    switch (format) {
+        case ExportFormat::csv:
+            export_csv(database, selection, options, folder);
+            break;
+        case ExportFormat::bids:
+            export_bids(database, selection, options, folder);
+            break;
+        case ExportFormat::psych_ds:
+            export_psych_ds(database, selection, options, folder);
+            break;
+        case ExportFormat::parquet:
+            export_parquet(database, selection, options, folder);
+            break;
+        case ExportFormat::procedure:
+            export_procedures(database, selection, folder);
+            break;
+        case ExportFormat::quickpsy:
+            export_quickpsy(database, selection, folder);
+            break;
+        case ExportFormat::psignifit:
+            export_psignifit(database, selection, folder);
+            break;
+        case ExportFormat::psychopy:
+            export_psychopy(database, selection, folder);
+            break;
+    }
+}
+
+}  // namespace
+
+ExportSummary export_file(const std::string& file,
+                          ExportFormat format,
+                          const ExportOptions& options,
+                          const std::filesystem::path& folder) {
     if (format >= ExportFormat::procedure &&
         (options.details || options.traces || options.keep_codes)) {
         throw std::invalid_argument(fmt::format(
@@ -38,34 +281,15 @@ Exported export_file(const std::string& file,
     Database database(file, Access::read);
     NewFolder built(folder);
     const Selection selection(database, options);
-    switch (format) {
-        case ExportFormat::csv:
-            export_csv(database, selection, options, built.path());
-            break;
-        case ExportFormat::bids:
-            export_bids(database, selection, options, built.path());
-            break;
-        case ExportFormat::psych_ds:
-            export_psych_ds(database, selection, options, built.path());
-            break;
-        case ExportFormat::parquet:
-            export_parquet(database, selection, options, built.path());
-            break;
-        case ExportFormat::procedure:
-            export_procedures(database, selection, built.path());
-            break;
-        case ExportFormat::quickpsy:
-            export_quickpsy(database, selection, built.path());
-            break;
-        case ExportFormat::psignifit:
-            export_psignifit(database, selection, built.path());
-            break;
-        case ExportFormat::psychopy:
-            export_psychopy(database, selection, built.path());
-            break;
-    }
+    write_tables(database, format, selection, options, built.path());
+    analyse(database, Versions::apart);  // from here on without whom analyses do not see
+    std::vector<LeftOut> left_out = left_out_everywhere(database, options.kind, false);
+    add_accounts(built.path() / (format == ExportFormat::bids       ? "README"
+                                 : format == ExportFormat::psych_ds ? "README.md"
+                                                                    : "README.txt"),
+                 left_out, options.details);
     built.keep(options.details || options.keep_codes);
-    return {selection.sessions().size(), selection.without_consent()};
+    return {selection.sessions().size(), std::move(left_out)};
 }
 
 }  // namespace palpate::data

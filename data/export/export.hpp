@@ -6,11 +6,14 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "data/analysis/left_out.hpp"
 #include "data/export/selection.hpp"
 
 namespace palpate::data {
 
+/// Whose tables are written.
 enum class ExportFormat : std::uint8_t {
     csv,
     bids,
@@ -29,9 +32,10 @@ inline constexpr std::array<std::string_view, 8> kExportWords{
 /// The words of kExportWords. @throws std::invalid_argument for another word
 [[nodiscard]] ExportFormat parse_export_format(std::string_view word);
 
-struct Exported {
+/// What was written, and who was left out.
+struct ExportSummary {
     std::size_t sessions = 0;
-    std::int64_t without_consent = 0;  ///< participants left out
+    std::vector<LeftOut> left_out{};  ///< of each study and kind, by subject
 };
 
 /// Writes a palpate database in a form that others can read, into a new folder: whole or not at
@@ -42,9 +46,12 @@ struct Exported {
 ///         or details, traces or codes are asked for of a format from procedure on, which has no
 ///         place for them
 /// @throws TraceError if a trace is damaged: nothing is exported then
-Exported export_file(const std::string& file,
-                     ExportFormat format,
-                     const ExportOptions& options,
-                     const std::filesystem::path& folder);
+///
+/// A README of the folder says who and what is left out, as every command does; without details
+/// none of the lab's words is there.
+ExportSummary export_file(const std::string& file,
+                          ExportFormat format,
+                          const ExportOptions& options,
+                          const std::filesystem::path& folder);
 
 }  // namespace palpate::data

@@ -1,5 +1,3 @@
-#include "data/export/peer_export.hpp"
-
 #include <functional>
 #include <stdexcept>
 
@@ -7,6 +5,7 @@
 
 #include "engine/base/files.hpp"
 #include "data/export/delimited_file.hpp"
+#include "data/export/formats.hpp"
 #include "data/store/graded_answers.hpp"
 
 namespace palpate::data {
@@ -54,7 +53,7 @@ void write_words(DelimitedFile& file, std::initializer_list<std::string_view> wo
 void export_quickpsy(Database& database,
                      const Selection& /*selection*/,
                      const std::filesystem::path& folder) {
-    DelimitedFile file(folder / "quickpsy.csv", Delimited::csv);
+    DelimitedFile file(folder / "quickpsy.csv", TableStyle::csv);
     write_words(file, {"participant", "study", "kind", "condition", "x", "k", "n"});
     each_count(database, [&](const GradedCount& one) {
         file.text(one.subject);
@@ -75,10 +74,21 @@ void export_quickpsy(Database& database,
                 "(up to 0.1.5: grouping = .(participant, study, kind, condition)).\n");
 }
 
+namespace {
+
+constexpr std::string_view kPsignifitText =
+    "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
+    "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
+    "import numpy, psignifit\n"
+    "data = numpy.loadtxt(FILE, delimiter=',', ndmin=2)\n"
+    "psignifit.psignifit(data, experiment_type='equal asymptote')\n";
+
+}  // namespace
+
 void export_psignifit(Database& database,
                       const Selection& /*selection*/,
                       const std::filesystem::path& folder) {
-    DelimitedFile index(folder / "index.csv", Delimited::csv);
+    DelimitedFile index(folder / "index.csv", TableStyle::csv);
     write_words(index, {"file", "participant", "study", "kind", "condition"});
     std::string before;
     std::string lines;
@@ -103,13 +113,19 @@ void export_psignifit(Database& database,
     });
     keep();
     index.close();
-    write_whole(folder / "README.txt",
-                "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
-                "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
-                "import numpy, psignifit\n"
-                "data = numpy.loadtxt(FILE, delimiter=',', ndmin=2)\n"
-                "psignifit.psignifit(data, experiment_type='equal asymptote')\n");
+    write_whole(folder / "README.txt", kPsignifitText);
 }
+
+namespace {
+
+constexpr std::string_view kPsychopyText =
+    "A file a session, with the columns of PsychoPy's wide CSV: a row an answer, in the "
+    "order given.\n"
+    "trials.thisN counts them from 0; trials.thisIndex is the place in the plan; "
+    "trials.thisRepN says how often\nthat place was tried before. For analysis take "
+    "phase main and counts 1. Times are in s.\n";
+
+}  // namespace
 
 void export_psychopy(Database& database,
                      const Selection& selection,
@@ -122,7 +138,7 @@ void export_psychopy(Database& database,
     for (const ChosenSession& session : selection.sessions()) {
         DelimitedFile file(folder / fmt::format("{}_{}_ses-{:02}.csv", session.subject,
                                                 session.label, session.number),
-                           Delimited::csv);
+                           TableStyle::csv);
         write_words(file, {"trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase",
                            "planned_object", "friction", "curvature_per_m", "run_name", "stimulus",
                            "key_resp.keys", "key_resp.corr", "key_resp.rt", "confidence", "counts",
@@ -141,13 +157,7 @@ void export_psychopy(Database& database,
         row.reset();
         file.close();
     }
-    write_whole(
-        folder / "README.txt",
-        "A file a session, with the columns of PsychoPy's wide CSV: a row an answer, in the "
-        "order given.\n"
-        "trials.thisN counts them from 0; trials.thisIndex is the place in the plan; "
-        "trials.thisRepN says how often\nthat place was tried before. For analysis take "
-        "phase main and counts 1. Times are in s.\n");
+    write_whole(folder / "README.txt", kPsychopyText);
 }
 
 }  // namespace palpate::data

@@ -1,5 +1,3 @@
-#include "data/export/psych_ds_export.hpp"
-
 #include <set>
 
 #include <fmt/format.h>
@@ -7,8 +5,9 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
+#include "data/csv/json_text.hpp"
 #include "data/export/csv_export.hpp"
-#include "data/export/json_text.hpp"
+#include "data/export/formats.hpp"
 #include "data/export/table_sql.hpp"
 #include "data/trace/columns.hpp"
 
@@ -67,14 +66,10 @@ Json variables(const ExportOptions& options) {
     return all;
 }
 
-}  // namespace
-
-void export_psych_ds(Database& database,
-                     const Selection& selection,
-                     const ExportOptions& options,
-                     const std::filesystem::path& folder) {
-    const fs::path data = folder / "data";
-    fs::create_directory(data);
+/// What stands beside the data: for programs, and for people.
+void write_description(const Selection& selection,
+                       const ExportOptions& options,
+                       const std::filesystem::path& folder) {
     const auto description = fmt::format(
         "Felt shape: choices of {} (kind {}), written by palpate, one row an attempt at a "
         "trial. "
@@ -96,6 +91,17 @@ void export_psych_ds(Database& database,
             "them to dataset_description.json.\n",
             description,
             options.traces ? "; in files with description-ticks, interval and tick as well" : ""));
+}
+
+}  // namespace
+
+void export_psych_ds(Database& database,
+                     const Selection& selection,
+                     const ExportOptions& options,
+                     const std::filesystem::path& folder) {
+    const fs::path data = folder / "data";
+    fs::create_directory(data);
+    write_description(selection, options, folder);
     write_table(database, export_table("participants"), options,
                 data / "description-participants_data.csv");
     const ExportTable& trials = export_table("trials");

@@ -91,7 +91,6 @@ void Selection::choose(const std::string& kind) {
     constexpr std::string_view kRefused =
         "SELECT count(DISTINCT participant.participant_id) FROM session JOIN participant USING "
         "(participant_id) WHERE ?1 IN ('all', session_kind) AND consent = 0";
-    without_consent_ = count(database_, kRefused, kind);
     database_
         .prepare(
             "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN "
@@ -100,14 +99,14 @@ void Selection::choose(const std::string& kind) {
         .bind(1, std::string_view(kind))
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
-        throw std::invalid_argument(
-            fmt::format("there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
-                        "simulated, and "
-                        "{} not consent; --kind chooses",
-                        kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
-                        count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
-                        count(database_, kOfKind, "simulated"),
-                        counted(without_consent_, "participant does", "participants do")));
+        throw std::invalid_argument(fmt::format(
+            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
+            "simulated, and "
+            "{} not consent; --kind chooses",
+            kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
+            count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
+            count(database_, kOfKind, "simulated"),
+            counted(count(database_, kRefused, kind), "participant does", "participants do")));
     }
 }
 

@@ -12,8 +12,8 @@ namespace palpate::data {
 /// What is exported, and how much is said of people.
 struct ExportOptions {
     std::string kind = "real";  ///< real, pilot, simulated or all
-    bool details =
-        false;  ///< operator, wall clock, days, notes, handedness score, participant_detail, provenance
+    /// Operator, wall clock, days, notes, handedness score, participant_detail, provenance.
+    bool details = false;
     bool traces = false;      ///< every servo tick as well
     bool keep_codes = false;  ///< a table subject -> the code of the lab
 };
@@ -43,7 +43,6 @@ public:
     /// @throws std::invalid_argument if there is no such session
     Selection(Database& database, const ExportOptions& options);
     [[nodiscard]] const std::vector<ChosenSession>& sessions() const { return sessions_; }
-    [[nodiscard]] std::int64_t without_consent() const { return without_consent_; }
     /// The studies' titles, each once: "One; Another".
     [[nodiscard]] std::string titles() const;
 
@@ -55,7 +54,6 @@ private:
     Database& database_;
     Snapshot now_;
     std::vector<ChosenSession> sessions_;
-    std::int64_t without_consent_ = 0;
 };
 
 }  // namespace palpate::data

@@ -24,71 +24,64 @@ std::string kind_of(const std::string& device) {
 /// Columns that the file does not have as they are: keys of an export, and what is said of a column
 /// so that it tells nobody who somebody is. All others have name, type, unit, meaning and readers
 /// from the catalogue.
-const std::vector<ExportColumn>& computed_columns() {
-    static const std::vector<ExportColumn> all{
-        {"subject", "text", "", "the participant, in every export: a number that says nothing",
-         "chosen.subject"},
-        {"study_label", "text", "", "the study, as in sessions", "chosen.label"},
-        {"session_number", "integer", "1",
-         "the participant's sessions of the study, counted from 1 among those of this export",
-         "chosen.session_number"},
-        {"lab_session_number", "integer", "1", "session.session_number of the database",
-         "session.session_number", true},
-        {"trial_number", "integer", "1",
-         "attempts at trials of the session, counted from 1 in the order run",
-         "numbered.trial_number"},
-        {"handedness", "text", "", "by the Edinburgh score", kHandednessSql, false,
-         "left = score -40 or less; right = 40 or more; both = between"},
-        {"handedness_score", "integer", "1", "Edinburgh score, -100 left to 100 right",
-         "participant.handedness", true},
-        {"sessions", "integer", "1", "sessions in this export", "count(*)"},
-        {"day", "integer", "d", "days since the participant's first session here", "chosen.day",
-         true},
-        {"device", "text", "", "kind of device with which it began", kind_of("session.device")},
-        {"trial_device", "text", "", "kind of device on which it was felt",
-         kind_of("trial.device")},
-        {"device_words", "text", "", "device as given", "session.device", true},
-        {"exclusion", "text", "", "why the answer does not count; marked: somebody said so",
-         "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
-         " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked',"
-         " trial.invalid_reason)"},
-        {"trials_since_break", "integer", "1",
-         "attempts before it since the session's begin or last break; empty: it has not ended",
-         "iif(trial.seal_events IS NULL, NULL, (SELECT count(*) FROM trial AS earlier WHERE"
-         " earlier.session_id = trial.session_id AND earlier.trial_id < trial.trial_id AND"
-         " earlier.seal_events IS NOT NULL AND NOT EXISTS (SELECT 1 FROM (SELECT event_kind,"
-         " row_number() OVER (ORDER BY event_id) AS n FROM event WHERE event.session_id ="
-         " trial.session_id) WHERE event_kind = 'break' AND n > earlier.seal_events AND n <="
-         " trial.seal_events)))"},
-        {"counts", "integer", "1", "1: answered, and the answer counts",
-         "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
-        {"stimulus", "real", "", "what the rule chose, in the protocol's unit; empty: no rule",
-         "(SELECT stimulus FROM presentation WHERE presentation.trial_id = trial.trial_id AND"
-         " presentation.interval = adaptive_plan.comparison_interval)"},
-        {"interval", "integer", "1", "of a trial with two things to feel: 1 or 2", ""},
-        {"since_first_ns", "integer", "ns",
-         "since the first attempt of the session, or after a pause of more than an hour",
-         "trial.started_ns - numbered.zero_ns"},
-        {"event_number", "integer", "1", "events of the session, counted from 1",
-         "row_number() OVER (PARTITION BY event.session_id ORDER BY event.event_id)"},
-        {"event_trial", "integer", "1", "trial_number of the attempt it belongs to",
-         "(SELECT trial_number FROM numbered WHERE numbered.trial_id = event.trial_id)"},
-        {"mark_undone", "integer", "1", "of a mark: 1 takes the one before of its trial back",
-         "iif(event.event_kind = 'mark', event.key IS 'undone', NULL)", false, kYesNo},
-        {"event_value", "text", "",
-         "of key; fault, go on: the cause; device, operator: the new one",
-         "iif(event.key IS 'is really', NULL, event.value)", true},
-        {"event_text", "text", "", "what palpate noted itself",
-         "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
-         " 'interrupted'), event.text, NULL)"},
-        {"event_since_first_ns", "integer", "ns",
-         "as since_first_ns of trials; empty: no attempt is within an hour of it, or it was noted "
-         "from outside",
-         "iif(event.event_kind IN ('mark', 'note', 'participant'), NULL, (SELECT since_ns FROM "
-         "happened WHERE happened.event_id = event.event_id))"},
-    };
-    return all;
-}
+const std::vector<ExportColumn> kComputed{
+    {"subject", "text", "", "the participant, in every export: a number that says nothing",
+     "chosen.subject"},
+    {"study_label", "text", "", "the study, as in sessions", "chosen.label"},
+    {"session_number", "integer", "1",
+     "the participant's sessions of the study, counted from 1 among those of this export",
+     "chosen.session_number"},
+    {"lab_session_number", "integer", "1", "session.session_number of the database",
+     "session.session_number", true},
+    {"trial_number", "integer", "1",
+     "attempts at trials of the session, counted from 1 in the order run", "numbered.trial_number"},
+    {"handedness", "text", "", "by the Edinburgh score", kHandednessSql, false,
+     "left = score -40 or less; right = 40 or more; both = between"},
+    {"handedness_score", "integer", "1", "Edinburgh score, -100 left to 100 right",
+     "participant.handedness", true},
+    {"sessions", "integer", "1", "sessions in this export", "count(*)"},
+    {"day", "integer", "d", "days since the participant's first session here", "chosen.day", true},
+    {"device", "text", "", "kind of device with which it began", kind_of("session.device")},
+    {"trial_device", "text", "", "kind of device on which it was felt", kind_of("trial.device")},
+    {"device_words", "text", "", "device as given", "session.device", true},
+    {"exclusion", "text", "", "why the answer does not count; marked: somebody said so",
+     "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
+     " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked',"
+     " trial.invalid_reason)"},
+    {"trials_since_break", "integer", "1",
+     "attempts before it since the session's begin or last break; empty: it has not ended",
+     "iif(trial.seal_events IS NULL, NULL, (SELECT count(*) FROM trial AS earlier WHERE"
+     " earlier.session_id = trial.session_id AND earlier.trial_id < trial.trial_id AND"
+     " earlier.seal_events IS NOT NULL AND NOT EXISTS (SELECT 1 FROM (SELECT event_kind,"
+     " row_number() OVER (ORDER BY event_id) AS n FROM event WHERE event.session_id ="
+     " trial.session_id) WHERE event_kind = 'break' AND n > earlier.seal_events AND n <="
+     " trial.seal_events)))"},
+    {"counts", "integer", "1", "1: answered, and the answer counts",
+     "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
+    {"stimulus", "real", "", "what the rule chose, in the protocol's unit; empty: no rule",
+     "(SELECT stimulus FROM presentation WHERE presentation.trial_id = trial.trial_id AND"
+     " presentation.interval = adaptive_plan.comparison_interval)"},
+    {"interval", "integer", "1", "of a trial with two things to feel: 1 or 2", ""},
+    {"since_first_ns", "integer", "ns",
+     "since the first attempt of the session, or after a pause of more than an hour",
+     "trial.started_ns - numbered.zero_ns"},
+    {"event_number", "integer", "1", "events of the session, counted from 1",
+     "row_number() OVER (PARTITION BY event.session_id ORDER BY event.event_id)"},
+    {"event_trial", "integer", "1", "trial_number of the attempt it belongs to",
+     "(SELECT trial_number FROM numbered WHERE numbered.trial_id = event.trial_id)"},
+    {"mark_undone", "integer", "1", "of a mark: 1 takes the one before of its trial back",
+     "iif(event.event_kind = 'mark', event.key IS 'undone', NULL)", false, kYesNo},
+    {"event_value", "text", "", "of key; fault, go on: the cause; device, operator: the new one",
+     "iif(event.key IS 'is really', NULL, event.value)", true},
+    {"event_text", "text", "", "what palpate noted itself",
+     "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
+     " 'interrupted'), event.text, NULL)"},
+    {"event_since_first_ns", "integer", "ns",
+     "as since_first_ns of trials; empty: no attempt is within an hour of it, or it was noted "
+     "from outside",
+     "iif(event.event_kind IN ('mark', 'note', 'participant'), NULL, (SELECT since_ns FROM "
+     "happened WHERE happened.event_id = event.event_id))"},
+};
 
 /// A column of the catalogue as exports tell of it.
 ExportColumn exported(const std::string& table, const ColumnManual& column) {
@@ -109,8 +102,8 @@ ExportColumn exported(const std::string& table, const ColumnManual& column) {
 }
 
 ExportColumn one_column(const std::string& word) {
-    const auto computed = std::ranges::find(computed_columns(), word, &ExportColumn::name);
-    if (computed != computed_columns().end()) {
+    const auto computed = std::ranges::find(kComputed, word, &ExportColumn::name);
+    if (computed != kComputed.end()) {
         return *computed;
     }
     const ColumnManual* column = find_column(word);
@@ -163,58 +156,64 @@ ExportTable table(const char* name,
             detail};
 }
 
-std::vector<ExportTable> made_tables() {
-    const std::string subject = "chosen.subject";
-    const std::string session = subject + ", chosen.label, chosen.session_number";
-    const std::string trial = session + ", trial.trial_id";
-    const std::string keys = "subject study_label session_number ";
-    const std::string trials = " JOIN trial USING (session_id) JOIN numbered USING (trial_id)";
-    const std::string adaptive = " adaptive_plan USING (session_id, plan_position)";
+const std::string kSubject = "chosen.subject";
+const std::string kSession = kSubject + ", chosen.label, chosen.session_number";
+const std::string kKeys = "subject study_label session_number ";
+
+std::vector<ExportTable> tables_of_sessions() {
     return {
         table("participants", "one row a participant", " GROUP BY participant.participant_id",
-              subject,
+              kSubject,
               "subject handedness handedness_score participant.handedness_utc sessions"
               " participant.consent participant.consent_utc"),
         table("participant_details", "what else was asked of participants",
               " JOIN participant_detail USING (participant_id) GROUP BY"
               " participant_detail.participant_id, participant_detail.key",
               "chosen.subject, participant_detail.key", "subject participant_detail.*", true),
-        table("sessions", "one row a session", "", session,
-              keys + "session.session_kind day lab_session_number study.* device device_words "
-                     "session.*"),
+        table("sessions", "one row a session", "", kSession,
+              kKeys + "session.session_kind day lab_session_number study.* device device_words "
+                      "session.*"),
         table("provenance", "versions, machine, calibration",
-              " JOIN session_provenance USING (session_id)", session + ", session_provenance.key",
-              keys + "session_provenance.*", true),
+              " JOIN session_provenance USING (session_id)", kSession + ", session_provenance.key",
+              kKeys + "session_provenance.*", true),
         table("plan", "the whole order, complete before the first trial",
-              " JOIN plan USING (session_id)", session + ", plan.plan_position", keys + "plan.*"),
+              " JOIN plan USING (session_id)", kSession + ", plan.plan_position", kKeys + "plan.*"),
         table("pictures", "which picture stood at which place", " JOIN picture USING (session_id)",
-              session + ", picture.picture_place", keys + "picture.*"),
-        table(
-            "trials", "one row an attempt at a planned trial, with its answer",
-            trials +
-                " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id)"
-                " LEFT JOIN" +
-                adaptive,
-            trial,
-            keys +
-                "session.session_kind trial_number trial.plan_position trial.attempt plan.phase"
-                " plan.block plan.planned_object plan.curvature_per_m plan.friction plan.mu_s"
-                " plan.mu_d trials_since_break trial.outcome counts exclusion response.answer_code"
-                " response.chosen_object response.correct response.confidence"
-                " response.reaction_s response.reaction_uncertainty_s adaptive_plan.run_name"
-                " adaptive_plan.comparison_interval stimulus since_first_ns trial_device trial.*"),
+              kSession + ", picture.picture_place", kKeys + "picture.*"),
+    };
+}
+
+constexpr const char* kTrialColumns =
+    "session.session_kind trial_number trial.plan_position trial.attempt plan.phase"
+    " plan.block plan.planned_object plan.curvature_per_m plan.friction plan.mu_s"
+    " plan.mu_d trials_since_break trial.outcome counts exclusion response.answer_code"
+    " response.chosen_object response.correct response.confidence"
+    " response.reaction_s response.reaction_uncertainty_s adaptive_plan.run_name"
+    " adaptive_plan.comparison_interval stimulus since_first_ns trial_device trial.*";
+
+std::vector<ExportTable> tables_of_trials() {
+    const std::string trial = kSession + ", trial.trial_id";
+    const std::string trials = " JOIN trial USING (session_id) JOIN numbered USING (trial_id)";
+    const std::string adaptive = " adaptive_plan USING (session_id, plan_position)";
+    return {
+        table("trials", "one row an attempt at a planned trial, with its answer",
+              trials +
+                  " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id)"
+                  " LEFT JOIN" +
+                  adaptive,
+              trial, kKeys + kTrialColumns),
         table("responses", "one row an answer", trials + " JOIN response USING (trial_id)", trial,
-              keys + "trial_number response.*"),
+              kKeys + "trial_number response.*"),
         table("presentations", "one row an interval of an attempt: what was felt, and how",
               trials + " JOIN presentation USING (trial_id)", trial + ", presentation.interval",
-              keys + "trial_number presentation.*"),
+              kKeys + "trial_number presentation.*"),
         table("adaptive_steps", "one row an answer that a rule took in",
               trials + " JOIN adaptive_step USING (trial_id) JOIN" + adaptive, trial,
-              keys + "trial_number adaptive_plan.* adaptive_step.*"),
+              kKeys + "trial_number adaptive_plan.* adaptive_step.*"),
         table(
             "events", "breaks, stops, resumes, faults", " JOIN event USING (session_id)",
-            session + ", event.event_id",
-            keys +
+            kSession + ", event.event_id",
+            kKeys +
                 "event_number trial_number=event_trial event.event_kind mark_undone text=event_text"
                 " words=event.text since_first_ns=event_since_first_ns value=event_value event.*"),
     };
@@ -223,7 +222,11 @@ std::vector<ExportTable> made_tables() {
 }  // namespace
 
 const std::vector<ExportTable>& export_tables() {
-    static const std::vector<ExportTable> all = made_tables();
+    static const std::vector<ExportTable> all = [] {
+        std::vector<ExportTable> made = tables_of_sessions();
+        std::ranges::move(tables_of_trials(), std::back_inserter(made));
+        return made;
+    }();
     return all;
 }
 

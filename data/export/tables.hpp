@@ -17,6 +17,7 @@ struct ExportColumn {
     std::string levels{};  ///< of a fixed set of words: "real = a session of the study; ..."
 };
 
+/// A table of an export, column by column, as a query of the file.
 struct ExportTable {
     std::string name;
     std::string meaning;

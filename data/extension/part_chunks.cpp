@@ -7,16 +7,6 @@
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
-namespace {
-
-std::uint32_t checksum(std::int64_t stored) {
-    if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
-        throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
-    }
-    return static_cast<std::uint32_t>(stored);
-}
-
-}  // namespace
 
 void fail(const TrialPart& part, const std::string& why) {
     throw SampleError(
@@ -55,6 +45,25 @@ PartChunks::PartChunks(StatementCache& db, const TrialPart& part)
     require_all(db, counts);
 }
 
+namespace {
+
+/// The first gap between chunks, or before `ticks`; empty: none.
+std::string gap_in(const std::vector<std::int64_t>& first_ticks,
+                   const std::vector<std::int64_t>& counts,
+                   std::int64_t ticks) {
+    std::int64_t next = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        if (first_ticks[i] != next) {
+            return fmt::format("a chunk begins with tick {} where tick {} belongs", first_ticks[i],
+                               next);
+        }
+        next += counts[i];
+    }
+    return ticks > next ? fmt::format("ticks {} to {} are missing", next, ticks - 1) : "";
+}
+
+}  // namespace
+
 void PartChunks::require_all(StatementCache& db, const std::vector<std::int64_t>& counts) {
     Query stored(
         db,
@@ -65,18 +74,8 @@ void PartChunks::require_all(StatementCache& db, const std::vector<std::int64_t>
         fail(part_, "it has ticks, but no row in trial and presentation");
     }
     period_ns_ = engine::tick_period_ns(stored.real(1));
-    std::int64_t next = 0;
-    std::string missing;
-    for (std::size_t i = 0; i < counts.size() && missing.empty(); ++i) {
-        if (first_ticks_[i] != next) {
-            missing = fmt::format("a chunk begins with tick {} where tick {} belongs",
-                                  first_ticks_[i], next);
-        }
-        next += counts[i];
-    }
-    if (missing.empty() && stored.integer(2) > next) {  // NULL, of a trial that did not end, is 0
-        missing = fmt::format("ticks {} to {} are missing", next, stored.integer(2) - 1);
-    }
+    // NULL, of a trial that did not end, is 0.
+    const std::string missing = gap_in(first_ticks_, counts, stored.integer(2));
     if (missing.empty()) {
         return;
     }
@@ -104,7 +103,7 @@ PartChunk PartChunks::at(std::size_t i) {
                   .codec = rows_.integer(2),
                   .period_ns = rows_.integer(4),
                   .parts = parts_of(rows_.text(5)),
-                  .crc32 = checksum(rows_.integer(3)),
+                  .crc32 = crc32_of(rows_.integer(3)),
                   .derived = static_cast<std::uint64_t>(rows_.integer(6)),
                   .data = chunk.bytes};
     rows_.reset();

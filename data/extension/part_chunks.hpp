@@ -31,6 +31,7 @@ public:
     /// @throws SampleError if ticks are missing, but not where the session says that some were lost
     PartChunks(StatementCache& db, const TrialPart& part);
 
+    /// Chunks, and the tick that one begins with. @throws std::out_of_range for i >= size()
     [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
     [[nodiscard]] std::int64_t first_tick(std::size_t i) const { return first_ticks_.at(i); }
     /// @throws TraceError if the row cannot be one of a chunk, SampleError if it cannot be read
@@ -45,6 +46,7 @@ private:
     std::vector<std::int64_t> first_ticks_;
 };
 
+/// @throws SampleError that names trial and interval
 [[noreturn]] void fail(const TrialPart& part, const std::string& why);
 
 /// Whatever goes wrong in `work` with a part becomes a SampleError that names it.

@@ -17,6 +17,7 @@ namespace palpate::data {
 /// again. Ends before the connection.
 class StatementCache {
 public:
+    /// @param db  stays the caller's
     explicit StatementCache(sqlite3* db) noexcept : db_(db) {}
     StatementCache(const StatementCache&) = delete;
     StatementCache& operator=(const StatementCache&) = delete;
@@ -33,11 +34,14 @@ private:
 /// 1. Throws SampleError.
 class Query {
 public:
+    /// Takes an idle statement of this text, or prepares one.
     Query(StatementCache& database, std::string_view sql);
     Query(const Query&) = delete;
     Query& operator=(const Query&) = delete;
     ~Query();
 
+    /// Values stay bound through reset(). step() is true while there is a row; integer, real and
+    /// text are as SQLite converts them.
     Query& bind(int parameter, std::int64_t value);
     bool step();
     void reset();

@@ -64,7 +64,7 @@ void SampleCursor::next() {
 }
 
 void SampleCursor::merge_trial() {
-    Merged& all = merged_.emplace();
+    MergedRows& all = merged_.emplace();
     const std::int64_t trial = parts_[next_part_].trial;
     for (; next_part_ < parts_.size() && parts_[next_part_].trial == trial; ++next_part_) {
         const auto blocks = store_->blocks(parts_[next_part_], scan_.columns, scan_.range);

@@ -25,6 +25,7 @@ struct SampleScan {
 /// Walks over ticks in the order trial, interval, tick (or as the scan says).
 class SampleCursor {
 public:
+    /// @param store  outlives this
     explicit SampleCursor(TickStore& store) : store_(&store) {}
 
     /// To the first row. @throws SampleError, also in next()
@@ -32,6 +33,7 @@ public:
     void next();
     [[nodiscard]] bool at_end() const noexcept { return tick_ == nullptr; }
 
+    /// Where it stands: the interval and its tick. @pre not at_end()
     [[nodiscard]] const TrialPart& part() const noexcept { return part_; }
     [[nodiscard]] const engine::TickRecord& tick() const noexcept { return *tick_; }
     /// Velocity of HIP from the stored tick before, m/s; NaN without one, or with no time between.
@@ -55,12 +57,12 @@ private:
     engine::TickRecord last_{};  ///< of the block before
     bool has_last_ = false;
     /// A trial with several intervals in one order: rows by part, and the order they are given in.
-    struct Merged {
+    struct MergedRows {
         std::vector<engine::TickRecord> rows;
         std::vector<TrialPart> of;
         std::vector<std::size_t> order;
     };
-    std::optional<Merged> merged_;
+    std::optional<MergedRows> merged_;
 };
 
 }  // namespace palpate::data

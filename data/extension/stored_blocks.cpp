@@ -67,7 +67,7 @@ private:
     bool begins_before(std::size_t i) {
         const PartChunk chunk = chunks_.at(i);
         std::vector<std::int64_t> times(chunk.view.ticks);
-        read_stored(chunk.view, Stored::time_ns, times);
+        read_stored(chunk.view, ColumnId::time_ns, times);
         return times.size() > 1 && seconds_of(times[1]) < range_.from_s;
     }
 
@@ -87,7 +87,7 @@ private:
     }
 
     template <class Set>
-    void each(ChunkReader& reader, Stored column, SampleColumns wanted, const Set& set) {
+    void each(ChunkReader& reader, ColumnId column, SampleColumns wanted, const Set& set) {
         if (!wants(wanted)) {
             return;
         }
@@ -101,32 +101,34 @@ private:
         const auto small = [](std::int64_t value) {
             return static_cast<std::int32_t>(value);
         };
-        each(reader, Stored::tick, bit(C::tick), [](TickRecord& t, std::int64_t v) { t.tick = v; });
-        each(reader, Stored::time_ns, kTime, [](TickRecord& t, std::int64_t v) { t.time_ns = v; });
-        each(reader, Stored::count_1, bit(C::count_1) | kHipColumns,
+        each(reader, ColumnId::tick, bit(C::tick),
+             [](TickRecord& t, std::int64_t v) { t.tick = v; });
+        each(reader, ColumnId::time_ns, kTime,
+             [](TickRecord& t, std::int64_t v) { t.time_ns = v; });
+        each(reader, ColumnId::count_1, bit(C::count_1) | kHipColumns,
              [&](TickRecord& t, std::int64_t v) { t.counts[0] = small(v); });
-        each(reader, Stored::count_2, bit(C::count_2) | kHipColumns,
+        each(reader, ColumnId::count_2, bit(C::count_2) | kHipColumns,
              [&](TickRecord& t, std::int64_t v) { t.counts[1] = small(v); });
-        each(reader, Stored::code_1, bit(C::code_1),
+        each(reader, ColumnId::code_1, bit(C::code_1),
              [&](TickRecord& t, std::int64_t v) { t.codes[0] = small(v); });
-        each(reader, Stored::code_2, bit(C::code_2),
+        each(reader, ColumnId::code_2, bit(C::code_2),
              [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
-        each(reader, Stored::count_3, bit(C::count_3),
+        each(reader, ColumnId::count_3, bit(C::count_3),
              [&](TickRecord& t, std::int64_t v) { t.count_3 = small(v); });
-        each(reader, Stored::code_3, bit(C::code_3),
+        each(reader, ColumnId::code_3, bit(C::code_3),
              [&](TickRecord& t, std::int64_t v) { t.code_3 = small(v); });
-        each(reader, Stored::flags, bit(C::flags),
+        each(reader, ColumnId::flags, bit(C::flags),
              [](TickRecord& t, std::int64_t v) { t.flags = static_cast<std::uint8_t>(v); });
-        each(reader, Stored::command_x, bit(C::commanded_x_n),
+        each(reader, ColumnId::command_x, bit(C::commanded_x_n),
              [](TickRecord& t, std::int64_t v) { t.command.x = steps_in_newton(v); });
-        each(reader, Stored::command_y, bit(C::commanded_y_n),
+        each(reader, ColumnId::command_y, bit(C::commanded_y_n),
              [](TickRecord& t, std::int64_t v) { t.command.y = steps_in_newton(v); });
-        each(reader, Stored::command_z, bit(C::commanded_z_n),
+        each(reader, ColumnId::command_z, bit(C::commanded_z_n),
              [](TickRecord& t, std::int64_t v) { t.command_z = steps_in_newton(v); });
     }
 
     void load_lateness(ChunkReader& reader) {
-        each(reader, Stored::lateness_ns, bit(C::lateness_us),
+        each(reader, ColumnId::lateness_ns, bit(C::lateness_us),
              [](TickRecord& t, std::int64_t v) { t.lateness_us = lateness_us(v); });
         if (wants(bit(C::lateness_us)) && (reader.chunk().parts & part_lateness) != 0) {
             exact_.resize(ticks_.size());
@@ -161,8 +163,12 @@ private:
                 ticks_[i].hip_z = 0.0;
             }
         }
-        const bool steps = (reader.chunk().parts & part_hip) == 0 && !hip_;
-        const auto axis = [&](Stored column, auto&& place) {
+        compare_hip(reader, (reader.chunk().parts & part_hip) == 0 && !hip_);
+    }
+
+    /// @param steps  HIP is what these columns say; else they must say what HIP is
+    void compare_hip(ChunkReader& reader, bool steps) {
+        const auto axis = [&](ColumnId column, auto&& place) {
             reader.read(column, values_);
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
                 if (steps) {
@@ -172,9 +178,9 @@ private:
                 }
             }
         };
-        axis(Stored::hip_x, [](TickRecord& tick) -> double& { return tick.hip.x; });
-        axis(Stored::hip_y, [](TickRecord& tick) -> double& { return tick.hip.y; });
-        axis(Stored::hip_z, [](TickRecord& tick) -> double& { return tick.hip_z; });
+        axis(ColumnId::hip_x, [](TickRecord& tick) -> double& { return tick.hip.x; });
+        axis(ColumnId::hip_y, [](TickRecord& tick) -> double& { return tick.hip.y; });
+        axis(ColumnId::hip_z, [](TickRecord& tick) -> double& { return tick.hip_z; });
     }
 
     TrialPart part_;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/quotes.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/stored_blocks.hpp"
@@ -212,14 +214,16 @@ TickStore::~TickStore() = default;
 /// SQLite does not tell a table of this kind which database was named: b.sample would be main's
 /// ticks.
 void TickStore::State::require_one_study() {
-    Query others(db,
-                 "SELECT d.name FROM pragma_database_list AS d WHERE d.name NOT IN ('main', 'temp')"
-                 " AND EXISTS (SELECT 1 FROM pragma_table_info('trace_chunk', d.name))");
-    if (others.step()) {
-        throw SampleError(fmt::format(
-            "sample is of the file that was opened first, and another palpate database is "
-            "attached: DETACH {}, and ask each by itself",
-            others.text(0)));
+    // Statements: a table of the file may be called pragma_database_list.
+    for (Query others(db, "PRAGMA database_list"); others.step();) {
+        const std::string name = others.text(1);
+        if (name != "main" && name != "temp" &&
+            Query(db, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step()) {
+            throw SampleError(fmt::format(
+                "sample is of the file that was opened first, and another palpate database is "
+                "attached: DETACH {}, and ask each by itself",
+                name));
+        }
     }
 }
 

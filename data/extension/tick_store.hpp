@@ -14,6 +14,7 @@ namespace palpate::data {
 /// another database with ticks is attached.
 class TickStore {
 public:
+    /// @param db  stays the caller's, and outlives this
     explicit TickStore(sqlite3* db);
     TickStore(const TickStore&) = delete;
     TickStore& operator=(const TickStore&) = delete;

@@ -13,6 +13,7 @@ namespace palpate::data {
 /// comparisons.
 class Binomial {
 public:
+    /// @param n  a whole number, >= 0   @param p  0..1
     Binomial(double n, double p) {
         const auto count = static_cast<std::size_t>(n);
         const double mean = n * p;
@@ -47,6 +48,7 @@ public:
         cumulative_ = std::move(terms);
     }
 
+    /// A number of successes; takes two numbers of the stream.
     [[nodiscard]] double draw(Pcg32& random) const {
         const double uniform = (static_cast<double>(random.next()) +
                                 (static_cast<double>(random.next()) + 0.5) * 0x1p-32) *

@@ -14,7 +14,8 @@ namespace palpate::data {
 enum class End : std::uint8_t {
     both,
     steep,  ///< no level lies on the rise: its slope is infinite, its JND 0
-    far_up,  ///< its threshold is beyond all levels by 20 times their range: infinite, and so is its JND
+    /// Its threshold is beyond all levels by 20 times their range: infinite, and so is its JND.
+    far_up,
     far_down,  ///< the same below them
 };
 

@@ -31,6 +31,20 @@ struct FixedParameter {
     std::function<double(double)> quantity{};
 };
 
+FixedParameter parameter_held(const CurveModel& model,
+                              const CurveFit& fit,
+                              std::size_t i,
+                              std::function<double(double)> value) {
+    const double se = std::sqrt(fit.covariance[i][i]);
+    const double plain = i == 0 ? 0.1 * (model.last() - model.first()) : i == 1 ? 0.5 : 0.02;
+    return {.parameter = i,
+            .at = fit.at[i],
+            .low = model.low()[i],
+            .high = model.high()[i],
+            .step = se > 0.0 && std::isfinite(se) ? std::min(2.0 * se, 20.0 * plain) : plain,
+            .quantity = std::move(value)};
+}
+
 std::optional<FixedParameter> held(const CurveModel& model,
                                    const CurveFit& fit,
                                    Quantity quantity,
@@ -38,15 +52,7 @@ std::optional<FixedParameter> held(const CurveModel& model,
     const CurveSpec& spec = model.spec();
     const Family family = spec.family;
     const auto of_parameter = [&](std::size_t i, std::function<double(double)> value) {
-        const double se = std::sqrt(fit.covariance[i][i]);
-        const double plain = i == 0 ? 0.1 * (model.last() - model.first()) : i == 1 ? 0.5 : 0.02;
-        return FixedParameter{
-            .parameter = i,
-            .at = fit.at[i],
-            .low = model.low()[i],
-            .high = model.high()[i],
-            .step = se > 0.0 && std::isfinite(se) ? std::min(2.0 * se, 20.0 * plain) : plain,
-            .quantity = std::move(value)};
+        return parameter_held(model, fit, i, std::move(value));
     };
     const auto of_slope = [&] {
         return of_parameter(1, [family, quantity](double log_slope) {

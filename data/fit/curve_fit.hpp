@@ -13,7 +13,8 @@ namespace palpate::data {
 
 /// What is said of a curve. x_q is the stimulus with F(x_q) = q.
 enum class Quantity : std::uint8_t {
-    threshold,  ///< x_.5: halfway from guesses to lapses; the point of subjective equality of a comparison
+    /// x_.5: halfway from guesses to lapses; the point of subjective equality of a comparison.
+    threshold,
     jnd,    ///< (x_.75 - x_.25) / 2: 0.6745 sd (normal), 1.0986 / b (logistic)
     weber,  ///< jnd / threshold
     slope,  ///< b of protocols::Family

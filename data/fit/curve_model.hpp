@@ -26,8 +26,8 @@ struct Level {
 /// themselves): that scale is where the maximum is.
 struct Prior {
     double first = 0.0;  ///< mean of the threshold; median of the slope b; alpha of a rate's beta
-    double second =
-        1.0;  ///< sd of the threshold (of its natural logarithm: weibull); sd of ln b; beta of a rate's beta
+    /// sd of the threshold (of its natural logarithm: weibull); sd of ln b; beta of a rate's beta.
+    double second = 1.0;
 };
 
 /// What is fitted. The function is that of protocols::PsychometricFunction with the lapses of
@@ -80,6 +80,7 @@ struct CoreValue {
     double above = 1.0;
     double density = 0.0;
 };
+/// @param u  any number; at +-infinity the limits
 [[nodiscard]] CoreValue core_value(protocols::Family family, double u) noexcept;
 /// The u of F = share. @pre 0 < share < 1
 [[nodiscard]] double core_quantile(protocols::Family family, double share) noexcept;
@@ -125,6 +126,7 @@ public:
     ///         below 0 for a weibull, two within 1e-100, rates or priors out of range
     CurveModel(std::span<const Level> levels, const CurveSpec& spec);
 
+    /// As it was given; and how many different levels there are.
     [[nodiscard]] const CurveSpec& spec() const { return spec_; }
     [[nodiscard]] std::size_t levels() const { return z_.size(); }
     /// Places on the axis, rising (-infinity first for a weibull at 0), answers and 1s there.

@@ -13,6 +13,7 @@
 #include "data/plot/figure.hpp"
 #include "data/statistics/over_people.hpp"
 #include "data/store/analysed.hpp"
+#include "data/tables/over_people_table.hpp"
 
 /// Fits of all curves of a file, and what is said of them.
 namespace palpate::data {
@@ -74,17 +75,6 @@ struct Difference {
     std::optional<Interval> jnd_interval{};
     double threshold_p = 1.0;  ///< equality_p
     double slope_p = 1.0;
-};
-
-/// A quantity over people: of those in whom it has an end.
-struct OverPeople {
-    std::string what{};
-    PeopleMean mean{};  ///< of nobody: NaN
-    /// Of everybody, where an unbounded JND is below all others (no level on the rise) or above
-    /// them (hardly a rise). Nothing for differences, or where somebody has no rank.
-    std::optional<double> median{};
-    std::optional<SignFlip> test{};  ///< of a difference
-    std::vector<LeftOutPerson> left_out{};
 };
 
 /// Answers that cannot be fitted.

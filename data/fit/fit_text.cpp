@@ -51,60 +51,7 @@ std::string head_text(const FitReport& report) {
     return text + '\n';
 }
 
-std::string quantity_text(const FitOptions& options, Quantity quantity) {
-    return quantity == Quantity::at_share ? fmt::format("x of P = {:g}", options.at.value_or(0.5))
-                                          : std::string(word_of(quantity));
-}
-
-/// Four digits, or more where so fine a scale needs them, and no -0.
-std::string number_text_of(double value, double scale = 0.0) {
-    int digits = 4;
-    if (std::isfinite(value) && value != 0.0 && scale > 0.0 && std::isfinite(scale)) {
-        const double more = std::ceil(std::log10(std::fabs(value))) - std::floor(std::log10(scale));
-        digits = static_cast<int>(std::clamp(more + 1.0, 4.0, 15.0));
-    }
-    return fmt::format("{:.{}g}", value == 0.0 ? 0.0 : value, digits);
-}
-
-std::string interval_text(const std::optional<Interval>& interval, double scale = 0.0) {
-    return interval
-             ? number_text_of(interval->low, scale) + " to " + number_text_of(interval->high, scale)
-             : "-";
-}
-
-/// By what a number differs from its interval's ends.
-double scale_of(const std::optional<Interval>& interval) {
-    return interval ? interval->high - interval->low : 0.0;
-}
-
-std::string estimate_text(const FitOptions& options, const FitEstimate& estimate) {
-    const std::string name = quantity_text(options, estimate.quantity);
-    if (estimate.fixed) {
-        return fmt::format(
-            "  {:<15} {:<10.4g} {}\n", name, estimate.value,
-            options.spec.two_sided && estimate.quantity == Quantity::guess ? "as lapse" : "given");
-    }
-    const bool unbounded = estimate.why.starts_with("unbounded");
-    const bool place = estimate.why.starts_with("not determined");
-    if (!estimate.why.empty() && !unbounded && !place) {
-        return fmt::format("  {:<15} {}\n", name, estimate.why);
-    }
-    const double scale = estimate.se.value_or(scale_of(estimate.profile));
-    const std::string value = unbounded ? "unbounded"
-                            : place     ? estimate.why
-                                        : number_text_of(estimate.value, scale);
-    const std::string se = estimate.se ? fmt::format("{:.3g}", *estimate.se) : "-";
-    std::string line = fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se,
-                                   interval_text(estimate.profile, scale));
-    if (options.bootstrap > 0) {
-        line += fmt::format(" {:<22} {}", interval_text(estimate.bootstrap, scale),
-                            estimate.corrected ? number_text_of(*estimate.corrected, scale) : "-");
-    }
-    return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
-}
-
 std::string curve_text(const FitReport& report, const FittedCurve& curve) {
-    const FitOptions& options = report.options;
     const std::string name = name_of(curve.answers.participant, curve.answers.condition);
     const auto degrees = static_cast<std::int64_t>(curve.model.levels()) - curve.fit.parameters;
     std::string text =
@@ -116,11 +63,7 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
     } else if (!curve.samples.at.empty()) {
         text += fmt::format(", p = {:.3g} by simulation", curve.samples.deviance_p);
     }
-    text += fmt::format("\n  {:<15} {:<10} {:<10} {:<22}{}\n", "", "estimate", "se", "profile",
-                        options.bootstrap > 0 ? fmt::format(" {:<22} corrected", "bootstrap") : "");
-    for (const FitEstimate& estimate : curve.estimates) {
-        text += estimate_text(options, estimate);
-    }
+    text += table_text(estimates_table(report, curve));
     for (const protocols::Estimate& one : curve.answers.believed) {
         text += fmt::format("  the rule's posterior, {}: mean {:.4g}", one.name,
                             one.mean.value_or(std::nan("")));
@@ -130,61 +73,6 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
     }
     for (const std::string& warning : warnings_of(report, curve)) {
         text += "  " + warning + ".\n";
-    }
-    return text;
-}
-
-std::string p_text(double p) {
-    return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.3f}", p);
-}
-
-std::string differences_text(const FitReport& report, const std::string& condition) {
-    if (std::ranges::find(report.differences, condition, &Difference::condition) ==
-        report.differences.end()) {
-        return {};
-    }
-    std::string text = fmt::format(
-        "\n{} - {}, within person (interval: bootstrap; p: likelihood ratio, chi-square of 1 df)\n",
-        condition, report.conditions.front());
-    const auto line = [](const std::string& what, const std::string& none, double value,
-                         const std::optional<Interval>& interval, double p, const char* of) {
-        const double scale = scale_of(interval);
-        return fmt::format("  {:<25} {:<10} {:<22} {}{}\n", what,
-                           std::isnan(value) ? none : number_text_of(value, scale),
-                           interval_text(interval, scale), p_text(p), of);
-    };
-    for (const Difference& one : report.differences) {
-        if (one.condition != condition) {
-            continue;
-        }
-        const std::string who = one.participant.empty() ? "" : one.participant + ", ";
-        text += line(who + "threshold", one.determined ? "unbounded" : "not determined",
-                     one.threshold, one.threshold_interval, one.threshold_p, "");
-        text += line(who + "JND", "unbounded", one.jnd, one.jnd_interval, one.slope_p,
-                     " (of equal slopes b)");
-    }
-    return text;
-}
-
-std::string people_text(const FitReport& report) {
-    if (report.people.empty()) {
-        return {};
-    }
-    std::string text = "\nOver people (mean, Student's interval of 95 %)\n";
-    for (const OverPeople& one : report.people) {
-        text += fmt::format(
-            "  {:<25} {:<10} {:<22} {}", one.what,
-            one.mean.people > 0 ? number_text_of(one.mean.mean, scale_of(one.mean.interval)) : "-",
-            interval_text(one.mean.interval, scale_of(one.mean.interval)),
-            counted(one.mean.people, "person", "people"));
-        text += one.test ? fmt::format("; sign-flip p = {:.3g}\n", one.test->p) : "\n";
-        if (!one.left_out.empty()) {
-            text += fmt::format("  {:<25} {}\n", "", without_text(one.left_out));
-            text += one.median
-                      ? fmt::format("  {:<25} {:<10} median of all, what is unbounded by rank\n",
-                                    "", number_text_of(*one.median))
-                      : "";
-        }
     }
     return text;
 }
@@ -327,10 +215,8 @@ std::string fit_text(const FitReport& report) {
     for (const NotFitted& one : report.left_out) {
         text += "\nNot fitted: " + text_of(one) + ".\n";
     }
-    for (const std::string& condition : report.conditions) {
-        text += differences_text(report, condition);
-    }
-    text += people_text(report);
+    text += table_text(differences_table(report)) +
+            table_text(over_people_table("people/-", report.people));
     const auto agreed =
         std::ranges::count_if(report.curves, [](const FittedCurve& one) { return one.fit.agree; });
     text += fmt::format(

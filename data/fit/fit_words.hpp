@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "data/fit/fit_report.hpp"
+#include "data/tables/table.hpp"
 
 /// What the table for people and the JSON for programs say alike.
 namespace palpate::data {
 
+/// As protocol files and --family have it.
 [[nodiscard]] std::string_view word_of(protocols::Family family);
 /// "threshold", "slope b"; of at_share "stimulus at a share".
 [[nodiscard]] std::string_view word_of(Quantity quantity);
@@ -30,5 +32,10 @@ inline constexpr std::string_view kNoGoodness =
 /// What a reader should know before the numbers are believed.
 [[nodiscard]] std::vector<std::string> warnings_of(const FitReport& report,
                                                    const FittedCurve& curve);
+
+/// The quantities of a curve, a row each.
+[[nodiscard]] Table estimates_table(const FitReport& report, const FittedCurve& curve);
+/// Of each participant, what a condition has more than the first: a row a quantity.
+[[nodiscard]] Table differences_table(const FitReport& report);
 
 }  // namespace palpate::data

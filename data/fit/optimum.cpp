@@ -142,6 +142,29 @@ std::vector<std::vector<CurvePoint>> rows(const CurveModel& model,
     return all;
 }
 
+struct Start {
+    CurvePoint at{};
+    double value = 0.0;
+};
+
+/// The local maxima of a row; of equals the middle.
+std::vector<Start> tops_of(const std::vector<Start>& here) {
+    std::vector<Start> tops;
+    for (std::size_t i = 0; i < here.size();) {
+        std::size_t end = i + 1;
+        while (end < here.size() && here[end].value == here[i].value) {
+            ++end;
+        }
+        const bool above_left = i == 0 || here[i].value > here[i - 1].value;
+        const bool above_right = end == here.size() || here[i].value > here[end].value;
+        if (above_left && above_right) {
+            tops.push_back(here[(i + end - 1) / 2]);
+        }
+        i = end;
+    }
+    return tops;
+}
+
 }  // namespace
 
 Highest highest(const CurveModel& model,
@@ -153,10 +176,6 @@ Highest highest(const CurveModel& model,
         free[2] ? std::vector{0.02, 0.15, 0.4} : std::vector{near[2]};
     const std::vector<double> lapses =
         free[3] ? std::vector{0.005, 0.05, 0.15} : std::vector{near[3]};
-    struct Start {
-        CurvePoint at{};
-        double value = 0.0;
-    };
     const auto keep = [](std::vector<Start>& starts, std::size_t max) {
         max = std::min(max, starts.size());
         std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(max),
@@ -180,19 +199,7 @@ Highest highest(const CurveModel& model,
             }
             here.push_back(best);
         }
-        std::vector<Start> tops;
-        for (std::size_t i = 0; i < here.size();) {
-            std::size_t end = i + 1;
-            while (end < here.size() && here[end].value == here[i].value) {
-                ++end;
-            }
-            const bool above_left = i == 0 || here[i].value > here[i - 1].value;
-            const bool above_right = end == here.size() || here[i].value > here[end].value;
-            if (above_left && above_right) {
-                tops.push_back(here[(i + end - 1) / 2]);  // of equals the middle
-            }
-            i = end;
-        }
+        std::vector<Start> tops = tops_of(here);
         keep(tops, grid.size() == 1 ? 4 : 2);
         all.insert(all.end(), tops.begin(), tops.end());
     }

@@ -8,6 +8,7 @@
 /// Maxima of a CurveModel by two methods that share nothing but the value.
 namespace palpate::data {
 
+/// Where a search ended.
 struct Optimum {
     CurvePoint at{};
     double value = 0.0;
@@ -23,11 +24,13 @@ struct Optimum {
                             const CurveMask& free,
                             double tolerance = 1e-12);
 
+/// How many starts the maximum is looked for from.
 enum class Search : std::uint8_t {
     quick,    ///< slopes in factors of two; from the four best points
     thorough  ///< in factors of the root of two; from the two best of each slope
 };
 
+/// The highest maximum found.
 struct Highest {
     Optimum best{};
     CurvePoint start{};  ///< from which it was reached

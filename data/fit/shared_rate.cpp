@@ -18,12 +18,12 @@ namespace {
 /// in between are off by less than 1e-6.
 /// @param rate  its place in CurvePoint
 std::vector<double> log_rates(std::size_t rate) {
-    constexpr double kLeast = -16.0;  // 1e-7
+    constexpr double kMin = -16.0;  // 1e-7
     constexpr double kFine = -7.0;
     const bool guess = rate == 2;
     const double max = engine::natural_log(guess ? kMaxGuess : kMaxLapse);
     std::vector<double> all;
-    for (double at = kLeast; at < kFine; at += 0.25) {
+    for (double at = kMin; at < kFine; at += 0.25) {
         all.push_back(at);
     }
     const int steps = guess ? 224 : 112;
@@ -34,9 +34,9 @@ std::vector<double> log_rates(std::size_t rate) {
 }
 
 /// Cubics through values and slopes, over the logarithm of the rate.
-class Table final : public SharedRate {
+class RateTable final : public SharedRate {
 public:
-    explicit Table(const std::vector<double>& places)
+    explicit RateTable(const std::vector<double>& places)
         : places_(places), values_(places.size(), 0.0), slopes_(places.size(), 0.0) {}
 
     void add(std::size_t i, double value, double slope) {
@@ -140,6 +140,57 @@ CurvePoint times_own(const CurveMatrix& m, const CurvePoint& v, std::size_t rate
     return out;
 }
 
+/// What is each curve's own, eliminated: one equation for the rate, bend * step = slope, is left.
+struct RateEquation {
+    std::vector<CurvePoint> own;      ///< each curve's step where the rate stays
+    std::vector<CurvePoint> by_rate;  ///< and what a step of the rate takes off it
+    double slope = 0.0;
+    double bend = 0.0;
+};
+RateEquation without_own(std::span<const CurveModel> models,
+                         const std::vector<CurvePoint>& at,
+                         const std::vector<CurvePoint>& gradients,
+                         const std::vector<CurveMatrix>& informations,
+                         std::span<const CurveMask> free,
+                         double damping) {
+    const std::size_t rate = models.front().spec().shared_rate();
+    RateEquation out{.own = std::vector<CurvePoint>(at.size()),
+                     .by_rate = std::vector<CurvePoint>(at.size())};
+    for (std::size_t c = 0; c < at.size(); ++c) {
+        const CurveMatrix& info = informations[c];
+        const CurvePoint& g = gradients[c];
+        CurveMask moving{};
+        CurvePoint pushed{};
+        for (std::size_t i = 0; i < kCurveParameters; ++i) {
+            moving[i] = i != rate && free[c][i] &&
+                        !(at[c][i] <= models[c].low()[i] && g[i] <= 0.0) &&
+                        !(at[c][i] >= models[c].high()[i] && g[i] >= 0.0);
+            pushed[i] = moving[i] ? g[i] : 0.0;
+        }
+        CurveMatrix damped = info;
+        for (std::size_t i = 0; i < kCurveParameters; ++i) {
+            damped[i][i] += damping * info[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
+        }
+        const CurveMatrix back = inverse(damped, moving);
+        out.own[c] = times_own(back, pushed, rate);
+        out.by_rate[c] = times_own(back, info[rate], rate);
+        out.slope += g[rate] - dot_own(info[rate], out.own[c], rate);
+        out.bend += damped[rate][rate] - dot_own(info[rate], out.by_rate[c], rate);
+    }
+    return out;
+}
+
+double sum_derivatives(std::span<const CurveModel> models,
+                       const std::vector<CurvePoint>& at,
+                       std::vector<CurvePoint>& gradients,
+                       std::vector<CurveMatrix>& informations) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < at.size(); ++c) {
+        sum += models[c].derivatives(at[c], gradients[c], informations[c]);
+    }
+    return sum;
+}
+
 /// climb() of all together: what is each curve's own is eliminated, which leaves one equation for
 /// the rate.
 /// @param free  of each curve, the rate not looked at
@@ -152,42 +203,12 @@ Joint climb_together(std::span<const CurveModel> models,
     const double max = models.front().high()[rate];
     std::vector<CurvePoint> gradients(n);
     std::vector<CurveMatrix> informations(n);
-    const auto derivatives = [&](const std::vector<CurvePoint>& at) {
-        double sum = 0.0;
-        for (std::size_t c = 0; c < n; ++c) {
-            sum += models[c].derivatives(at[c], gradients[c], informations[c]);
-        }
-        return sum;
-    };
     Joint best{.at = std::move(start)};
-    best.value = derivatives(best.at);
+    best.value = sum_derivatives(models, best.at, gradients, informations);
     double damping = 0.0;
     for (int step = 0; step < 200; ++step) {
-        std::vector<CurvePoint> own(n);      // the curve's step where the rate stays
-        std::vector<CurvePoint> by_rate(n);  // and what a step of the rate takes off it
-        double slope = 0.0;
-        double bend = 0.0;
-        for (std::size_t c = 0; c < n; ++c) {
-            CurveMatrix& info = informations[c];
-            const CurvePoint& g = gradients[c];
-            CurveMask moving{};
-            CurvePoint pushed{};
-            for (std::size_t i = 0; i < kCurveParameters; ++i) {
-                moving[i] = i != rate && free[c][i] &&
-                            !(best.at[c][i] <= models[c].low()[i] && g[i] <= 0.0) &&
-                            !(best.at[c][i] >= models[c].high()[i] && g[i] >= 0.0);
-                pushed[i] = moving[i] ? g[i] : 0.0;
-            }
-            CurveMatrix damped = info;
-            for (std::size_t i = 0; i < kCurveParameters; ++i) {
-                damped[i][i] += damping * info[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
-            }
-            const CurveMatrix back = inverse(damped, moving);
-            own[c] = times_own(back, pushed, rate);
-            by_rate[c] = times_own(back, info[rate], rate);
-            slope += g[rate] - dot_own(info[rate], own[c], rate);
-            bend += damped[rate][rate] - dot_own(info[rate], by_rate[c], rate);
-        }
+        const auto [own, by_rate, slope, bend] =
+            without_own(models, best.at, gradients, informations, free, damping);
         const double now = best.at.front()[rate];
         const bool held = (now <= 0.0 && slope <= 0.0) || (now >= max && slope >= 0.0);
         const double move = held || !(bend > 0.0) ? 0.0 : slope / bend;
@@ -207,7 +228,7 @@ Joint climb_together(std::span<const CurveModel> models,
         }
         const auto kept_gradients = gradients;
         const auto kept_informations = informations;
-        next.value = derivatives(next.at);
+        next.value = sum_derivatives(models, next.at, gradients, informations);
         if (next.value > best.value) {
             const double gained = next.value - best.value;
             best = std::move(next);
@@ -247,6 +268,29 @@ std::vector<CurveMask> masks_of(std::span<const CurveModel> models) {
     return all;
 }
 
+/// What the bootstrap draws from: free rates that no prior holds are pulled off their ends.
+std::vector<CurvePoint> drawn_from(const CurveSpec& spec,
+                                   std::span<const CurveModel> drawn,
+                                   std::vector<CurvePoint> from,
+                                   std::span<const CurveMask> free) {
+    constexpr Prior kWeak{2.0, 20.0};  // as of bootstrap()
+    constexpr double kNearItsMode = 0.05;
+    const bool lapses = spec.lapse_free && !spec.lapse_prior;
+    const bool guesses = spec.guess_free && !spec.two_sided && !spec.guess_prior;
+    if (!lapses && !guesses) {
+        return from;
+    }
+    std::vector<CurveModel> held(drawn.begin(), drawn.end());
+    for (std::size_t c = 0; c < held.size(); ++c) {  // the shared rate is believed in once
+        const CurveSpec& own = drawn[c].spec();
+        held[c].set_rate_priors(guesses && (c == 0 || !spec.guess_shared) ? kWeak : own.guess_prior,
+                                lapses && (c == 0 || !spec.lapse_shared) ? kWeak : own.lapse_prior);
+        from[c][2] = guesses ? std::max(from[c][2], kNearItsMode) : from[c][2];
+        from[c][3] = lapses ? kNearItsMode : from[c][3];
+    }
+    return climb_together(held, from, free, 1e-12).at;
+}
+
 }  // namespace
 
 void share_rate(std::span<CurveModel> models) {
@@ -256,7 +300,7 @@ void share_rate(std::span<CurveModel> models) {
         kept.push_back(highest_by_rate(alone(one, false), places));
     }
     for (std::size_t c = 0; c < models.size() && models.size() > 1; ++c) {
-        auto others = std::make_shared<Table>(places);
+        auto others = std::make_shared<RateTable>(places);
         for (std::size_t o = 0; o < models.size(); ++o) {
             for (std::size_t i = 0; o != c && i < places.size(); ++i) {
                 others->add(i, kept[o][i].value, kept[o][i].slope);
@@ -271,29 +315,13 @@ std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
                                         std::size_t samples,
                                         std::uint64_t seed,
                                         std::uint64_t stream) {
-    constexpr Prior kWeak{2.0, 20.0};  // as of bootstrap()
-    constexpr double kNearItsMode = 0.05;
     std::vector<CurveModel> drawn = all_alone(models);
     const std::vector<CurveMask> free = masks_of(models);
     std::vector<CurvePoint> from;
     for (const CurveFit& one : fits) {
         from.push_back(one.at);
     }
-    const CurveSpec& spec = models.front().spec();
-    const bool lapses = spec.lapse_free && !spec.lapse_prior;
-    const bool guesses = spec.guess_free && !spec.two_sided && !spec.guess_prior;
-    if (lapses || guesses) {
-        std::vector<CurveModel> held = drawn;
-        for (std::size_t c = 0; c < held.size(); ++c) {  // the shared rate is believed in once
-            const CurveSpec& own = drawn[c].spec();
-            held[c].set_rate_priors(
-                guesses && (c == 0 || !spec.guess_shared) ? kWeak : own.guess_prior,
-                lapses && (c == 0 || !spec.lapse_shared) ? kWeak : own.lapse_prior);
-            from[c][2] = guesses ? std::max(from[c][2], kNearItsMode) : from[c][2];
-            from[c][3] = lapses ? kNearItsMode : from[c][3];
-        }
-        from = climb_together(held, from, free, 1e-12).at;
-    }
+    from = drawn_from(models.front().spec(), drawn, std::move(from), free);
     const std::size_t n = models.size();
     std::vector<Bootstrap> all(n);
     std::vector<std::vector<Binomial>> levels(n);

@@ -19,6 +19,7 @@ struct StoredChoice {
 /// There is no graded stimulus to fit, but there are answers by a picture's name.
 [[nodiscard]] bool answers_are_names(Database& database, const StoredChoice& choice);
 
+/// What a database has to fit.
 struct StoredAnswers {
     std::string study{};
     std::vector<Answers> all{};

@@ -8,9 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "data/csv/json_text.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/paired.hpp"
 #include "data/store/analysed.hpp"
 
@@ -20,14 +22,13 @@ namespace {
 using Scale = AuditScale;
 
 constexpr AuditedQuantity kAudited[] = {
-    {"start, to the right, mm", "start_x_m", "exploration.start_x_m", Scale::place, true},
-    {"start, away from the person, mm", "start_y_m", "exploration.start_y_m", Scale::place, true},
-    {"late ticks, share", "late_share", "exploration.late_share", Scale::share, true},
-    {"saturated ticks, share", "saturated_share", "exploration.saturated_share", Scale::share,
+    {"start, to the right", "start_x_m", "exploration.start_x_m", Scale::place, true},
+    {"start, away from the person", "start_y_m", "exploration.start_y_m", Scale::place, true},
+    {"late ticks", "late_share", "exploration.late_share", Scale::share, true},
+    {"saturated ticks", "saturated_share", "exploration.saturated_share", Scale::share, true},
+    {"stale ticks", "stale_share", "trial.stale_ticks * 1.0 / NULLIF(trial.ticks, 0)", Scale::share,
      true},
-    {"stale ticks, share", "stale_share", "trial.stale_ticks * 1.0 / NULLIF(trial.ticks, 0)",
-     Scale::share, true},
-    {"trials with a gap of the noise, share", "noise_gap_share",
+    {"trials with a gap of the noise", "noise_gap_share",
      "EXISTS (SELECT 1 FROM event WHERE event.trial_id = exploration.trial_id AND event_kind = "
      "'masking')",
      Scale::share, true},
@@ -51,7 +52,8 @@ using Means = std::map<std::string, std::map<std::string, Mean>>;
 
 struct ExplorationMeans {
     std::set<std::string> studies{};
-    std::map<std::string, double> frictions{};  ///< with the least static coefficient
+    std::map<std::string, double> frictions{};              ///< with the least static coefficient
+    std::map<std::string, std::set<std::string>> people{};  ///< and their frictions
     std::vector<Means> means{std::size(kAudited)};
     LeftOut left_out{};
 };
@@ -62,22 +64,24 @@ ExplorationMeans read_felt(Database& database, const TrialChoice& choice) {
         columns += fmt::format(", {}", one.value);
     }
     Statement row = database.prepare(
-        "SELECT exploration.study_name, exploration.participant_code, exploration.friction, "
-        "presentation.mu_s" +
+        "SELECT exploration.study_name, iif(?3, participant_code, printf('sub-%010d', (SELECT "
+        "subject FROM main.participant AS one WHERE one.participant_code = "
+        "exploration.participant_code))), exploration.friction, presentation.mu_s" +
         columns +
         " FROM exploration JOIN trial USING (trial_id) JOIN presentation USING (trial_id, "
         "interval) "
         "WHERE exploration.counts AND exploration.phase = 'main' AND exploration.session_kind = ?1 "
         "AND (?2 = '' OR exploration.study_name = ?2) ORDER BY trial_id, interval");
-    row.bind(1, choice.kind).bind(2, choice.study);
+    row.bind(1, choice.kind).bind(2, choice.study).bind(3, std::int64_t{choice.codes});
     ExplorationMeans felt;
     while (row.step()) {
         if (felt.studies.insert(row.text(0)).second) {
-            felt.left_out = left_out_of(database, row.text(0), choice.kind, true);
+            felt.left_out = left_out_of(database, row.text(0), choice.kind, choice.codes);
         }
         if (felt.left_out.leaves_out(row.text(1))) {
             continue;
         }
+        felt.people[row.text(1)].insert(row.text(2));
         double& least = felt.frictions.emplace(row.text(2), row.real(3)).first->second;
         least = std::min(least, row.real(3));
         for (std::size_t i = 0; i < std::size(kAudited); ++i) {
@@ -125,16 +129,20 @@ std::vector<double> differences_of(const Means& means,
     return differences;
 }
 
-std::string line_of(const Equivalence& found, double bound, Scale scale) {
-    const double unit = scale == Scale::place ? 1e3 : 1.0;
-    const auto number = [&](double x) {
-        return scale == Scale::ratio ? fmt::format("x {:.3f}", std::exp(x))
-                                     : fmt::format("{:+.4f}", unit * x);
-    };
-    const std::string within = scale == Scale::ratio ? fmt::format("x {:g}", std::exp(bound))
-                                                     : fmt::format("{:g}", unit * bound);
-    return fmt::format("{:>6}  {:>10}  {:>9} to {:<9}  {:>7}  {}", found.people, number(found.mean),
-                       number(found.low), number(found.high), within, verdict_text(found));
+std::vector<AuditGap> gaps_of(const ExplorationMeans& felt) {
+    std::vector<AuditGap> gaps;
+    for (const auto& [friction, least] : felt.frictions) {
+        AuditGap gap{.friction = friction};
+        for (const auto& [person, frictions] : felt.people) {
+            if (!frictions.contains(friction)) {
+                gap.people.push_back(person);
+            }
+        }
+        if (!gap.people.empty()) {
+            gaps.push_back(std::move(gap));
+        }
+    }
+    return gaps;
 }
 
 double bound_of(Scale scale, const AuditBounds& bounds) {
@@ -164,8 +172,7 @@ std::optional<Equivalence> equivalence(std::span<const double> differences, doub
                                                       : Sameness::differs;
         return found;
     }
-    const boost::math::students_t over_people(t->df);
-    const double half = boost::math::quantile(over_people, 0.95) * t->sd / std::sqrt(t->df + 1.0);
+    const double half = t_quantile(0.95, t->df) * t->sd / std::sqrt(t->df + 1.0);
     found.mean = t->mean;
     found.low = t->mean - half;
     found.high = t->mean + half;
@@ -194,8 +201,7 @@ Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds&
     const Snapshot now(database);
     const ExplorationMeans felt = read_felt(database, choice);
     check_choice(felt, database, choice);
-    Audit audit{.study = *felt.studies.begin()};
-    audit.left_out = left_out_of(database, audit.study, choice.kind, choice.codes);
+    Audit audit{.study = *felt.studies.begin(), .gaps = gaps_of(felt), .left_out = felt.left_out};
     audit.base = std::ranges::min_element(felt.frictions, {}, [](const auto& one) {
                      return std::pair(one.second, one.first);
                  })->first;
@@ -213,6 +219,40 @@ Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds&
     return audit;
 }
 
+Table audit_table(const Audit& audit) {
+    Table table{.place = "quantities/-",
+                .columns = {{.key = "quantity", .words = "quantity"},
+                            {.key = "of", .words = "of"},
+                            {.key = "friction", .words = "comparison"},
+                            {.key = "people", .words = "people"},
+                            {.key = "difference", .words = "difference", .digits = 4},
+                            {.key = "interval_90", .words = "90 % interval", .digits = 4},
+                            {.key = "bound", .words = "bound", .digits = 4},
+                            {.key = "unit", .words = "unit"},
+                            {.key = "verdict", .words = " "}},
+                .notes = {"rig: nothing of it may differ; hand: what differs here, friction may "
+                          "have changed."}};
+    for (const AuditLine& line : audit.lines) {
+        const Scale scale = line.quantity->scale;
+        const auto in_unit = [&](double value) {
+            return scale == Scale::ratio ? std::exp(value) : value;
+        };
+        table.rows.push_back(
+            {Named{std::string(line.quantity->name), std::string(line.quantity->title)},
+             line.quantity->rig ? "rig" : "hand",
+             Named{line.friction, fmt::format("{} - {}", line.friction, audit.base)},
+             cell_of(line.people), line.found ? cell_of(in_unit(line.found->mean)) : Nothing{},
+             line.found ? Cell(Interval{in_unit(line.found->low), in_unit(line.found->high)})
+                        : Nothing{},
+             in_unit(line.bound),
+             scale == Scale::place   ? "m"
+             : scale == Scale::ratio ? "ratio"
+                                     : "share",
+             std::string(verdict_text(line.found))});
+    }
+    return table;
+}
+
 std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
     const Audit audit = audit_of(database, choice, bounds);
     std::string text = fmt::format(
@@ -226,26 +266,29 @@ std::string audit_text(Database& database, const TrialChoice& choice, const Audi
         "within bounds.\n",
         audit.study, choice.kind);
     text += left_out_text(audit.left_out);
-    const AuditLine* before = nullptr;
-    for (const AuditLine& line : audit.lines) {
-        const bool other = before == nullptr || before->friction != line.friction;
-        if (other) {
-            text += fmt::format("\n  {:<40}{:>6}  {:>10}  {:>9}{:<13}  {:>7}\n",
-                                fmt::format("{} against {}", line.friction, audit.base), "people",
-                                "difference", "90 %", " interval", "bounds");
-        }
-        if (other || before->quantity->rig != line.quantity->rig) {
-            text += line.quantity->rig
-                      ? "  The rig: nothing of it may differ\n"
-                      : "  The hand: what differs here, friction may have changed\n";
-        }
-        text += fmt::format("    {:<38}{}\n", line.quantity->title,
-                            line.found ? line_of(*line.found, line.bound, line.quantity->scale)
-                                       : fmt::format("{:>6}  {}", line.people, verdict_text({})));
-        before = &line;
+    for (const AuditGap& gap : audit.gaps) {
+        text += fmt::format("    no answer with friction {}, so no difference with it: {}\n",
+                            gap.friction, fmt::join(gap.people, ", "));
     }
+    text += table_text(audit_table(audit));
     const std::string versions = versions_text(versions_of(database));
     return versions.empty() ? text : text + '\n' + versions;
+}
+
+std::string audit_json(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+    const Audit audit = audit_of(database, choice, bounds);
+    Json all = {{"study", audit.study},
+                {"kind", choice.kind},
+                {"friction_less", audit.base},
+                {"versions", versions_json(versions_of(database))},
+                {"left_out", left_out_json(audit.left_out)},
+                {"no_answer_with", Json::array()},
+                {"quantities", Json::array()}};
+    for (const AuditGap& gap : audit.gaps) {
+        all["no_answer_with"].push_back({{"friction", gap.friction}, {"people", gap.people}});
+    }
+    put_table(all, audit_table(audit));
+    return json_text(all) + '\n';
 }
 
 }  // namespace palpate::data

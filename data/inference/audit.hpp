@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "data/inference/trials.hpp"
+#include "data/tables/table.hpp"
 
 /// Does anything but friction differ between the conditions? One number a person and friction,
 /// differences within person, and whether these are known to be small.
@@ -22,6 +23,7 @@ enum class Sameness : std::uint8_t {
     open,     ///< neither: too few people
 };
 
+/// Whether a difference within people is small enough, and not only not significant.
 struct Equivalence {
     std::size_t people = 0;
     double mean = 0.0;
@@ -32,6 +34,7 @@ struct Equivalence {
     double high = 0.0;
     Sameness verdict = Sameness::open;
 
+    /// The interval of 90 % lies within the bounds.
     [[nodiscard]] bool bounded() const {
         return verdict == Sameness::same || verdict == Sameness::within;
     }
@@ -65,8 +68,10 @@ struct AuditedQuantity {
     bool rig =
         true;  ///< nothing of it may differ; false: of the hand, which friction may have changed
 };
+/// All that an audit looks at, in the order of its table.
 [[nodiscard]] std::span<const AuditedQuantity> audited_quantities();
 
+/// One quantity of one friction against the base.
 struct AuditLine {
     const AuditedQuantity* quantity = nullptr;
     std::string friction{};  ///< against Audit::base
@@ -75,10 +80,18 @@ struct AuditLine {
     double bound = 0.0;                  ///< as `found`: m, logarithm of a ratio, share
 };
 
+/// Who has no answer with a friction, so no difference with it.
+struct AuditGap {
+    std::string friction;
+    std::vector<std::string> people{};
+};
+
+/// All lines of a study.
 struct Audit {
     std::string study{};
     std::string base{};  ///< the one of least friction
     std::vector<AuditLine> lines{};
+    std::vector<AuditGap> gaps{};
     LeftOut left_out{};
 };
 
@@ -94,8 +107,16 @@ struct Audit {
 /// In words for people.
 [[nodiscard]] std::string_view verdict_text(const std::optional<Equivalence>& found);
 
+/// A row a quantity and friction: differences, intervals and bounds in m, as ratios, as shares.
+[[nodiscard]] Table audit_table(const Audit& audit);
+
 /// audit_of() as a table for people.
 [[nodiscard]] std::string audit_text(Database& database,
+                                     const TrialChoice& choice,
+                                     const AuditBounds& bounds);
+
+/// The same for programs.
+[[nodiscard]] std::string audit_json(Database& database,
                                      const TrialChoice& choice,
                                      const AuditBounds& bounds);
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include <Eigen/Eigenvalues>
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {
@@ -99,16 +100,15 @@ double log_integral(const PersonIntegral& of, const Nodes& nodes) {
 }  // namespace
 
 Nodes gauss_hermite(int count) {
-    Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(count, count);
-    for (int i = 1; i < count; ++i) {
-        jacobi(i, i - 1) = std::sqrt(0.5 * i);
-        jacobi(i - 1, i) = jacobi(i, i - 1);
+    const auto n = static_cast<std::size_t>(count);
+    std::vector<double> jacobi(n * n);
+    for (std::size_t i = 1; i < n; ++i) {
+        jacobi[i * n + i - 1] = std::sqrt(0.5 * static_cast<double>(i));
+        jacobi[(i - 1) * n + i] = jacobi[i * n + i - 1];
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(jacobi);
-    Nodes nodes;
-    for (Eigen::Index i = 0; i < count; ++i) {
-        const double first = parts.eigenvectors()(0, i);
-        nodes.at.push_back(parts.eigenvalues()[i]);
+    Spectrum parts = spectrum_of(jacobi);
+    Nodes nodes{.at = std::move(parts.values)};
+    for (const double first : parts.first) {
         nodes.weight.push_back(std::sqrt(std::numbers::pi) * first * first);
     }
     return nodes;

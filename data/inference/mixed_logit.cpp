@@ -4,19 +4,14 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <boost/math/distributions/chi_squared.hpp>
-
 #include "engine/base/pcg32.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/statistics/distributions.hpp"
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {
-
-using Vector = Eigen::VectorXd;
-using Matrix = Eigen::MatrixXd;
 
 /// A function of the parameters that are fitted, in the order b0, b1, l11, l21, l22.
 class Objective {
@@ -24,12 +19,9 @@ public:
     Objective(std::span<const TwoCounts> people, const MixedSpec& spec)
         : people_(people), spec_(spec), nodes_(gauss_hermite(spec.nodes)) {}
 
-    [[nodiscard]] Eigen::Index size() const {
-        return 2 + (spec_.effect ? 1 : 0) + (spec_.slope ? 2 : 0);
-    }
     /// b0, b1, l11, l21, l22
-    [[nodiscard]] std::array<double, 5> whole(const Vector& at) const {
-        Eigen::Index i = 0;
+    [[nodiscard]] std::array<double, 5> whole(std::span<const double> at) const {
+        std::size_t i = 0;
         std::array<double, 5> all{};
         all[0] = at[i++];
         all[1] = spec_.effect ? at[i++] : 0.0;
@@ -40,22 +32,19 @@ public:
         }
         return all;
     }
-    [[nodiscard]] Vector part(const std::array<double, 5>& all) const {
-        Vector at(size());
-        Eigen::Index i = 0;
-        at[i++] = all[0];
+    [[nodiscard]] std::vector<double> part(const std::array<double, 5>& all) const {
+        std::vector<double> at{all[0]};
         if (spec_.effect) {
-            at[i++] = all[1];
+            at.push_back(all[1]);
         }
-        at[i++] = all[2];
+        at.push_back(all[2]);
         if (spec_.slope) {
-            at[i++] = all[3];
-            at[i++] = all[4];
+            at.insert(at.end(), {all[3], all[4]});
         }
         return at;
     }
     /// Half of the deviance.
-    [[nodiscard]] double operator()(const Vector& at) const {
+    [[nodiscard]] double operator()(std::span<const double> at) const {
         const auto all = whole(at);
         return 0.5 * mixed_deviance(people_, all[0], all[1], {all[2], all[3], all[4]}, nodes_);
     }
@@ -66,122 +55,21 @@ private:
     Nodes nodes_;
 };
 
-Vector gradient_of(const Objective& f, const Vector& at) {
-    constexpr double kStep = 1e-5;  // error 1e-10 of curvature, 1e-8 of rounding
-    Vector gradient(at.size());
-    Vector moved = at;
-    for (Eigen::Index i = 0; i < at.size(); ++i) {
-        moved[i] = at[i] + kStep;
-        const double above = f(moved);
-        moved[i] = at[i] - kStep;
-        gradient[i] = (above - f(moved)) / (2.0 * kStep);
-        moved[i] = at[i];
-    }
-    return gradient;
-}
-
-Matrix hessian_of(const Objective& f, const Vector& at) {
-    constexpr double kStep = 1e-3;
-    Matrix hessian(at.size(), at.size());
-    const auto moved = [&](Eigen::Index i, double a, Eigen::Index j, double b) {
-        Vector point = at;
-        point[i] += a;
-        point[j] += b;
-        return f(point);
-    };
-    const double here = f(at);
-    for (Eigen::Index i = 0; i < at.size(); ++i) {
-        hessian(i, i) =
-            (moved(i, kStep, i, 0.0) - 2.0 * here + moved(i, -kStep, i, 0.0)) / (kStep * kStep);
-        for (Eigen::Index j = 0; j < i; ++j) {
-            hessian(i, j) = (moved(i, kStep, j, kStep) - moved(i, kStep, j, -kStep) -
-                             moved(i, -kStep, j, kStep) + moved(i, -kStep, j, -kStep)) /
-                            (4.0 * kStep * kStep);
-            hessian(j, i) = hessian(i, j);
-        }
-    }
-    return hessian;
-}
-
-struct Minimum {
-    Vector at;
-    double value = 0.0;
-    bool converged = false;
-};
-
-/// BFGS: C. G. Broyden, R. Fletcher, D. Goldfarb, D. F. Shanno, 1970.
-Minimum descend(const Objective& f, const Vector& start) {
-    Minimum best{.at = start, .value = f(start)};
-    Vector gradient = gradient_of(f, best.at);
-    Matrix inverse = Matrix::Identity(start.size(), start.size()) /
-                     std::max(1.0, gradient.norm());  // a first step of at most 1
-    for (int step = 0; step < 200; ++step) {
-        Vector move = -inverse * gradient;
-        if (const double longest = move.cwiseAbs().maxCoeff(); longest > 2.0) {
-            move *= 2.0 / longest;
-        }
-        const double slope = gradient.dot(move);
-        double share = 1.0;
-        double value = f(best.at + move);
-        while (!(value <= best.value + 1e-4 * share * slope) && share > 1e-10) {
-            share *= 0.5;
-            value = f(best.at + share * move);
-        }
-        const bool gained = value < best.value;
-        if (gained) {
-            const Vector s = share * move;
-            const Vector next = gradient_of(f, best.at + s);
-            const Vector y = next - gradient;
-            best.at += s;
-            best.value = value;
-            gradient = next;
-            if (const double sy = s.dot(y); sy > 1e-12 * s.norm() * y.norm()) {
-                const Matrix turn = Matrix::Identity(s.size(), s.size()) - s * y.transpose() / sy;
-                inverse = turn * inverse * turn.transpose() + s * s.transpose() / sy;
-            }
-        }
-        if (gradient.cwiseAbs().maxCoeff() < 1e-6 || !gained) {
-            // Where no step gains, rounding is all that is left.
-            best.converged = gradient.cwiseAbs().maxCoeff() < 1e-3;
-            return best;
-        }
-    }
-    return best;
-}
-
-/// Newton's step, as long as it gains or moves by rounding alone.
-void polish(const Objective& f, Minimum& best) {
-    for (int step = 0; step < 2; ++step) {
-        const Eigen::LDLT<Matrix> factor(hessian_of(f, best.at));
-        if (factor.info() != Eigen::Success || !factor.isPositive()) {
-            return;
-        }
-        const Vector moved = best.at - factor.solve(gradient_of(f, best.at));
-        const double value = f(moved);
-        if (!(value <= best.value + 1e-11 * std::fabs(best.value)) ||
-            (moved - best.at).cwiseAbs().maxCoeff() > 0.1) {
-            return;
-        }
-        best.at = moved;
-        best.value = value;
-    }
-}
-
-std::optional<double> error_of(const Matrix& covariance, Eigen::Index i) {
-    const double variance = covariance(i, i);
+/// Standard error of parameter i of n. @param covariance  n x n
+std::optional<double> error_of(const std::vector<double>& covariance,
+                               std::size_t n,
+                               std::size_t i) {
+    const double variance = covariance[i * n + i];
     return std::isfinite(variance) && variance > 0.0 ? std::optional(std::sqrt(variance))
                                                      : std::nullopt;
 }
 
 void add_errors(const Objective& f, const Minimum& best, MixedFit& fit) {
-    const Matrix hessian = hessian_of(f, best.at);
-    const Eigen::SelfAdjointEigenSolver<Matrix> parts(hessian);
-    if (!(parts.eigenvalues().minCoeff() > 1e-8 * parts.eigenvalues().maxCoeff())) {
-        return;
+    if (const auto covariance = inverse_curvature(f, best.at)) {
+        const std::size_t n = best.at.size();
+        fit.intercept_se = error_of(*covariance, n, 0);
+        fit.effect_se = fit.spec.effect ? error_of(*covariance, n, 1) : std::nullopt;
     }
-    const Matrix covariance = hessian.ldlt().solve(Matrix::Identity(f.size(), f.size()));
-    fit.intercept_se = error_of(covariance, 0);
-    fit.effect_se = fit.spec.effect ? error_of(covariance, 1) : std::nullopt;
 }
 
 MixedFit fit_of(const Objective& f, const MixedSpec& spec, const Minimum& best) {
@@ -264,8 +152,8 @@ MixedFit fit_mixed(std::span<const TwoCounts> people, const MixedSpec& spec, con
     }
     Minimum best;
     for (const auto& start : starts) {
-        Minimum found = descend(f, f.part(start));
-        if (best.at.size() == 0 || found.value < best.value) {
+        Minimum found = minimum_near(f, f.part(start));
+        if (best.at.empty() || found.value < best.value) {
             best = std::move(found);
         }
     }
@@ -281,10 +169,6 @@ MixedFit fit_mixed(std::span<const TwoCounts> people, const MixedSpec& spec, con
 
 double likelihood_ratio(const MixedFit& full, const MixedFit& less) {
     return std::max(0.0, 2.0 * (full.log_likelihood - less.log_likelihood));
-}
-
-double chi_square_p(double x, int df) {
-    return boost::math::cdf(complement(boost::math::chi_squared(df), std::max(x, 0.0)));
 }
 
 double slope_variance_p(double ratio) {

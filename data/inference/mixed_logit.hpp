@@ -11,6 +11,7 @@
 /// The mixed model of mixed_integral.hpp fitted, and its likelihood ratios.
 namespace palpate::data {
 
+/// Which of the model's numbers are fitted, and how exactly it is integrated.
 struct MixedSpec {
     bool effect = true;  ///< b1 is fitted; false: 0
     bool slope = true;   ///< s1 is; false: 0, people differ in one number
@@ -53,14 +54,12 @@ struct MixedFit {
 /// Twice the loss of log-likelihood, never below 0.
 [[nodiscard]] double likelihood_ratio(const MixedFit& full, const MixedFit& less);
 
-/// P(chi-square of `df` > x). @pre df 1 or 2
-[[nodiscard]] double chi_square_p(double x, int df);
-
 /// The p of no variance of s1 (and no covariance): on the boundary the ratio is half chi-square of
 /// 1 df, half of 2 (S. G. Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987; D. O. Stram, J. W.
 /// Lee, Biometrics 50:1171, 1994).
 [[nodiscard]] double slope_variance_p(double ratio);
 
+/// A likelihood ratio against those of samples drawn without the effect.
 struct SimulatedNull {
     std::size_t samples = 0;
     double p =

@@ -56,6 +56,7 @@ struct Moment {
     double value = 0.0;
 };
 
+/// What a regression on time says.
 struct Trend {
     std::optional<double> trial{};        ///< change of the value a trial
     std::optional<double> since_break{};  ///< beside it, a trial since the last break

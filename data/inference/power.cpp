@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "data/inference/mixed_logit.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/over_people.hpp"
 #include "data/statistics/paired.hpp"
 #include "data/statistics/wilson.hpp"

@@ -31,6 +31,7 @@ using PowerPeople = std::function<PowerPerson(std::size_t study, std::size_t num
 /// Of shares: a smaller true difference is none, and nothing that could be exaggerated.
 inline constexpr double kNoEffect = 5e-3;
 
+/// How studies are analysed, and how many are drawn.
 struct PowerSpec {
     protocols::PrimaryTest test = protocols::PrimaryTest::paired_t;
     double alpha = 0.05;         ///< two-sided
@@ -79,6 +80,7 @@ struct LeastPeople {
 /// more.
 class PowerStudies {
 public:
+    /// Asks for nobody yet.
     PowerStudies(const PowerSpec& spec, PowerPeople people);
 
     /// @param participants  2 or more. Any number of threads gives the same.
@@ -127,6 +129,8 @@ struct PowerReport {
 
 /// Tables for people, with the sentence for a pre-registration.
 [[nodiscard]] std::string power_text(const PowerReport& report);
+/// The same for programs.
+[[nodiscard]] std::string power_json(const PowerReport& report);
 /// Power and type I error over participants, with 95 % intervals of Wilson.
 [[nodiscard]] Figure power_figure(const PowerReport& report);
 

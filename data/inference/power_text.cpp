@@ -3,41 +3,58 @@
 #include <cstdint>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "protocols/file/keys.hpp"
 #include "data/inference/power.hpp"
 #include "data/statistics/wilson.hpp"
+#include "data/tables/table.hpp"
 
 namespace palpate::data {
 namespace {
 
-std::string with_error(const std::optional<MonteCarlo>& value, int digits) {
-    return value ? fmt::format("{:.{}f} ({:.{}f})", value->value, digits, value->se, digits)
-                 : std::string("-");
-}
-
-/// Of a share that was 0 or 1 in all studies the standard error would be 0: the other end of
-/// Wilson's interval.
-std::string share_text(const MonteCarlo& share, std::size_t studies, int digits) {
-    if (share.se > 0.0) {
-        return with_error(share, digits);
-    }
-    const auto n = static_cast<std::int64_t>(studies);
-    const bool all = share.value > 0.5;
-    const Interval ends = wilson(all ? n : 0, n);
-    return fmt::format("{:.{}f} ({} {:.{}f})", share.value, digits, all ? "from" : "to",
-                       all ? ends.low : ends.high, digits);
-}
-
-Interval power_interval(const PowerPoint& point, std::size_t studies) {
-    return wilson(std::llround(point.power.value * static_cast<double>(studies)),
+/// Of a share of so many studies: never without width, as a standard error of 0 would be.
+Interval share_interval(const MonteCarlo& share, std::size_t studies) {
+    return wilson(std::llround(share.value * static_cast<double>(studies)),
                   static_cast<std::int64_t>(studies));
 }
 
-std::string wrong_text(const PowerPoint& point, std::size_t studies) {
-    const double found = point.power.value * static_cast<double>(studies);
-    return point.wrong_sign
-             ? share_text(*point.wrong_sign, static_cast<std::size_t>(std::lround(found)), 4)
-             : std::string("-");
+/// A row a number of participants.
+Table points_table(const PowerReport& report) {
+    Table table{.place = "points/-",
+                .columns = {{.key = "participants", .words = "people"},
+                            {.key = "power", .words = "power"},
+                            {.key = "power_95", .words = "interval"},
+                            {.key = "type_i_error", .words = "type I error", .digits = 4},
+                            {.key = "type_i_error_95", .words = "interval", .digits = 4},
+                            {.key = "interval_width", .words = "interval width"},
+                            {.key = "interval_width_se", .words = "se"},
+                            {.key = "exaggeration", .words = "exaggeration", .digits = 2},
+                            {.key = "exaggeration_se", .words = "se", .digits = 2},
+                            {.key = "wrong_sign", .words = "wrong sign", .digits = 4},
+                            {.key = "wrong_sign_95", .words = "interval", .digits = 4}},
+                .notes = {"Intervals: Wilson's of 95 %, of the share of studies; se: of Monte "
+                          "Carlo. Interval width: of the 95 %\n  interval of the difference of "
+                          "shares, over people. Exaggeration and wrong sign: of significant "
+                          "studies, size of\n  the difference by the true one, and share of those "
+                          "that point the other way."}};
+    const auto of = [](const std::optional<MonteCarlo>& value, double MonteCarlo::*member) {
+        return value ? cell_of((*value).*member) : Cell(Nothing{});
+    };
+    for (std::size_t i = 0; i < report.points.size(); ++i) {
+        const PowerPoint& one = report.points[i];
+        const MonteCarlo& null = report.null[i].power;
+        const auto found = static_cast<std::size_t>(
+            std::lround(one.power.value * static_cast<double>(report.spec.studies)));
+        table.rows.push_back(
+            {cell_of(one.participants), one.power.value,
+             share_interval(one.power, report.spec.studies), null.value,
+             share_interval(null, report.null_studies), one.width.value, one.width.se,
+             of(one.exaggeration, &MonteCarlo::value), of(one.exaggeration, &MonteCarlo::se),
+             of(one.wrong_sign, &MonteCarlo::value),
+             one.wrong_sign ? Cell(share_interval(*one.wrong_sign, found)) : Cell(Nothing{})});
+    }
+    return table;
 }
 
 const PowerPoint* point_of(const PowerReport& report, std::size_t participants) {
@@ -77,7 +94,7 @@ std::string sentence(const PowerReport& report) {
         "palpate simulated, ",
         title_of(report.spec.test), report.friction, report.against, report.spec.alpha,
         report.spec.studies, point->participants, report.trials);
-    const Interval ends = power_interval(*point, report.spec.studies);
+    const Interval ends = share_interval(point->power, report.spec.studies);
     const std::string error =
         point->power.se > 0.0
             ? fmt::format("Monte-Carlo standard error {:.3f}", point->power.se)
@@ -112,7 +129,7 @@ Series series_of(const std::vector<PowerPoint>& points, std::string name, Ink in
 void add_errors(Panel& panel, const std::vector<PowerPoint>& points, std::size_t studies, Ink ink) {
     for (const PowerPoint& point : points) {
         const auto x = static_cast<double>(point.participants);
-        const Interval ends = power_interval(point, studies);
+        const Interval ends = share_interval(point.power, studies);
         panel.series.push_back({.x = {x, x}, .y = {ends.low, ends.high}, .ink = ink, .width = 3.0});
     }
 }
@@ -140,28 +157,42 @@ std::string power_text(const PowerReport& report) {
         "  Effect: {}: the share of right answers goes from {:.3f} by {:+.3f}. Without it people "
         "differ "
         "by {:.2f} logit.\n"
-        "  {} studies each, {} without an effect, judged from {} hands that felt once. In "
-        "brackets: "
-        "Monte-Carlo standard errors; of none or all of the studies the 95 % bound of Wilson.\n\n",
+        "  {} studies each, {} without an effect, judged from {} hands that felt once.\n",
         report.study, report.friction, report.against, report.trials, title_of(report.spec.test),
         report.spec.alpha, report.effect, report.share_without, report.true_difference,
         report.people_sd, report.spec.studies, report.null_studies, report.hands);
-    text += fmt::format("  {:>6}  {:<18}  {:<18}  {:<15}  {:<14}  {}\n", "people", "power",
-                        "type I error", "interval width", "exaggeration", "wrong sign");
-    for (std::size_t i = 0; i < report.points.size(); ++i) {
-        const PowerPoint& one = report.points[i];
-        text += fmt::format("  {:>6}  {:<18}  {:<18}  {:<15}  {:<14}  {}\n", one.participants,
-                            share_text(one.power, report.spec.studies, 3),
-                            share_text(report.null[i].power, report.null_studies, 4),
-                            with_error(one.width, 3), with_error(one.exaggeration, 2),
-                            wrong_text(one, report.spec.studies));
-    }
-    text +=
-        "\n  Interval width: of the 95 % interval of the difference of shares, over people. "
-        "Exaggeration and wrong sign:\n  of significant studies, size of the difference by the "
-        "true "
-        "one, and share of those that point the other way.\n";
+    text += table_text(points_table(report));
     return text + least_text(report) + '\n' + sentence(report);
+}
+
+std::string power_json(const PowerReport& report) {
+    Json all = {{"study", report.study},
+                {"friction", report.friction},
+                {"against", report.against},
+                {"test", protocols::word_of(report.spec.test)},
+                {"alpha", report.spec.alpha},
+                {"effect", report.effect},
+                {"share_without", report.share_without},
+                {"true_difference", report.true_difference},
+                {"people_sd_logit", report.people_sd},
+                {"trials", report.trials},
+                {"studies", report.spec.studies},
+                {"null_studies", report.null_studies},
+                {"hands", report.hands},
+                {"points", Json::array()},
+                {"least_people", Json::array()}};
+    put_table(all, points_table(report));
+    const auto number = [](const std::optional<std::size_t>& people) {
+        return people ? Json(*people) : Json(nullptr);
+    };
+    for (const LeastPeople& one : report.least) {
+        all["least_people"].push_back({{"power", one.power},
+                                       {"people", number(one.people)},
+                                       {"low", number(one.low)},
+                                       {"high", number(one.high)},
+                                       {"looked_up_to", report.max}});
+    }
+    return json_text(all) + '\n';
 }
 
 Figure power_figure(const PowerReport& report) {

@@ -64,7 +64,7 @@ void add_sensitivity(const StatsReport& report, const Taken& trials, PersonCell&
     }
 }
 
-PersonCell cell_of(const StatsReport& report, const Taken& trials, std::uint64_t stream) {
+PersonCell person_cell(const StatsReport& report, const Taken& trials, std::uint64_t stream) {
     PersonCell cell{.n = static_cast<std::int64_t>(trials.size())};
     if (trials.empty()) {
         return cell;
@@ -236,7 +236,7 @@ StatsPart part_of(const StatsReport& report, const std::function<bool(const Tria
             Taken some;
             std::ranges::copy_if(trials, std::back_inserter(some),
                                  [&](const Trial* one) { return one->friction == friction; });
-            person.cells.push_back(cell_of(
+            person.cells.push_back(person_cell(
                 report, some, kPermutationStreams + subject * table.frictions.size() + friction));
         }
         add_alike(report, person);

@@ -68,6 +68,20 @@ std::size_t pictures_of(Database& database, const TrialChoice& choice) {
     return static_cast<std::size_t>(row.integer(0));
 }
 
+NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
+    NamedTrial one{.subject = codes ? row.text(1) : fmt::format("sub-{:010}", row.integer(2)),
+                   .shape = row.text(3),
+                   .friction = row.text(4),
+                   .response = row.text(5)};
+    one.trial = {.number = number,
+                 .rt_s = known(row, 6, true),
+                 .explore_s = known(row, 7, true),
+                 .confidence = known(row, 8, false),
+                 .since_break = known(row, 9, false),
+                 .excluded = row.text(10)};
+    return one;
+}
+
 }  // namespace
 
 TrialTable stored_trials(Database& database, const TrialChoice& asked) {
@@ -87,17 +101,7 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
         studies.insert(study);
         number = row.text(1) == before ? number + 1 : 1;
         before = row.text(1);
-        NamedTrial& one = all.emplace_back();
-        one = {.subject = choice.codes ? before : fmt::format("sub-{:010}", row.integer(2)),
-               .shape = row.text(3),
-               .friction = row.text(4),
-               .response = row.text(5)};
-        one.trial = {.number = number,
-                     .rt_s = known(row, 6, true),
-                     .explore_s = known(row, 7, true),
-                     .confidence = known(row, 8, false),
-                     .since_break = known(row, 9, false),
-                     .excluded = row.text(10)};
+        all.push_back(trial_of(row, choice.codes, number));
     }
     if (all.empty()) {
         throw std::invalid_argument(fmt::format(

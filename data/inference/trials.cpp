@@ -94,6 +94,26 @@ std::string field_of(const std::optional<double>& value) {
     return value ? fmt::format("{}", *value) : std::string();
 }
 
+/// Of pictures: some answer names a shape.
+void check_named(const std::filesystem::path& file, const TrialTable& table) {
+    const bool named = std::ranges::any_of(table.responses, [&](const std::string& response) {
+        return std::ranges::binary_search(table.shapes, response);
+    });
+    if (!named) {  // Yes and No, or numbers, are not all wrong
+        constexpr std::size_t kShown = 5;
+        const auto some = [&](const std::vector<std::string>& names) {
+            const auto end =
+                names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kShown));
+            return fmt::format("{}{}", fmt::join(names.begin(), end, ", "),
+                               names.size() > kShown ? ", ..." : "");
+        };
+        throw CsvError(fmt::format(
+            "{}: no response is the name of a shape (responses: {}; shapes: {}): give the same "
+            "names in both, or answers that are yes and no, in lower case",
+            file.string(), some(table.responses), some(table.shapes)));
+    }
+}
+
 }  // namespace
 
 TrialTable table_of_names(std::vector<NamedTrial> all) {
@@ -168,21 +188,8 @@ TrialTable read_trials(const std::filesystem::path& file, bool others) {
                         file.string()));
     }
     TrialTable table = table_of_names(std::move(all));
-    const bool named = std::ranges::any_of(table.responses, [&](const std::string& response) {
-        return std::ranges::binary_search(table.shapes, response);
-    });
-    if (table.alternatives > 0 && !named) {  // Yes and No, or numbers, are not all wrong
-        constexpr std::size_t kShown = 5;
-        const auto some = [&](const std::vector<std::string>& names) {
-            const auto end =
-                names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kShown));
-            return fmt::format("{}{}", fmt::join(names.begin(), end, ", "),
-                               names.size() > kShown ? ", ..." : "");
-        };
-        throw CsvError(fmt::format(
-            "{}: no response is the name of a shape (responses: {}; shapes: {}): give the same "
-            "names in both, or answers that are yes and no, in lower case",
-            file.string(), some(table.responses), some(table.shapes)));
+    if (table.alternatives > 0) {
+        check_named(file, table);
     }
     for (std::size_t row = 0; table.alternatives > 0 && !others && row < read.rows(); ++row) {
         if (!std::ranges::binary_search(table.shapes, rows.name(row, "response"))) {

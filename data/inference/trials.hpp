@@ -15,6 +15,7 @@
 /// Answered trials of several people, as all statistics take them: a database's, or any lab's.
 namespace palpate::data {
 
+/// One answered trial.
 struct Trial {
     std::size_t subject =
         0;  ///< of TrialTable::subjects; the next three are places in its lists too
@@ -30,6 +31,7 @@ struct Trial {
     std::string excluded{};  ///< why it does not count; empty: it counts
 };
 
+/// All of them, and what their columns mean.
 struct TrialTable {
     std::string source{};
     std::string study{};  ///< of a database; so is the kind: real, pilot, simulated

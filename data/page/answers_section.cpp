@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "data/inference/stats_parts.hpp"
+#include "data/inference/stats_tables.hpp"
 #include "data/page/sections.hpp"
 
 namespace palpate::data {
@@ -152,37 +152,36 @@ void add_effects(const StatsReport& stats,
                  bool applied,
                  std::vector<Results>& all) {
     const std::string words = applied ? ", exclusions applied" : ", exclusions not applied";
-    Results means{.names = {"measure", "friction", "people", "mean", "low", "high"},
-                  .cells = {},
-                  .command = numbers.stats_words,
-                  .caption = "Means over people with 95 % intervals" + words,
-                  .folded = !applied};
-    Results tests{.names = test_names(),
-                  .cells = {},
-                  .command = numbers.stats_words,
-                  .caption = "Differences within person, with 95 % intervals" + words,
-                  .folded = !applied};
-    tests.names.front() = "measure";
-    tests.names.insert(tests.names.begin() + 1, "comparison");
-    for (const Measure& measure : part.measures) {
-        for (std::size_t f = 0; f < measure.means.size(); ++f) {
-            const std::string& friction = stats.table.frictions[f];
-            if (const auto& mean = measure.means[f]) {
-                const auto& ends = mean->interval;
-                means.cells.push_back({measure.title, friction, fmt::format("{}", mean->people),
-                                       all_digits(mean->mean), ends ? all_digits(ends->low) : "",
-                                       ends ? all_digits(ends->high) : ""});
-            }
-            if (const auto& effect = measure.effects[f]) {
-                auto row = test_cells(measure.title, *effect);
-                row.insert(row.begin() + 1,
-                           fmt::format("{} \u2212 {}", friction, stats.table.frictions.front()));
-                tests.cells.push_back(std::move(row));
+    all.push_back({.table = effects_table(stats, part),
+                   .command = numbers.stats_words,
+                   .caption = "Differences within person, with 95 % intervals" + words,
+                   .folded = !applied});
+    all.push_back({.table = means_table(stats, part),
+                   .command = numbers.stats_words,
+                   .caption = "Means over people with 95 % intervals" + words,
+                   .folded = !applied});
+}
+
+/// Shares of the people whom the protocol's rules leave out, a row a person, a column a friction.
+std::vector<std::vector<double>> shares_left_out(const Study& study,
+                                                 const Rows& shares,
+                                                 const std::vector<std::string>& frictions) {
+    std::vector<std::vector<double>> all;
+    std::set<std::string> left_out;
+    for (const LeftOut::Reason& one : study.left_out().broken) {
+        left_out.insert(one.person);
+    }
+    for (const std::string& person : left_out) {
+        auto& values = all.emplace_back(frictions.size(), kNone);
+        for (std::size_t row = 0; row < shares.cells.size(); ++row) {
+            const auto found = std::ranges::find(frictions, shares.text(row, "friction"));
+            if (shares.text(row, "person") == person && found != frictions.end()) {
+                values[static_cast<std::size_t>(found - frictions.begin())] =
+                    shares.number(row, "share");
             }
         }
     }
-    all.push_back(std::move(tests));
-    all.push_back(std::move(means));
+    return all;
 }
 
 void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -206,21 +205,7 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
             values.push_back(value.value_or(kNone));
         }
     }
-    std::set<std::string> left_out;
-    for (const LeftOut::Reason& one : study.left_out().broken) {
-        left_out.insert(one.person);
-    }
-    for (const std::string& person : left_out) {
-        auto& values = pairs.left_out.emplace_back(stats.table.frictions.size(), kNone);
-        for (std::size_t row = 0; row < figure.data.cells.size(); ++row) {
-            const auto found =
-                std::ranges::find(stats.table.frictions, figure.data.text(row, "friction"));
-            if (figure.data.text(row, "person") == person && found != stats.table.frictions.end()) {
-                values[static_cast<std::size_t>(found - stats.table.frictions.begin())] =
-                    figure.data.number(row, "share");
-            }
-        }
-    }
+    pairs.left_out = shares_left_out(study, figure.data, stats.table.frictions);
     Panel panel = paired_panel(pairs);
     if (stats.table.alternatives > 0) {
         const double chance = 1.0 / static_cast<double>(stats.table.alternatives);
@@ -291,30 +276,7 @@ void add_sensitivity(PageWriter& page, const Study& study, const PageNumbers& nu
 
 void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
     const StatsReport& stats = *numbers.stats;
-    std::vector<std::vector<std::string>> cells;
-    std::vector<std::string> warnings;
-    for (const MixedStats& mixed : stats.applied.mixed) {
-        const auto add = [&](const char* method, const MixedFit& fit, const MixedFit& null,
-                             const std::string& simulated) {
-            const double ratio = likelihood_ratio(fit, null);
-            cells.push_back(
-                {fmt::format("{} \u2212 {}", stats.table.frictions[mixed.friction],
-                             stats.table.frictions.front()),
-                 method, fit.intercept_unbounded ? "" : all_digits(fit.intercept),
-                 fit.intercept_se && !fit.intercept_unbounded ? all_digits(*fit.intercept_se) : "",
-                 fit.unbounded ? "" : all_digits(fit.effect),
-                 fit.effect_se && !fit.unbounded ? all_digits(*fit.effect_se) : "",
-                 all_digits(fit.sd_intercept), all_digits(fit.sd_slope),
-                 all_digits(fit.log_likelihood), all_digits(ratio),
-                 all_digits(chi_square_p(ratio, 1)), simulated});
-        };
-        add("Laplace", mixed.laplace, mixed.laplace_null,
-            mixed.simulated ? all_digits(mixed.simulated->p) : "");
-        add("Gauss-Hermite", mixed.quadrature, mixed.quadrature_null, "");
-        const auto of_mixed = warnings_of(mixed);
-        warnings.insert(warnings.end(), of_mixed.begin(), of_mixed.end());
-    }
-    if (cells.empty()) {
+    if (stats.applied.mixed.empty()) {
         return;
     }
     page.html("<h3 id=\"mixed\">The mixed model</h3>\n");
@@ -322,12 +284,12 @@ void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
         "Second to the tests within person: logit of {} with friction, people differing in level "
         "and effect (random intercepts and slopes), exclusions applied.",
         stats.right_known ? "a right answer" : "yes"));
-    page.html(html_table(
-        {"comparison", "method", "intercept", "intercept_se", "effect", "effect_se", "sd_intercept",
-         "sd_effect", "log_likelihood", "chi_square", "p", "simulated_p"},
-        cells, "Logits; likelihood ratio of no effect"));
-    for (const std::string& one : warnings) {
-        page.paragraph("Warning: " + one);
+    for (const MixedStats& mixed : stats.applied.mixed) {
+        const Fields fields = fields_of(mixed_table(stats, mixed));
+        page.html(html_table(fields.names, fields.rows, "Logits; likelihood ratio of no effect"));
+        for (const std::string& one : warnings_of(mixed)) {
+            page.paragraph("Warning: " + one);
+        }
     }
     page.html(fmt::format("<p class=\"from\">The same numbers: <code>{}</code></p>\n",
                           html_text(numbers.stats_words)));

@@ -57,12 +57,6 @@ const char* scale_title(AuditScale scale) {
                                       : "the hand";
 }
 
-/// Without the unit of palpate audit's own table.
-std::string bare_title(const AuditedQuantity& quantity) {
-    const std::string title(quantity.title);
-    return quantity.scale == AuditScale::ratio ? title : title.substr(0, title.rfind(','));
-}
-
 /// Intervals of all quantities of one scale, the bounds as broken lines.
 Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale scale) {
     const bool ratio = scale == AuditScale::ratio;
@@ -83,7 +77,7 @@ Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale sc
             continue;
         }
         bound = line.bound;
-        panel.y.names.emplace_back(-y, bare_title(*line.quantity));
+        panel.y.names.emplace_back(-y, std::string(line.quantity->title));
         if (line.found) {
             const Ink ink = line.found->bounded()                    ? Ink::blue
                           : line.found->verdict == Sameness::differs ? Ink::vermillion
@@ -110,30 +104,6 @@ Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale sc
     return panel;
 }
 
-Results audit_results(const PageNumbers& numbers) {
-    Results results{.names = {"quantity", "of", "comparison", "people", "difference", "low_90",
-                              "high_90", "bound", "scale", "verdict"},
-                    .cells = {},
-                    .command = numbers.audit_words,
-                    .caption = "Each quantity, its 90 % interval and its bound"};
-    for (const AuditLine& line : numbers.audit->lines) {
-        const AuditScale scale = line.quantity->scale;
-        results.cells.push_back(
-            {bare_title(*line.quantity), line.quantity->rig ? "rig" : "hand",
-             fmt::format("{} \u2212 {}", line.friction, numbers.audit->base),
-             fmt::format("{}", line.people), line.found ? all_digits(line.found->mean) : "",
-             line.found ? all_digits(line.found->low) : "",
-             line.found ? all_digits(line.found->high) : "", all_digits(line.bound),
-             scale == AuditScale::place   ? "m"
-             : scale == AuditScale::share ? "share"
-                                          : "ln of ratio",
-             line.found && line.found->verdict == Sameness::differs
-                 ? "differs"
-                 : std::string(verdict_text(line.found))});
-    }
-    return results;
-}
-
 }  // namespace
 
 void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -158,7 +128,7 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
         same += line.found && line.found->verdict == Sameness::same ? 1U : 0U;
         within += line.found && line.found->verdict == Sameness::within ? 1U : 0U;
         if (line.quantity->rig && line.found && line.found->verdict == Sameness::differs) {
-            differs.push_back(bare_title(*line.quantity));
+            differs.push_back(std::string(line.quantity->title));
         }
     }
     for (const std::string& friction : frictions) {
@@ -173,7 +143,9 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
         "Differs: the 95 % interval does not hold no difference (vermillion). Else more people are "
         "needed (grey). What the hand does may follow from friction. Answers that count, "
         "exclusions applied.";
-    figure.results.push_back(audit_results(numbers));
+    figure.results.push_back({.table = audit_table(*numbers.audit),
+                              .command = numbers.audit_words,
+                              .caption = "Each quantity, its 90 % interval and its bound"});
     page.paragraph(fmt::format(
         "{} of {} quantities are the same within their bounds{}.{}", same, audit.lines.size(),
         within == 0 ? "" : fmt::format(", {} more differ, but within them", within),

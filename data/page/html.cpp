@@ -1,12 +1,12 @@
 #include "data/page/html.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/parsed.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
@@ -31,13 +31,6 @@ std::string numbered(const std::string& body) {
                                   : std::string(1, c);
     }
     return out;
-}
-
-bool is_number(const std::string& field) {
-    double value = 0.0;
-    const char* end = field.data() + field.size();
-    const auto [stop, error] = std::from_chars(field.data(), end, value);
-    return error == std::errc{} && stop == end;
 }
 
 /// Names of columns as words: "share_low" is "share low".
@@ -97,7 +90,7 @@ std::string panel_html(const Panel& panel,
         size, html_text(name), drawn.substr(body));
     if (!mark.empty()) {
         out.insert(out.rfind("</svg>"),
-                   svg_text(width - 6.0, height - 3.0, mark, 8.5, Anchor::end, "class=\"mark\""));
+                   svg_text(width - 6.0, height - 3.0, mark, 10.0, Anchor::end, "class=\"mark\""));
     }
     return out;
 }
@@ -109,7 +102,7 @@ std::string html_text(std::string_view text) {
 }
 
 std::string short_number(const std::string& field) {
-    if (!is_number(field) || field.find_first_of(".e") == std::string::npos) {
+    if (!parsed<double>(field).has_value() || field.find_first_of(".e") == std::string::npos) {
         return field;
     }
     const double value = std::stod(field);
@@ -139,7 +132,7 @@ std::string html_table(const std::vector<std::string>& names,
     std::vector<bool> number(names.size(), !cells.empty());
     for (const auto& row : cells) {
         for (std::size_t i = 0; i < names.size(); ++i) {
-            number[i] = number[i] && (row[i].empty() || is_number(row[i]));
+            number[i] = number[i] && (row[i].empty() || parsed<double>(row[i]).has_value());
         }
     }
     constexpr std::size_t kHash = 64;  // digits of a SHA-256
@@ -216,22 +209,14 @@ std::string PageWriter::sources(std::string_view id,
 
 void PageWriter::add_results(const Results& results, const std::string& id) {
     const std::string& kind = study_->options().kind;
-    std::string csv = fmt::format("{}\n", fmt::join(results.names, ","));
-    for (const auto& row : results.cells) {
-        std::string line;
-        for (const std::string& field : row) {
-            line += &field == &row.front() ? "" : ",";
-            line += field.empty() ? field : csv_field(field);
-        }
-        csv += line + '\n';
-    }
+    const Fields fields = fields_of(results.table);
     const std::string captions =
-        html_table(results.names, results.cells, results.caption) +
+        html_table(fields.names, fields.rows, results.caption) +
         fmt::format(
             "<p class=\"from\">The same numbers: <code>{}</code> <a class=\"csv\" "
             "download=\"{}{}.csv\" href=\"{}\">CSV</a></p>\n",
             html_text(results.command), kind == "real" ? "" : kind + "-", id,
-            data_address("text/csv", csv));
+            data_address("text/csv", table_csv(fields)));
     body_ += results.folded
                ? fmt::format("<details class=\"more\"><summary>{}</summary>\n{}</details>\n",
                              html_text(results.caption), captions)
@@ -285,7 +270,7 @@ std::string PageWriter::page(const PageFrame& frame) const {
         "<meta name=\"color-scheme\" content=\"light dark\">\n"
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
         "'unsafe-inline'{}\">\n"
-        "<meta name=\"generator\" content=\"palpate {}\">\n<title>{}{}</title>\n<style>\n{}{}",
+        "<meta name=\"generator\" content=\"palpate {}\">\n<title>{}{}</title>\n<style>\n\n{}{}",
         frame.script.empty() ? "" : fmt::format("; script-src '{}'", script_hash(frame.script)),
         html_text(frame.version), html_text(frame.name.empty() ? frame.title : frame.name),
         real ? "" : html_text(" (" + frame.kind + " data)"), page_style(), frame.style);

@@ -9,9 +9,18 @@
 #include "data/page/study.hpp"
 #include "data/plot/figure.hpp"
 #include "data/statistics/wilson.hpp"
+#include "data/tables/table.hpp"
 
 /// Parts of the page as HTML.
 namespace palpate::data {
+
+/// What an analysis found, beside a figure.
+struct Results {
+    Table table{};
+    std::string command{};  ///< which prints the same numbers
+    std::string caption{};
+    bool folded = false;
+};
 
 /// A figure with all that stands beside it.
 struct PageFigure {
@@ -59,8 +68,10 @@ struct PageFrame {
 /// The figures of a page, numbered, and its sections.
 class PageWriter {
 public:
+    /// @param study  outlives this
     explicit PageWriter(const Study& study) : study_(&study) {}
 
+    /// Begins a section, which has its link `id` in the page's contents.
     void section(std::string_view id, std::string_view title);
     void paragraph(std::string_view text);  ///< plain text
     void html(std::string_view html) { body_ += html; }
@@ -93,7 +104,8 @@ private:
     bool open_ = false;
 };
 
-/// The page's style sheet.
+/// The page's style sheet, style.css. Figures keep the inks of data/plot (Okabe & Ito), lighter on
+/// a dark page; on paper the page is light, and the watermark stands on every sheet.
 [[nodiscard]] std::string_view page_style();
 
 }  // namespace palpate::data

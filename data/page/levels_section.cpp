@@ -17,26 +17,21 @@ FROM main WHERE counts AND run_trial_number IS NOT NULL
 ORDER BY person, session_number, run_name, run_trial_number)";
 
 Results fit_results(const PageNumbers& numbers) {
-    Results results{.names = {"person", "condition", "quantity", "estimate", "se", "profile_low",
-                              "profile_high", "bootstrap_low", "bootstrap_high", "deviance_p"},
-                    .cells = {},
-                    .command = numbers.fit_words,
+    Results results{.command = numbers.fit_words,
                     .caption = "Thresholds, JND and slopes with 95 % intervals"};
     for (const FittedCurve& curve : numbers.fit->curves) {
-        for (const FitEstimate& one : curve.estimates) {
-            if (one.fixed) {
-                continue;
-            }
-            results.cells.push_back(
-                {curve.answers.participant, curve.answers.condition,
-                 std::string(word_of(one.quantity)), all_digits(one.value),
-                 one.se ? all_digits(*one.se) : "", one.profile ? all_digits(one.profile->low) : "",
-                 one.profile ? all_digits(one.profile->high) : "",
-                 one.bootstrap ? all_digits(one.bootstrap->low) : "",
-                 one.bootstrap ? all_digits(one.bootstrap->high) : "",
-                 single_answers(curve) ? "" : all_digits(curve.samples.deviance_p)});
+        Table table = estimates_table(*numbers.fit, curve);
+        for (auto& row : table.rows) {
+            row.insert(row.begin(), {curve.answers.participant, curve.answers.condition});
+            row.push_back(single_answers(curve) ? Cell(Nothing{kNoGoodness.data()})
+                                                : cell_of(curve.samples.deviance_p));
+            results.table.rows.push_back(std::move(row));
         }
+        results.table.columns = std::move(table.columns);
     }
+    auto& columns = results.table.columns;
+    columns.insert(columns.begin(), {{.key = "person"}, {.key = "condition"}});
+    columns.push_back({.key = "deviance_p"});
     return results;
 }
 

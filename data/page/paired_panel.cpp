@@ -39,28 +39,6 @@ PeopleMean as_exp(const PeopleMean& mean) {
     return out;
 }
 
-std::vector<std::string> test_names() {
-    return {"what", "people",      "mean",       "low",        "high",           "t", "df", "t_p",
-            "dz",   "sign_flip_p", "wilcoxon_v", "wilcoxon_p", "bayes_factor_10"};
-}
-
-std::vector<std::string> test_cells(std::string what, const PeopleTest& test) {
-    const auto& ends = test.mean.interval;
-    return {std::move(what),
-            fmt::format("{}", test.values.size()),
-            all_digits(test.mean.mean),
-            ends ? all_digits(ends->low) : "",
-            ends ? all_digits(ends->high) : "",
-            test.t ? all_digits(test.t->t) : "",
-            test.t ? all_digits(test.t->df) : "",
-            test.t ? all_digits(test.t->p) : "",
-            test.t ? all_digits(test.t->dz) : "",
-            all_digits(test.flip.p),
-            all_digits(test.rank.v),
-            all_digits(test.rank.p),
-            test.bayes ? all_digits(*test.bayes) : ""};
-}
-
 PairedPanel pairs_of(const Rows& rows,
                      std::string_view column,
                      const std::vector<std::string>& frictions,

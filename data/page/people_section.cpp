@@ -2,8 +2,10 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
+#include "data/inference/stats_tables.hpp"
 #include "data/page/sections.hpp"
 
 namespace palpate::data {
@@ -106,9 +108,14 @@ std::string flow_html(const Study& study, const Rows& rows) {
 
 /// Share correct with exclusions applied and not.
 Results both_ways(const PageNumbers& numbers) {
-    Results results{.names = {"exclusions", "comparison", "people", "answers",
-                              "difference_in_share", "low", "high", "t_p", "sign_flip_p"},
-                    .cells = {},
+    Results results{.table = {.columns = {{.key = "exclusions"},
+                                          {.key = "comparison"},
+                                          {.key = "people"},
+                                          {.key = "answers"},
+                                          {.key = "difference_in_share"},
+                                          {.key = "interval_95"},
+                                          {.key = "t_p"},
+                                          {.key = "sign_flip_p"}}},
                     .command = numbers.stats_words,
                     .caption = "The effect of friction, exclusions applied and not"};
     const StatsReport& stats = *numbers.stats;
@@ -116,15 +123,11 @@ Results both_ways(const PageNumbers& numbers) {
         const Measure* share = find_measure(part, "share");
         for (std::size_t f = 1; share != nullptr && f < stats.table.frictions.size(); ++f) {
             if (const auto& effect = share->effects[f]) {
-                const auto& ends = effect->mean.interval;
-                results.cells.push_back(
-                    {word,
-                     fmt::format("{} \u2212 {}", stats.table.frictions[f],
-                                 stats.table.frictions.front()),
-                     fmt::format("{}", effect->values.size()), fmt::format("{}", part.trials),
-                     all_digits(effect->mean.mean), ends ? all_digits(ends->low) : "",
-                     ends ? all_digits(ends->high) : "", effect->t ? all_digits(effect->t->p) : "",
-                     all_digits(effect->flip.p)});
+                results.table.rows.push_back(
+                    {word, comparison_text(stats, f), cell_of(effect->values.size()),
+                     cell_of(part.trials), cell_of(effect->mean.mean),
+                     cell_of(effect->mean.interval),
+                     effect->t ? Cell(effect->t->p) : Cell(Nothing{}), effect->flip.p});
             }
         }
     };
@@ -227,7 +230,8 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
          at = account.find("\n  ", at + 1)) {
         account.replace(at, 1, "<br>");
     }
-    page.html(fmt::format("<p class=\"account\">{}</p>\n", account));
+    page.html(fmt::format("<p class=\"account\" data-left-out=\"{}\">{}</p>\n",
+                          html_text(json_text(left_out_json(study.left_out()))), account));
     page.paragraph(
         study.options().codes
             ? "People are called by the laboratory's codes, as was asked for: this page is not for "

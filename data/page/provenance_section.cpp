@@ -111,6 +111,28 @@ std::string design_text(const protocols::Protocol& protocol) {
                                : std::string());
 }
 
+/// How people were tested, with what was drawn by chance.
+void add_tests(PageWriter& page, const StatsOptions& options) {
+    page.paragraph(fmt::format(
+        "The unit of all tests is the person; nothing pools the trials of several people. The "
+        "effect of friction is the difference within person, with Student's paired t and its "
+        "95 "
+        "% interval, the exact sign-flip test (Fisher 1935), Wilcoxon's signed ranks (1945, "
+        "exact, ties kept) and the JZS Bayes factor (Rouder et al. 2009, Cauchy prior of scale "
+        "{:.4f}). Means of shares have intervals by Student's t on the logit of the mean. A "
+        "logistic mixed model with random intercepts and slopes follows, by Laplace's "
+        "approximation and by adaptive Gauss-Hermite quadrature ({} nodes a side); the p of "
+        "its "
+        "likelihood ratio is also that of {} samples of the fitted null. d' is that of an "
+        "unbiased observer (Green & Swets 1966); transmitted information is Miller and "
+        "Madow's, "
+        "against {} permutations; confidence is judged by the area under the type 2 ROC "
+        "(Galvin "
+        "et al. 2003). Random numbers begin with seed {}.",
+        options.prior_scale, options.nodes, options.simulations, options.permutations,
+        options.seed));
+}
+
 }  // namespace
 
 void add_provenance(PageWriter& page, const Study& study) {
@@ -161,25 +183,7 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
         "exclusions. {} had a session.",
         counted(study.people(), "person", "people")));
     if (numbers.stats) {
-        const StatsReport& stats = *numbers.stats;
-        page.paragraph(fmt::format(
-            "The unit of all tests is the person; nothing pools the trials of several people. The "
-            "effect of friction is the difference within person, with Student's paired t and its "
-            "95 "
-            "% interval, the exact sign-flip test (Fisher 1935), Wilcoxon's signed ranks (1945, "
-            "exact, ties kept) and the JZS Bayes factor (Rouder et al. 2009, Cauchy prior of scale "
-            "{:.4f}). Means of shares have intervals by Student's t on the logit of the mean. A "
-            "logistic mixed model with random intercepts and slopes follows, by Laplace's "
-            "approximation and by adaptive Gauss-Hermite quadrature ({} nodes a side); the p of "
-            "its "
-            "likelihood ratio is also that of {} samples of the fitted null. d' is that of an "
-            "unbiased observer (Green & Swets 1966); transmitted information is Miller and "
-            "Madow's, "
-            "against {} permutations; confidence is judged by the area under the type 2 ROC "
-            "(Galvin "
-            "et al. 2003). Random numbers begin with seed {}.",
-            stats.options.prior_scale, stats.options.nodes, stats.options.simulations,
-            stats.options.permutations, stats.options.seed));
+        add_tests(page, numbers.stats->options);
     }
     if (numbers.fit) {
         page.paragraph(fmt::format(

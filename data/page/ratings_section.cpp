@@ -70,17 +70,11 @@ Panel levels_panel(const Rows& rows,
 }
 
 /// A row of results: a mean over people, or of differences within person.
-std::vector<std::string> mean_cells(const std::string& felt,
-                                    const std::string& what,
-                                    const PeopleMean& mean,
-                                    const std::string& p) {
-    return {felt,
-            what,
-            fmt::format("{}", mean.people),
-            all_digits(mean.mean),
-            mean.interval ? all_digits(mean.interval->low) : "",
-            mean.interval ? all_digits(mean.interval->high) : "",
-            p};
+std::vector<Cell> mean_cells(const std::string& felt,
+                             const std::string& what,
+                             const PeopleMean& mean,
+                             const Cell& p) {
+    return {felt, what, cell_of(mean.people), cell_of(mean.mean), cell_of(mean.interval), p};
 }
 
 void add_means(PageWriter& page,
@@ -91,8 +85,12 @@ void add_means(PageWriter& page,
                       .title = "Mean level by friction, within person",
                       .width = 264.0,
                       .data = study.ask(kMeans)};
-    Results results{.names = {"felt", "what", "people", "mean", "low", "high", "sign_flip_p"},
-                    .cells = {},
+    Results results{.table = {.columns = {{.key = "felt"},
+                                          {.key = "what"},
+                                          {.key = "people"},
+                                          {.key = "mean"},
+                                          {.key = "interval_95"},
+                                          {.key = "sign_flip_p"}}},
                     .command = fmt::format("palpate summary {}", study.file()),
                     .caption =
                         "Means over people and differences within person, with 95 % "
@@ -110,13 +108,13 @@ void add_means(PageWriter& page,
                 }
             }
             if (pairs.means[f]) {
-                results.cells.push_back(
-                    mean_cells(object, "friction " + frictions[f], *pairs.means[f], ""));
+                results.table.rows.push_back(
+                    mean_cells(object, "friction " + frictions[f], *pairs.means[f], Nothing{}));
             }
             if (!differences.empty()) {
-                results.cells.push_back(mean_cells(
-                    object, fmt::format("{} \u2212 {}", frictions[f], frictions[0]),
-                    mean_over_people(differences), all_digits(sign_flip(differences).p)));
+                results.table.rows.push_back(
+                    mean_cells(object, fmt::format("{} \u2212 {}", frictions[f], frictions[0]),
+                               mean_over_people(differences), sign_flip(differences).p));
             }
         }
         figure.panels.push_back(paired_panel(pairs));

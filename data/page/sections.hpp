@@ -24,6 +24,7 @@ struct PageNumbers {
     std::string audit_words{};
 };
 
+/// Each adds its section to the page, if the study has what it shows.
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers);
 void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers);
 void add_answers(PageWriter& page, const Study& study, const PageNumbers& numbers);
@@ -53,6 +54,7 @@ struct PairedPanel {
     std::vector<std::optional<PeopleMean>> means{};  ///< by friction; empty: none
     double height = 220.0;
 };
+/// Lines of people from friction to friction, and means with intervals beside them.
 [[nodiscard]] Panel paired_panel(const PairedPanel& what);
 
 /// What people's numbers are averaged on.
@@ -69,9 +71,5 @@ enum class Scale { numbers, logarithms };
 [[nodiscard]] PeopleMean as_exp(const PeopleMean& mean);
 /// The measure of a key; nothing if there is none.
 [[nodiscard]] const Measure* find_measure(const StatsPart& part, std::string_view key);
-/// One row a test: what, people, mean, low, high, t, df, t_p, dz, sign_flip_p, wilcoxon_v,
-/// wilcoxon_p, bayes_factor_10.
-[[nodiscard]] std::vector<std::string> test_names();
-[[nodiscard]] std::vector<std::string> test_cells(std::string what, const PeopleTest& test);
 
 }  // namespace palpate::data

@@ -19,14 +19,6 @@
 namespace palpate::data {
 namespace {
 
-std::string quoted_text(std::string_view text) {
-    std::string out = "'";
-    for (const char c : text) {
-        out += c == '\'' ? "''" : std::string(1, c);
-    }
-    return out + "'";
-}
-
 /// What the shell prints, of one statement.
 std::string printed(Database& database, const std::string& sql) {
     struct Memory {
@@ -81,10 +73,6 @@ std::vector<std::vector<std::string>> fields_of(std::string_view csv) {
 
 }  // namespace
 
-std::string all_digits(double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : "";
-}
-
 const std::string& Rows::text(std::size_t row, std::string_view name) const {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
@@ -128,9 +116,11 @@ void Study::choose() {
         names.insert(row.text(0));
     }
     if (names.empty()) {
+        const std::string left = none_left_text(*database_, options_.study, options_.kind);
         throw std::invalid_argument(fmt::format(
-            "{} has no {} session{}: --kind chooses others", database_->file(), options_.kind,
-            options_.study.empty() ? "" : fmt::format(" of the study {}", options_.study)));
+            "{} has no {} session{}{}: --kind chooses others{}", database_->file(), options_.kind,
+            options_.study.empty() ? "" : fmt::format(" of the study {}", options_.study),
+            left.empty() ? "" : " that may be shown", left));
     }
     if (names.size() > 1) {
         throw std::invalid_argument(several_studies(*database_, names));

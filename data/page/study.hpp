@@ -8,11 +8,22 @@
 
 #include "protocols/protocol/protocol.hpp"
 #include "data/analysis/left_out.hpp"
-#include "data/page/study_page.hpp"
 #include "data/store/analysed.hpp"
 
 /// The study that a page is about, and what is asked of its file.
 namespace palpate::data {
+
+/// What a page is made of, and how.
+struct PageOptions {
+    std::string kind = "real";           ///< real, pilot or simulated: never two of them
+    std::string study{};                 ///< needed where the file has several of that kind
+    bool codes = false;                  ///< people by the lab's codes, not by numbers of this page
+    std::vector<std::string> signals{};  ///< of yes/no: the shapes for which yes is right
+    std::size_t simulations =
+        199;  ///< of the mixed model without an effect: StatsOptions::simulations
+    std::size_t bootstrap = 500;  ///< of psychometric functions: FitOptions::bootstrap
+    std::string version{};        ///< of the program that makes the page
+};
 
 /// The rows of a query, to the byte as `palpate sql FILE --csv -c SQL` prints them.
 struct Rows {
@@ -29,18 +40,7 @@ struct Rows {
     [[nodiscard]] std::vector<std::string> levels(std::string_view name) const;
 };
 
-/// Rows that were not asked of the file.
-struct Results {
-    std::vector<std::string> names{};
-    std::vector<std::vector<std::string>> cells{};  ///< numbers in all their digits
-    std::string command{};                          ///< which prints the same numbers
-    std::string caption{};
-    bool folded = false;
-};
-
-/// A number in the fewest digits that read back to the same bits; empty for what is not finite.
-[[nodiscard]] std::string all_digits(double value);
-
+/// Who and what a page is about, as a file has it.
 class Study {
 public:
     /// @throws std::invalid_argument if the file has no such session, or several studies: which
@@ -60,6 +60,7 @@ public:
     /// @throws StoreError if the file says no
     [[nodiscard]] Rows ask(std::string_view sql) const;
 
+    /// The file, and what was asked; the study's id and title.
     [[nodiscard]] Database& database() const { return *database_; }
     [[nodiscard]] const PageOptions& options() const { return options_; }
     [[nodiscard]] const std::string& name() const { return name_; }

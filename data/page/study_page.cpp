@@ -76,11 +76,8 @@ std::optional<Audit> audit_numbers(Database& database,
                : std::nullopt;
 }
 
-}  // namespace
-
-std::string study_page(Database& database, const PageOptions& options) {
-    const Snapshot now(database);
-    const Study study(database, options);
+/// The commands that compute them again; no numbers yet.
+PageNumbers commands_of(const Study& study, const PageOptions& options) {
     PageNumbers numbers;
     numbers.stats_words =
         fmt::format("palpate stats {}{} --simulations {}{} --json", study.file(), study.words(),
@@ -91,6 +88,15 @@ std::string study_page(Database& database, const PageOptions& options) {
     numbers.fit_words = fmt::format("palpate fit {}{} --bootstrap {} --json", study.file(),
                                     study.words(), options.bootstrap);
     numbers.audit_words = fmt::format("palpate audit {}{}", study.file(), study.words());
+    return numbers;
+}
+
+}  // namespace
+
+std::string study_page(Database& database, const PageOptions& options) {
+    const Snapshot now(database);
+    const Study study(database, options);
+    PageNumbers numbers = commands_of(study, options);
 
     // Statistics need no database any more: they are computed while the rest is asked for.
     std::optional<TrialTable> trials = stats_trials(database, study);

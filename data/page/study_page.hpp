@@ -1,25 +1,13 @@
 #pragma once
 
-#include <cstddef>
 #include <string>
-#include <vector>
 
+#include "data/page/study.hpp"
 #include "data/store/database.hpp"
 
 /// A study as one page of HTML that stands alone: no script, no file beside it, nothing asked of a
 /// network.
 namespace palpate::data {
-
-struct PageOptions {
-    std::string kind = "real";           ///< real, pilot or simulated: never two of them
-    std::string study{};                 ///< needed where the file has several of that kind
-    bool codes = false;                  ///< people by the lab's codes, not by numbers of this page
-    std::vector<std::string> signals{};  ///< of yes/no: the shapes for which yes is right
-    std::size_t simulations =
-        199;  ///< of the mixed model without an effect: StatsOptions::simulations
-    std::size_t bootstrap = 500;  ///< of psychometric functions: FitOptions::bootstrap
-    std::string version{};        ///< of the program that makes the page
-};
 
 /// Flow and exclusions, confusions, the effect of friction within person, ratings, psychometric
 /// functions and their tracks, times, confidence, learning, exploration, the audit, health of the

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "data/inference/stats_tables.hpp"
 #include "data/page/sections.hpp"
 
 namespace palpate::data {
@@ -18,7 +19,7 @@ GROUP BY person, friction ORDER BY person, friction)";
 constexpr std::string_view kDeciles =
     R"(WITH own AS (
     SELECT person, friction, value AS share, quantile(reaction_s, value) AS response_s
-    FROM main, json_each('[0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9]')
+    FROM main, (SELECT column1 AS value FROM (VALUES (0.1), (0.2), (0.3), (0.4), (0.5), (0.6), (0.7), (0.8), (0.9)))
     WHERE counts AND NOT left_out AND reaction_s > 0
     GROUP BY person, friction, value)
 SELECT friction, share, count(*) AS people, geometric_mean(response_s) AS response_s
@@ -52,18 +53,15 @@ SELECT tenth, count(*) AS people, avg(share) AS share, people_share_low(share) A
        exp(people_mean_low(log_rt)) AS response_low, exp(people_mean_high(log_rt)) AS response_high
 FROM own GROUP BY tenth ORDER BY tenth)";
 
-Results tests_of(const PageNumbers& numbers,
-                 const char* caption,
-                 std::initializer_list<std::pair<const char*, const char*>> keys) {
-    Results results{
-        .names = test_names(), .cells = {}, .command = numbers.stats_words, .caption = caption};
-    for (const auto& [key, what] : keys) {
-        for (const auto& [name, test] : numbers.stats->applied.tests) {
-            if (name == key) {
-                results.cells.push_back(test_cells(what, test));
-            }
-        }
-    }
+/// Of palpate stats, the tests within person of slopes over trials, or the others: of confidence.
+Results tests_of(const PageNumbers& numbers, const char* caption, bool slopes) {
+    Results results{.table = within_table(*numbers.stats, numbers.stats->applied),
+                    .command = numbers.stats_words,
+                    .caption = caption};
+    std::erase_if(results.table.rows, [&](const auto& row) {
+        const std::string& key = std::get<Named>(row.front()).key;
+        return (key.ends_with("_per_trial") || key.ends_with("_since_break")) != slopes;
+    });
     return results;
 }
 
@@ -165,10 +163,8 @@ void add_calibration(PageWriter& page, const Study& study, const PageNumbers& nu
         "Means over the people who used the level, 95 % intervals over people. Where "
         "only one did, or all had the same share, there is none.";
     if (numbers.stats) {
-        figure.results.push_back(
-            tests_of(numbers, "Does confidence know? Each person's number, then over people",
-                     {{"confidence_area", "area under the type 2 ROC, against 0.5"},
-                      {"overconfidence", "confidence less share correct"}}));
+        figure.results.push_back(tests_of(
+            numbers, "Does confidence know? Each person's number, then over people", false));
     }
     page.figure(figure);
 }
@@ -201,12 +197,7 @@ void add_learning(PageWriter& page, const Study& study, const PageNumbers& numbe
                       .y = {.label = share == nullptr ? "share" : share->title}};
         add_trend(answers, figure.data, "tenth", "share", "share_low", "share_high");
         figure.panels.push_back(std::move(answers));
-        figure.results.push_back(
-            tests_of(numbers, "Slopes within person, against 0",
-                     {{"share_per_trial", "share, a trial"},
-                      {"share_since_break", "share, a trial since a break"},
-                      {"log_rt_per_trial", "ln response time, a trial"},
-                      {"log_rt_since_break", "ln response time, a trial since a break"}}));
+        figure.results.push_back(tests_of(numbers, "Slopes within person, against 0", true));
     }
     Panel times{.title = "response time",
                 .x = {.label = "tenth of a person's trials"},

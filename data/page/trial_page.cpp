@@ -21,20 +21,6 @@ constexpr std::string_view kAttempt =
        first_contact_s, done_s, reaction_s, confidence_reaction_s
 FROM analysis_trial WHERE trial_id = )";
 
-constexpr std::string_view kStyle = R"css(
-.live button { font: .85rem var(--sans); padding: .25rem .6rem; margin: 0 .3rem .3rem 0; color: var(--text);
-  background: var(--tint); border: 1px solid var(--rule); border-radius: .3rem; cursor: pointer; }
-.live button:focus-visible { outline: 2px solid var(--link); }
-.live output { display: block; font: .82rem var(--sans); color: var(--quiet); min-height: 2.6em; }
-.uplot .u-title { font: 600 13px var(--sans); text-align: left; padding-left: 60px; }
-.uplot .u-legend { font-family: var(--sans); font-size: 12px; text-align: left; margin: 0 0 .5rem 54px; }
-.u-legend th, .u-legend td { border: 0; padding: 0 .3rem 0 0; background: none; }
-.u-select { background: rgb(var(--cell) / .25); }
-.where { display: flex; align-items: center; gap: .5rem; font: .85rem var(--sans); }
-@media screen { .drawn .panels { display: none; } }
-@media print { .live { display: none; } }
-)css";
-
 /// A unit that people read, with its factor.
 struct DisplayUnit {
     const char* unit;
@@ -264,6 +250,48 @@ void add_facts(PageWriter& page,
     }
 }
 
+/// What was felt in the trial, an entry an interval: its number and how many ticks count.
+std::vector<TrialTrace> felt_intervals(Database& database, std::int64_t trial) {
+    Statement row = database.prepare(
+        "SELECT interval, ticks FROM presentation WHERE trial_id = ?1 ORDER BY interval");
+    row.bind(1, trial);
+    std::vector<TrialTrace> intervals;
+    while (row.step()) {
+        TrialTrace& one = intervals.emplace_back();
+        one.trial = trial;
+        one.interval = row.integer(0);
+        if (!row.null(1)) {
+            one.felt = row.integer(1);
+        }
+    }
+    return intervals;
+}
+
+PageFrame frame_of(const Study& study,
+                   const Owner& owner,
+                   const TrialPageOptions& options,
+                   bool drawn) {
+    PageFrame frame{
+        .kind = owner.kind,
+        .version = options.version,
+        .kicker = fmt::format("Protocol {}, {} data", study.name(), owner.kind),
+        .title = fmt::format("Trial {}", options.trial),
+        .name = fmt::format("Trial {} of {}", options.trial, study.name()),
+        .footer = fmt::format(
+            "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
+            options.codes ? study.file() : "the study's database, called FILE here",
+            options.codes ? "" : ", no code of a participant and no name of a file")};
+    if (drawn) {
+        frame.footer +=
+            " Ticks are drawn by uPlot (MIT), whose licence stands in the page's source.";
+        frame.style = fmt::format("{}\n{}", uplot_style(), trial_style());
+        const std::string_view uplot = uplot_script();
+        frame.script = fmt::format("\n/* uPlot:\n{}*/\n{}{}", uplot_licence(),
+                                   uplot.substr(uplot.find('\n') + 1), trial_script());
+    }
+    return frame;
+}
+
 }  // namespace
 
 std::string trial_page(Database& database, const TrialPageOptions& options) {
@@ -279,18 +307,7 @@ std::string trial_page(Database& database, const TrialPageOptions& options) {
     add_facts(page, database, study, owner, attempt);
 
     SessionTraces traces = session_traces(database, owner.session);
-    Statement row = database.prepare(
-        "SELECT interval, ticks FROM presentation WHERE trial_id = ?1 ORDER BY interval");
-    row.bind(1, options.trial);
-    std::vector<TrialTrace> intervals;
-    while (row.step()) {
-        TrialTrace& one = intervals.emplace_back();
-        one.trial = options.trial;
-        one.interval = row.integer(0);
-        if (!row.null(1)) {
-            one.felt = row.integer(1);
-        }
-    }
+    std::vector<TrialTrace> intervals = felt_intervals(database, options.trial);
     bool drawn = false;
     for (TrialTrace& one : intervals) {
         if (intervals.size() > 1) {
@@ -301,7 +318,7 @@ std::string trial_page(Database& database, const TrialPageOptions& options) {
         const TrialContext context = trial_context(database, options.trial, one.interval);
         const StoredChunks chunks = stored_chunks(database, options.trial, one.interval);
         one.scene = traces.scene_of(context.trial);
-        Replayed replayed = traces.replay(context.trial, chunks.views);
+        ReplayResult replayed = traces.replay(context.trial, chunks.views);
         if (replayed.differs_from) {
             throw ReplayError(replay_sentence(options.trial, *replayed.differs_from));
         }
@@ -318,25 +335,7 @@ std::string trial_page(Database& database, const TrialPageOptions& options) {
         add_strips(page, study, one);
         drawn = true;
     }
-    PageFrame frame{
-        .kind = owner.kind,
-        .version = options.version,
-        .kicker = fmt::format("Protocol {}, {} data", study.name(), owner.kind),
-        .title = fmt::format("Trial {}", options.trial),
-        .name = fmt::format("Trial {} of {}", options.trial, study.name()),
-        .footer = fmt::format(
-            "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
-            options.codes ? study.file() : "the study's database, called FILE here",
-            options.codes ? "" : ", no code of a participant and no name of a file")};
-    if (drawn) {
-        frame.footer +=
-            " Ticks are drawn by uPlot (MIT), whose licence stands in the page's source.";
-        frame.style = std::string(uplot_style()) + std::string(kStyle);
-        const std::string_view uplot = uplot_script();
-        frame.script = fmt::format("\n/* uPlot:\n{}*/\n{}{}", uplot_licence(),
-                                   uplot.substr(uplot.find('\n') + 1), trial_script());
-    }
-    return page.page(frame);
+    return page.page(frame_of(study, owner, options, drawn));
 }
 
 }  // namespace palpate::data

@@ -9,6 +9,7 @@
 /// Its one script draws every tick; without scripts and on paper drawings stand there instead.
 namespace palpate::data {
 
+/// Which trial, and how its person is called.
 struct TrialPageOptions {
     std::int64_t trial = 0;  ///< trial.trial_id
     bool codes =

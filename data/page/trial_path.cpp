@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "engine/geometry/outline.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "stimuli/free_outline.hpp"
 #include "stimuli/surface_patch.hpp"
 #include "protocols/session/exploration_meter.hpp"

@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "data/export/json_text.hpp"
+#include "engine/realtime/felt_scene.hpp"
+#include "data/csv/json_text.hpp"
 #include "data/page/tick_text.hpp"
 #include "data/page/trial_trace.hpp"
 

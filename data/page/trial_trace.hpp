@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/page/html.hpp"
 #include "data/trace/ticks.hpp"
@@ -47,10 +47,11 @@ void add_path(PageWriter& page, const Study& study, const TrialTrace& trace);
 /// Every tick, and a table of every second.
 void add_strips(PageWriter& page, const Study& study, const TrialTrace& trace);
 
-/// What stands in the page beside its numbers, as it lies in uplot/ and trial_script.js.
+/// What stands in the page beside its numbers, as it lies in uplot/ and trial_*.
 [[nodiscard]] std::string_view uplot_script();   ///< defines uPlot
 [[nodiscard]] std::string_view uplot_style();    ///< its style sheet
 [[nodiscard]] std::string_view uplot_licence();  ///< MIT: goes with every copy
+[[nodiscard]] std::string_view trial_style();    ///< of that page alone, after page_style()
 [[nodiscard]] std::string_view trial_script();   ///< draws the page's ticks with it
 
 }  // namespace palpate::data

@@ -17,11 +17,13 @@ struct AxisRange {
     [[nodiscard]] bool holds(double value) const;
 };
 
+/// A mark on an axis.
 struct AxisTick {
     double at = 0.0;
     std::string label;  ///< empty for a minor tick
 };
 
+/// All marks of an axis, rising.
 struct AxisTicks {
     std::vector<AxisTick> ticks;
     int exponent = 0;  ///< labels are values / 10^exponent; a multiple of 3

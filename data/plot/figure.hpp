@@ -85,6 +85,7 @@ struct Label {
     Ink ink = Ink::black;
 };
 
+/// What an axis measures.
 struct Axis {
     std::string label{};  ///< "time"
     std::string unit{};   ///< "s"; empty for a pure number

@@ -44,14 +44,9 @@ std::string safe_id(const std::string& id) {
     return out;
 }
 
-}  // namespace
-
-std::string svg(const Figure& figure) {
-    check(figure);
+/// Panels of `cell` px, aligned within columns, and along x where they share it.
+std::vector<PanelPlan> plans_of(const Figure& figure, double cell) {
     const auto columns = static_cast<std::size_t>(figure.columns);
-    const double cell =
-        (figure.width - 2.0 * kFigureEdge - kBetween * (figure.columns - 1)) / figure.columns;
-
     std::vector<PanelPlan> plans;
     std::vector<double> left(columns, 0.0);
     for (const Panel& panel : figure.panels) {
@@ -70,7 +65,18 @@ std::string svg(const Figure& figure) {
     for (std::size_t i = 0; i < plans.size(); ++i) {
         plans[i].align(left[i % columns]);
     }
+    return plans;
+}
 
+}  // namespace
+
+std::string svg(const Figure& figure) {
+    check(figure);
+    const auto columns = static_cast<std::size_t>(figure.columns);
+    const double cell =
+        (figure.width - 2.0 * kFigureEdge - kBetween * (figure.columns - 1)) / figure.columns;
+
+    std::vector<PanelPlan> plans = plans_of(figure, cell);
     const std::string id = safe_id(figure.id);
     std::string body;
     double y = kFigureEdge;

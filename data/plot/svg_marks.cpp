@@ -162,13 +162,12 @@ std::string PanelPlan::labels(const Rect& plot) const {
     return out;
 }
 
-/// Labels go where they cover least: of 32 places round the dot the one with the fewest points of
-/// lines, other labels and dots under it, the nearest first.
-std::string PanelPlan::markers(const Rect& plot) const {
+/// What labels should not cover: points of the lines, 4 px apart at most.
+std::vector<PanelPlan::Point> PanelPlan::ink(const Rect& plot) const {
     std::vector<Point> ink;
     for (const Series& series : panel_->series) {
         Point last{-1e9, -1e9};
-        for (std::size_t i = 0; i < series.x.size() && !panel_->markers.empty(); ++i) {
+        for (std::size_t i = 0; i < series.x.size(); ++i) {
             if (x_.holds(series.x[i]) && y_.holds(series.y[i])) {
                 const Point p = place(series.x[i], series.y[i], plot);
                 const double gap = distance(p.x, p.y, last.x, last.y);
@@ -187,12 +186,16 @@ std::string PanelPlan::markers(const Rect& plot) const {
             }
         }
     }
-    std::vector<Point> dots;
-    for (const Marker& marker : panel_->markers) {
-        if (x_.holds(marker.x) && y_.holds(marker.y)) {
-            dots.push_back(place(marker.x, marker.y, plot));
-        }
-    }
+    return ink;
+}
+
+/// Labels go where they cover least: of 32 places round the dot the one with the fewest points of
+/// lines, other labels and dots under it, the nearest first.
+PanelPlan::Point PanelPlan::label_place(const Point& dot,
+                                        const std::vector<Point>& ink,
+                                        const std::vector<Point>& dots,
+                                        const std::vector<Point>& labels,
+                                        const Rect& plot) {
     constexpr std::array<Point, 8> kRound{{{0.0, -1.0},
                                            {0.7071, -0.7071},
                                            {-0.7071, -0.7071},
@@ -201,6 +204,44 @@ std::string PanelPlan::markers(const Rect& plot) const {
                                            {0.0, 1.0},
                                            {0.7071, 0.7071},
                                            {-0.7071, 0.7071}}};
+    Point best;
+    double least = 1e300;
+    for (const double far : {16.0, 22.0, 30.0, 40.0}) {
+        for (const Point& way : kRound) {
+            const Point at{dot.x + far * way.x, dot.y + far * way.y};
+            double cost = 0.2 * far;
+            for (const Point& p : ink) {
+                cost += distance(p.x, p.y, at.x, at.y) < kRing + 3.0 ? 4.0 : 0.0;
+            }
+            for (const Point& p : dots) {
+                cost += distance(p.x, p.y, at.x, at.y) < kRing + 4.0 ? 30.0 : 0.0;
+            }
+            for (const Point& p : labels) {
+                cost += distance(p.x, p.y, at.x, at.y) < 2.0 * kRing + 1.0 ? 200.0 : 0.0;
+            }
+            const bool inside = at.x > plot.x + kRing && at.x < plot.x + plot.width - kRing &&
+                                at.y > plot.y + kRing && at.y < plot.y + plot.height - kRing;
+            cost += inside ? 0.0 : 500.0;
+            if (cost < least) {
+                least = cost;
+                best = at;
+            }
+        }
+    }
+    return best;
+}
+
+std::string PanelPlan::markers(const Rect& plot) const {
+    if (panel_->markers.empty()) {
+        return "";
+    }
+    const std::vector<Point> lines = ink(plot);
+    std::vector<Point> dots;
+    for (const Marker& marker : panel_->markers) {
+        if (x_.holds(marker.x) && y_.holds(marker.y)) {
+            dots.push_back(place(marker.x, marker.y, plot));
+        }
+    }
     std::vector<Point> labels;
     std::string out;
     std::size_t next = 0;
@@ -209,30 +250,7 @@ std::string PanelPlan::markers(const Rect& plot) const {
             continue;
         }
         const Point dot = dots[next++];
-        Point best;
-        double least = 1e300;
-        for (const double far : {16.0, 22.0, 30.0, 40.0}) {
-            for (const Point& way : kRound) {
-                const Point at{dot.x + far * way.x, dot.y + far * way.y};
-                double cost = 0.2 * far;
-                for (const Point& p : ink) {
-                    cost += distance(p.x, p.y, at.x, at.y) < kRing + 3.0 ? 4.0 : 0.0;
-                }
-                for (const Point& p : dots) {
-                    cost += distance(p.x, p.y, at.x, at.y) < kRing + 4.0 ? 30.0 : 0.0;
-                }
-                for (const Point& p : labels) {
-                    cost += distance(p.x, p.y, at.x, at.y) < 2.0 * kRing + 1.0 ? 200.0 : 0.0;
-                }
-                const bool inside = at.x > plot.x + kRing && at.x < plot.x + plot.width - kRing &&
-                                    at.y > plot.y + kRing && at.y < plot.y + plot.height - kRing;
-                cost += inside ? 0.0 : 500.0;
-                if (cost < least) {
-                    least = cost;
-                    best = at;
-                }
-            }
-        }
+        const Point best = label_place(dot, lines, dots, labels, plot);
         labels.push_back(best);
         const double gap = distance(best.x, best.y, dot.x, dot.y);
         const double s = 1.0 - kRing / gap;

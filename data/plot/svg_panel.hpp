@@ -76,6 +76,12 @@ private:
     [[nodiscard]] std::string arrows(const Rect& plot) const;
     [[nodiscard]] std::string labels(const Rect& plot) const;
     [[nodiscard]] std::string markers(const Rect& plot) const;
+    [[nodiscard]] std::vector<Point> ink(const Rect& plot) const;
+    [[nodiscard]] static Point label_place(const Point& dot,
+                                           const std::vector<Point>& ink,
+                                           const std::vector<Point>& dots,
+                                           const std::vector<Point>& labels,
+                                           const Rect& plot);
 
     const Panel* panel_;
     double width_ = 0.0;

@@ -26,6 +26,7 @@ struct ColumnManual {
     std::string source;  ///< of a view: "table.column" that it repeats, else ""
 };
 
+/// What the catalogue says of a table or view.
 struct TableManual {
     std::string name;
     std::string meaning;  ///< the comment above its columns

@@ -10,7 +10,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
-#include "data/export/json_text.hpp"
+#include "data/csv/json_text.hpp"
 
 namespace palpate::data {
 namespace {
@@ -26,7 +26,7 @@ std::string hexadecimal(const std::string& bytes) {
     return text;
 }
 
-std::string bare(const Cell& cell) {
+std::string bare(const SqlValue& cell) {
     struct Visitor {
         std::string operator()(std::monostate) const { return {}; }
         std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
@@ -37,7 +37,7 @@ std::string bare(const Cell& cell) {
     return std::visit(Visitor{}, cell);
 }
 
-bool is_number(const Cell& cell) {
+bool is_number(const SqlValue& cell) {
     return std::holds_alternative<std::int64_t>(cell) || std::holds_alternative<double>(cell);
 }
 
@@ -48,12 +48,12 @@ std::size_t width_of(std::string_view text) {
     }));
 }
 
-std::string csv_of(const Cell& cell) {
+std::string csv_of(const SqlValue& cell) {
     const auto* text = std::get_if<std::string>(&cell);
     return text == nullptr ? bare(cell) : csv_field(*text);
 }
 
-std::string json_value(const Cell& cell) {
+std::string json_value(const SqlValue& cell) {
     if (const auto* real = std::get_if<double>(&cell)) {
         return std::isnan(*real) ? "null"
              : std::isinf(*real) ? (*real > 0.0 ? "1e999" : "-1e999")
@@ -85,7 +85,7 @@ RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string
     }
 }
 
-void RowPrinter::row(std::vector<Cell> cells) {
+void RowPrinter::row(std::vector<SqlValue> cells) {
     ++rows_;
     if (format_ == RowFormat::csv) {
         const std::string line = joined(cells, csv_of);
@@ -121,8 +121,8 @@ void RowPrinter::print_table_rows() {
             widths_[i] = std::max(widths_[i], width_of(plain(bare(cells[i]))));
         }
     }
-    std::vector<Cell> head(names_.begin(), names_.end());
-    std::vector<Cell> line;
+    std::vector<SqlValue> head(names_.begin(), names_.end());
+    std::vector<SqlValue> line;
     for (const std::size_t width : widths_) {
         line.emplace_back(std::string(width, '-'));
     }
@@ -133,7 +133,7 @@ void RowPrinter::print_table_rows() {
     }
 }
 
-void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
+void RowPrinter::print_table_row(const std::vector<SqlValue>& cells) const {
     std::string line;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const std::string text = plain(bare(cells[i]));
@@ -146,7 +146,7 @@ void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
     fmt::print(out_, "{}\n", line);
 }
 
-void RowPrinter::print_json_row(const std::vector<Cell>& cells) {
+void RowPrinter::print_json_row(const std::vector<SqlValue>& cells) {
     std::string text = rows_ == 1 ? "[{" : ",\n{";
     for (std::size_t i = 0; i < cells.size(); ++i) {
         text += fmt::format("{}{}: {}", i > 0 ? ", " : "", json_string(names_[i]),

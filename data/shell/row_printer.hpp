@@ -12,8 +12,9 @@ namespace palpate::data {
 struct BlobCell {
     std::string bytes;
 };
-using Cell = std::variant<std::monostate, std::int64_t, double, std::string, BlobCell>;
+using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string, BlobCell>;
 
+/// What rows look like.
 enum class RowFormat : std::uint8_t {
     table,  ///< aligned by the first 1,000 rows, for people; NULL is empty
     csv,    ///< texts by csv_field(), "\n"; NULL is empty; a blob is hexadecimal
@@ -26,20 +27,23 @@ enum class RowFormat : std::uint8_t {
 /// Writes the rows of one statement. Numbers in the fewest digits that read back to the same bits.
 class RowPrinter {
 public:
+    /// @param names  of the columns   @param out  stays the caller's
     RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string> names);
-    void row(std::vector<Cell> cells);
+    /// The next row, one cell a name. A table is held back until its widths are known.
+    void row(std::vector<SqlValue> cells);
+    /// After the last row: what is still held back, and the end of an array.
     void end();
 
 private:
     void print_table_rows();
-    void print_table_row(const std::vector<Cell>& cells) const;
-    void print_json_row(const std::vector<Cell>& cells);
+    void print_table_row(const std::vector<SqlValue>& cells) const;
+    void print_json_row(const std::vector<SqlValue>& cells);
 
     std::FILE* out_;
     RowFormat format_;
     std::vector<std::string> names_;
     std::vector<std::size_t> widths_;
-    std::vector<std::vector<Cell>> waiting_;  ///< rows of a table until its widths are known
+    std::vector<std::vector<SqlValue>> waiting_;  ///< rows of a table until its widths are known
     bool head_printed_ = false;
     std::size_t rows_ = 0;
 };

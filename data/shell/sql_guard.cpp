@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdint>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <sys/time.h>
+#include <unistd.h>
 
 #include "engine/base/text.hpp"
 
@@ -18,6 +21,33 @@ constexpr int kLongestValue = 50'000'000;  // bytes; the longest that palpate st
 /// bytes; what does not find room is refused, and goes to no disk
 constexpr std::int64_t kMaxMemory = std::int64_t{1} << 30U;
 
+/// A function of SQLite's own cannot be ended: instr of 1 MB takes 5 s, LIKE of 0.25 MB 18 s.
+/// SIGPROF comes when the statement's time is over, and SQLite ends it when it next looks; and once
+/// more a second later, when one step goes on for ever: then the program ends.
+volatile std::sig_atomic_t time_is_over = 0;
+
+void on_time(int /*signal*/) {
+    if (time_is_over != 0) {
+        constexpr std::string_view kSaid =
+            "palpate: one step of this takes longer than a statement may, --steps gives it more; "
+            "of rows before it the last may be missing\n";
+        [[maybe_unused]] const auto said = write(STDERR_FILENO, kSaid.data(), kSaid.size());
+        _exit(1);
+    }
+    time_is_over = 1;
+}
+
+/// @param us  of the processor, from now on; 0: as much as it takes
+void limit_time(std::int64_t us) {
+    time_is_over = 0;
+    std::signal(SIGPROF, on_time);
+    const itimerval limit{
+        .it_interval = {.tv_sec = us == 0 ? 0 : 1, .tv_usec = 0},
+        .it_value = {.tv_sec = us / 1'000'000, .tv_usec = us % 1'000'000},
+    };
+    setitimer(ITIMER_PROF, &limit, nullptr);
+}
+
 /// Pragmas that only say something; others change the connection, the file or other files.
 bool only_says(std::string_view pragma, bool with_value) {
     constexpr std::array<std::string_view, 16> kSay{
@@ -29,13 +59,66 @@ bool only_says(std::string_view pragma, bool with_value) {
            (!with_value && (pragma == "user_version" || pragma == "application_id"));
 }
 
+/// SQLite's printf, in a database of its own. Of a text that is longer than a value may be it makes
+/// NULL without a word; behind an x nothing else is NULL.
+struct Printf {
+    static constexpr int kArguments = 127;  // SQLite's own limit
+    sqlite3* own = nullptr;
+    sqlite3_stmt* select = nullptr;
+
+    Printf() {
+        std::string sql = "SELECT printf('x' || ?1";
+        for (int i = 2; i <= kArguments; ++i) {
+            sql += fmt::format(", ?{}", i);
+        }
+        if (sqlite3_open(":memory:", &own) == SQLITE_OK) {
+            sqlite3_limit(own, SQLITE_LIMIT_LENGTH, kLongestValue);
+            sqlite3_prepare_v2(own, (sql + ')').c_str(), -1, &select, nullptr);
+        }
+    }
+    Printf(const Printf&) = delete;
+    Printf& operator=(const Printf&) = delete;
+    ~Printf() {
+        sqlite3_finalize(select);
+        sqlite3_close(own);
+    }
+
+    static void call(sqlite3_context* context, int count, sqlite3_value** values) noexcept {
+        sqlite3_stmt* row = static_cast<Printf*>(sqlite3_user_data(context))->select;
+        if (count == 0 || sqlite3_value_bytes(values[0]) == 0) {
+            return;  // NULL
+        }
+        int code = SQLITE_OK;
+        for (int i = 0; i < count && code == SQLITE_OK; ++i) {
+            code = sqlite3_bind_value(row, i + 1, values[i]);
+        }
+        code = code == SQLITE_OK ? sqlite3_step(row) : code;
+        if (code != SQLITE_ROW) {
+            sqlite3_result_error_code(context, code);
+        } else if (sqlite3_column_type(row, 0) == SQLITE_NULL) {
+            sqlite3_result_error_toobig(context);
+        } else {
+            const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, 0));
+            sqlite3_result_text(context, text + 1, sqlite3_column_bytes(row, 0) - 1,
+                                SQLITE_TRANSIENT);
+        }
+        sqlite3_reset(row);
+        sqlite3_clear_bindings(row);
+    }
+};
+
 }  // namespace
 
 SqlGuard::SqlGuard(Database& database, SqlLimits limits) : database_(database), limits_(limits) {
-    begin();
     database.execute("PRAGMA temp_store = MEMORY");  // sorted rows, as many as a query makes
     sqlite3_hard_heap_limit64(kMaxMemory);
     sqlite3_limit(database.handle(), SQLITE_LIMIT_LENGTH, kLongestValue);
+    for (const char* name : {"printf", "format"}) {
+        sqlite3_create_function_v2(database.handle(), name, -1,
+                                   SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS,
+                                   new Printf, Printf::call, nullptr, nullptr,
+                                   [](void* one) { delete static_cast<Printf*>(one); });
+    }
     sqlite3_progress_handler(database.handle(), kStepsAtOnce, count, this);
     sqlite3_set_authorizer(database.handle(), authorize, this);
 }
@@ -44,15 +127,18 @@ SqlGuard::~SqlGuard() {
     sqlite3_progress_handler(database_.handle(), 0, nullptr, nullptr);
     sqlite3_set_authorizer(database_.handle(), nullptr, nullptr);
     sqlite3_hard_heap_limit64(0);
+    limit_time(0);
 }
 
 void SqlGuard::begin() noexcept {
     steps_left_ = limits_.steps;
     attached_ = false;
+    limit_time(std::max(limits_.steps, std::int64_t{1'000}));  // a step takes 0.02 to 0.1 us
 }
 
 int SqlGuard::count(void* guard) noexcept {
-    return (static_cast<SqlGuard*>(guard)->steps_left_ -= kStepsAtOnce) < 0 ? 1 : 0;
+    const bool ends = (static_cast<SqlGuard*>(guard)->steps_left_ -= kStepsAtOnce) < 0;
+    return ends || time_is_over != 0 ? 1 : 0;
 }
 
 int SqlGuard::authorize(void* guard,
@@ -79,7 +165,7 @@ int SqlGuard::authorize(void* guard,
         case SQLITE_DETACH:
             own.attached_ = true;
             return own.limits_.attach ? SQLITE_OK : SQLITE_DENY;
-        case SQLITE_UPDATE:  // how SQLite declares a virtual table; who asks for it is refused by SQLite itself
+        case SQLITE_UPDATE:  // how SQLite declares a virtual table; it refuses others itself
             return std::string_view(first) == "sqlite_master" ? SQLITE_OK : SQLITE_DENY;
         default:
             return SQLITE_DENY;

@@ -10,14 +10,17 @@ namespace palpate::data {
 
 /// What a query may.
 struct SqlLimits {
-    bool attach = false;                 ///< read other files too
-    std::int64_t steps = 2'000'000'000;  ///< of SQLite's machine, a statement
+    bool attach = false;  ///< read other files too
+    std::int64_t steps =
+        2'000'000'000;  ///< of SQLite's machine, and us of processor time, a statement
 };
 
 /// While it lives, statements on a database read that file alone, by plain functions, make no value
-/// of more than 50 MB, and end: somebody may have pasted them from anywhere.
+/// of more than 50 MB, and end: somebody may have pasted them from anywhere. A single step that goes
+/// on a second longer than all of them may ends the program, with exit code 1. One at a time.
 class SqlGuard {
 public:
+    /// @param database  outlives this; nothing else may set its authorizer meanwhile
     SqlGuard(Database& database, SqlLimits limits);
     SqlGuard(const SqlGuard&) = delete;
     SqlGuard& operator=(const SqlGuard&) = delete;

@@ -44,15 +44,7 @@ struct Finalize {
 };
 using Prepared = std::unique_ptr<sqlite3_stmt, Finalize>;
 
-std::string_view trimmed(std::string_view text, std::string_view what = kSpace) {
-    const std::size_t begin = text.find_first_not_of(what);
-    if (begin == std::string_view::npos) {
-        return {};
-    }
-    return text.substr(begin, text.find_last_not_of(what) - begin + 1);
-}
-
-Cell cell_of(sqlite3_stmt* row, int column) {
+SqlValue sql_value(sqlite3_stmt* row, int column) {
     const auto bytes = [&] {
         const auto* data = static_cast<const char*>(sqlite3_column_blob(row, column));
         const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, column));
@@ -93,13 +85,13 @@ std::vector<std::string> wrapped(std::string_view sentence, RowFormat format) {
 /// A row whose last cell is a sentence; what does not fit goes on below it.
 void print_row(RowPrinter& printer,
                RowFormat format,
-               std::vector<Cell> cells,
+               std::vector<SqlValue> cells,
                std::string_view sentence) {
     for (const std::string& line : wrapped(sentence, format)) {
-        std::vector<Cell> row = cells;
+        std::vector<SqlValue> row = cells;
         row.emplace_back(line);
         printer.row(std::move(row));
-        std::fill(cells.begin(), cells.end(), Cell(std::string()));
+        std::fill(cells.begin(), cells.end(), SqlValue(std::string()));
     }
 }
 
@@ -129,6 +121,14 @@ std::vector<TableManual> manual_of(Database& database) {
     return tables;
 }
 
+/// In any letters, as SQL takes names.
+bool names_sample(std::string_view sql) {
+    constexpr std::string_view kName = "sample";
+    return !std::ranges::search(sql, kName, {}, [](char c) {
+                return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+            }).empty();
+}
+
 }  // namespace
 
 SqlShell::SqlShell(
@@ -156,7 +156,7 @@ bool SqlShell::run(std::string_view text, std::size_t first_line) {
         }
         if (rest.front() == '.') {
             const std::size_t end = std::min(rest.find('\n'), rest.size());
-            if (!word(trimmed(rest.substr(0, end)))) {
+            if (!word(trimmed(rest.substr(0, end), kSpace))) {
                 return false;
             }
             rest.remove_prefix(end);
@@ -170,10 +170,13 @@ bool SqlShell::run(std::string_view text, std::size_t first_line) {
 void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t first_line) {
     const char* why = sqlite3_errmsg(database_.handle());
     if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
-        const bool no_room = sqlite3_errcode(database_.handle()) == SQLITE_NOMEM;
-        fmt::print(
-            error_, "palpate: {}{}\n", plain(why),
-            no_room ? ": more than 1 GB is asked for; sort, group or join less at once" : "");
+        const int code = sqlite3_errcode(database_.handle());
+        fmt::print(error_, "palpate: {}{}\n", plain(why),
+                   code == SQLITE_NOMEM
+                       ? ": more than 1 GB is asked for; sort, group or join less at once"
+                   : code == SQLITE_TOOBIG
+                       ? ": no value is longer than 50 MB here; put fewer or shorter ones together"
+                       : "");
         return;
     }
     const std::string_view before = all.substr(0, offset);
@@ -183,6 +186,27 @@ void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t fi
         all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
     fmt::print(error_, "palpate: {}:{}: {}\n  {}\n  {}^\n", first_line + lines, offset - begin + 1,
                plain(why), plain(line), std::string(offset - begin, ' '));
+}
+
+int SqlShell::print_rows(sqlite3_stmt* raw) {
+    const int columns = sqlite3_column_count(raw);
+    std::vector<std::string> names;
+    for (int i = 0; i < columns; ++i) {
+        names.emplace_back(sqlite3_column_name(raw, i));
+    }
+    int step = sqlite3_step(raw);
+    if (columns > 0 && (step == SQLITE_ROW || step == SQLITE_DONE)) {
+        RowPrinter printer(out_, format_, std::move(names));
+        for (; step == SQLITE_ROW; step = sqlite3_step(raw)) {
+            std::vector<SqlValue> cells;
+            for (int i = 0; i < columns; ++i) {
+                cells.push_back(sql_value(raw, i));
+            }
+            printer.row(std::move(cells));
+        }
+        printer.end();
+    }
+    return step;
 }
 
 bool SqlShell::statement(std::string_view& text, std::string_view all, std::size_t first_line) {
@@ -214,35 +238,19 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         fmt::print(error_, "{}", guard_.refusal(sqlite3_sql(raw)));
         return false;
     }
-    const int columns = sqlite3_column_count(raw);
-    std::vector<std::string> names;
-    for (int i = 0; i < columns; ++i) {
-        names.emplace_back(sqlite3_column_name(raw, i));
-    }
-    int step = sqlite3_step(raw);
-    if (columns > 0 && (step == SQLITE_ROW || step == SQLITE_DONE)) {
-        RowPrinter printer(out_, format_, std::move(names));
-        for (; step == SQLITE_ROW; step = sqlite3_step(raw)) {
-            std::vector<Cell> cells;
-            for (int i = 0; i < columns; ++i) {
-                cells.push_back(cell_of(raw, i));
-            }
-            printer.row(std::move(cells));
-        }
-        printer.end();
-    }
+    const int step = print_rows(raw);
     const std::string_view asked(sqlite3_sql(raw));
-    if (step == SQLITE_DONE && asked.find("sample") != std::string_view::npos && no_ticks()) {
+    if (step == SQLITE_DONE && names_sample(asked) && no_ticks()) {
         std::fflush(out_);
         fmt::print(error_, "palpate: no ticks are kept in this file: sample has no row\n");
     }
     if (step != SQLITE_DONE) {
         std::fflush(out_);
         if ((step & 0xFF) == SQLITE_INTERRUPT) {
-            fmt::print(
-                error_,
-                "palpate: this has not ended after {} steps of SQLite; --steps gives it more\n",
-                guard_.limits().steps);
+            fmt::print(error_,
+                       "palpate: this has not ended after {} steps of SQLite, or as many us of the "
+                       "processor; --steps gives it more\n",
+                       guard_.limits().steps);
         } else {
             complain(all, std::string_view::npos, first_line);
         }
@@ -261,7 +269,7 @@ bool SqlShell::no_ticks() {
 bool SqlShell::word(std::string_view line) {
     const std::size_t space = std::min(line.find(' '), line.size());
     const std::string_view name = line.substr(0, space);
-    const std::string_view rest = trimmed(line.substr(space));
+    const std::string_view rest = trimmed(line.substr(space), kSpace);
     if (name == ".quit" || name == ".exit") {
         quit_ = true;
         return true;

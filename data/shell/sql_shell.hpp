@@ -34,6 +34,8 @@ public:
 
 private:
     bool statement(std::string_view& text, std::string_view all, std::size_t first_line);
+    /// All rows. @return what the last step of SQLite gave
+    int print_rows(sqlite3_stmt* raw);
     [[nodiscard]] bool no_ticks();
     bool word(std::string_view line);
     void tables();

@@ -1,5 +1,4 @@
-#include <boost/math/special_functions/beta.hpp>
-
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/wilson.hpp"
 
 namespace palpate::data {
@@ -10,10 +9,10 @@ Interval clopper_pearson(std::int64_t k, std::int64_t n, double confidence) {
     const auto hits = static_cast<double>(k);
     const auto misses = static_cast<double>(n - k);
     if (k > 0) {  // P(X >= k) = I_p(k, n - k + 1)
-        interval.low = boost::math::ibeta_inv(hits, misses + 1.0, tail);
+        interval.low = beta_quantile(hits, misses + 1.0, tail);
     }
     if (k < n) {  // P(X <= k) = 1 - I_p(k + 1, n - k)
-        interval.high = boost::math::ibetac_inv(hits + 1.0, misses, tail);
+        interval.high = beta_upper_quantile(hits + 1.0, misses, tail);
     }
     return interval;
 }

@@ -27,6 +27,7 @@ namespace palpate::data {
                              std::int64_t m,
                              std::int64_t least = 0);
 
+/// What yes/no answers say by signal detection.
 struct YesNo {
     double d_prime = 0.0;    ///< z(hit rate) - z(false alarm rate)
     double criterion = 0.0;  ///< c = -(z(hit rate) + z(false alarm rate)) / 2: above 0 rather no

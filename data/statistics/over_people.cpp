@@ -4,11 +4,11 @@
 #include <cmath>
 #include <vector>
 
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/base/text.hpp"
+#include "data/statistics/distributions.hpp"
 
 namespace palpate::data {
 namespace {
@@ -28,7 +28,7 @@ std::optional<double> half_width(std::span<const double> values, double mean) {
     if (values.size() < 2 || alike) {
         return std::nullopt;
     }
-    const double t = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975);
+    const double t = t_quantile(0.975, n - 1.0);
     return t * std::sqrt(squares / (n - 1.0) / n);
 }
 

@@ -15,6 +15,7 @@
 /// in .70 of samples.
 namespace palpate::data {
 
+/// The mean over people, with its interval.
 struct PeopleMean {
     std::size_t people = 0;
     double mean = 0.0;
@@ -53,6 +54,7 @@ struct LeftOutPerson {
 /// known. Nothing for no value, or where the middle is not finite. @pre none is NaN
 [[nodiscard]] std::optional<double> median_of(std::vector<double> values);
 
+/// The p of a sign-flip test, two-sided.
 struct SignFlip {
     double p = 1.0;
     bool exact = true;  ///< every pattern of signs was counted

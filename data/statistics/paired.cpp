@@ -5,9 +5,8 @@
 #include <numeric>
 #include <vector>
 
-#include <boost/math/distributions/students_t.hpp>
-
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/over_people.hpp"
 
 namespace palpate::data {
@@ -71,8 +70,7 @@ std::optional<PairedT> paired_t(std::span<const double> differences) {
     const auto n = static_cast<double>(differences.size());
     PairedT made{.mean = mean.mean, .sd = std::sqrt(squares / (n - 1.0)), .df = n - 1.0};
     made.t = made.mean / (made.sd / std::sqrt(n));
-    made.p =
-        2.0 * boost::math::cdf(complement(boost::math::students_t(made.df), std::fabs(made.t)));
+    made.p = t_two_sided(made.t, made.df);
     made.interval = *mean.interval;
     made.dz = made.mean / made.sd;
     return made;

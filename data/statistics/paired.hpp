@@ -10,6 +10,7 @@
 /// not, and none counts trials. The sign-flip test is in over_people.hpp.
 namespace palpate::data {
 
+/// Student's t of differences.
 struct PairedT {
     double mean = 0.0;
     double sd = 0.0;
@@ -23,6 +24,7 @@ struct PairedT {
 /// Student's paired t. Nothing for fewer than two people, or where all have the same value.
 [[nodiscard]] std::optional<PairedT> paired_t(std::span<const double> differences);
 
+/// Wilcoxon's signed ranks.
 struct SignedRank {
     double v = 0.0;          ///< sum of the ranks of what is above 0
     std::size_t ranked = 0;  ///< that are not 0: zeros are left out, as Wilcoxon did

@@ -4,6 +4,7 @@
 
 namespace palpate::data {
 
+/// From low to high, both included.
 struct Interval {
     double low = 0.0;
     double high = 1.0;

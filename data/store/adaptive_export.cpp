@@ -8,6 +8,25 @@
 
 namespace palpate::data {
 
+namespace {
+
+std::string responses_of(Database& database, std::int64_t session, std::int64_t run) {
+    std::string text = "stimulus,response\n";
+    Statement step = database.prepare(
+        "SELECT presentation.stimulus, adaptive_step.rule_outcome FROM adaptive_step JOIN trial "
+        "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
+        "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
+        "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
+        "NULL ORDER BY trial.trial_id");
+    step.bind(1, session).bind(2, run);
+    while (step.step()) {
+        text += fmt::format("{},{}\n", step.real(0), step.integer(1));
+    }
+    return text;
+}
+
+}  // namespace
+
 ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run) {
     Statement row = database.prepare(
         "SELECT protocol_toml, protocol_sha256, coalesce(run_code, participant_code), "
@@ -29,17 +48,7 @@ ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t 
         protocol.procedure->rule.text +
         fmt::format("\n[stream]\norigin = \"{}\"\n",
                     stream_origin(run_key(session_key, static_cast<std::size_t>(run))));
-    made.responses = "stimulus,response\n";
-    Statement step = database.prepare(
-        "SELECT presentation.stimulus, adaptive_step.rule_outcome FROM adaptive_step JOIN trial "
-        "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
-        "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
-        "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
-        "NULL ORDER BY trial.trial_id");
-    step.bind(1, session).bind(2, run);
-    while (step.step()) {
-        made.responses += fmt::format("{},{}\n", step.real(0), step.integer(1));
-    }
+    made.responses = responses_of(database, session, run);
     return made;
 }
 

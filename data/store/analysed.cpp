@@ -28,6 +28,17 @@ bool any(Database& database, const std::string& sql) {
     return database.prepare(fmt::format("SELECT 1 FROM ({}) LIMIT 1", sql)).step();
 }
 
+/// A study of several versions is "name@12345678", each.
+void name_versions(Database& database) {
+    database.execute(
+        fmt::format("CREATE TEMP TABLE study AS SELECT study_id, iif(study_id IN (SELECT study_id "
+                    "FROM ({}) WHERE several), study_name || '@' || substr(protocol_sha256, 1, 8), "
+                    "study_name) AS study_name, study_title, protocol_sha256, protocol_toml FROM "
+                    "main.study;CREATE UNIQUE INDEX temp.study_by_id ON study (study_id)",
+                    kVersions)
+            .c_str());
+}
+
 }  // namespace
 
 void analyse(Database& database, Versions versions, const std::string& study) {
@@ -46,13 +57,7 @@ void analyse(Database& database, Versions versions, const std::string& study) {
         }
         return;
     }
-    database.execute(
-        fmt::format("CREATE TEMP TABLE study AS SELECT study_id, iif(study_id IN (SELECT study_id "
-                    "FROM ({}) WHERE several), study_name || '@' || substr(protocol_sha256, 1, 8), "
-                    "study_name) AS study_name, study_title, protocol_sha256, protocol_toml FROM "
-                    "main.study;CREATE UNIQUE INDEX temp.study_by_id ON study (study_id)",
-                    kVersions)
-            .c_str());
+    name_versions(database);
     make_own_views(database.connection());
     std::set<std::string> names;
     for (const StudyVersion& one : versions_of(database)) {

@@ -192,6 +192,12 @@ public:
             events_until(trial.integer(2));
             link("trial", id, {id, "trial.seal", trial.text(1), trial_head(database_, id, head_)});
         }
+        check_session();
+        return std::move(breaks_);
+    }
+
+private:
+    void check_session() {
         Statement end = database_.prepare(
             "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1");
         end.bind(1, session_).step();
@@ -208,10 +214,8 @@ public:
             breaks_.push_back({0, "session.newest_seal", end.null(3) ? "NULL" : end.text(3),
                                links_ > 0 ? head_ : "NULL"});
         }
-        return std::move(breaks_);
     }
 
-private:
     void link(std::string_view table, std::int64_t row, const ChainBreak& at) {
         if (anew_) {
             keep_head(database_, table, row, session_, at.recomputed);

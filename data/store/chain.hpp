@@ -76,6 +76,7 @@ void chain_anew(Database& database, std::int64_t session);
 /// The newest head of a session; empty: it has none yet.
 [[nodiscard]] std::string chain_head(Database& database, std::int64_t session);
 
+/// A value that is not the one that was chained.
 struct ChainBreak {
     std::int64_t trial = 0;  ///< 0: of the session as a whole
     std::string what;        ///< table.column; of an event which

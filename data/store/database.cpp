@@ -194,7 +194,7 @@ void Database::open(Access access) {
     }
     try {
         check_identity(access);
-    } catch (const DiskRefused&) {
+    } catch (const DiskError&) {
         if (access == Access::write || has_log(plain_name(connection_.file))) {
             throw;
         }

@@ -37,8 +37,10 @@ public:
     Database& operator=(const Database&) = delete;
     ~Database();
 
+    /// Runs statements without parameters; compiles one with them. @throws StoreError
     void execute(const char* sql) { connection_.execute(sql); }
     [[nodiscard]] Statement prepare(std::string_view sql) { return {connection_, sql}; }
+    /// rowid of the last INSERT.
     [[nodiscard]] std::int64_t last_row() const;
     /// Rows that the last INSERT, UPDATE or DELETE touched.
     [[nodiscard]] std::int64_t changes() const;
@@ -64,7 +66,9 @@ public:
     /// goes with it
     void require_in_place() const;
 
+    /// @throws StoreError "FILE: doing: what SQLite said"
     [[noreturn]] void fail(std::string_view doing) const { connection_.fail(doing); }
+    /// For statements; the handle for what has no other way here.
     [[nodiscard]] const Connection& connection() const { return connection_; }
     [[nodiscard]] sqlite3* handle() const { return connection_.handle; }
 
@@ -92,10 +96,13 @@ private:
 /// All or nothing: rolls back unless commit() was reached.
 class Transaction {
 public:
+    /// Begins at once, so that no other writer comes between. @throws StoreError if one holds the
+    /// file
     explicit Transaction(Database& database);
     Transaction(const Transaction&) = delete;
     Transaction& operator=(const Transaction&) = delete;
     ~Transaction();
+    /// @throws StoreError; then it is rolled back
     void commit();
 
 private:
@@ -108,6 +115,7 @@ private:
 /// One unchanging view of the database for several queries, also while a rig writes. Nests.
 class Snapshot {
 public:
+    /// The view is that of the first query.
     explicit Snapshot(Database& database);
     Snapshot(const Snapshot&) = delete;
     Snapshot& operator=(const Snapshot&) = delete;

@@ -8,6 +8,7 @@
 
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/own_schema.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_lock.hpp"
 
@@ -59,6 +60,38 @@ void destroy_session(Database& database,
               operator_name);
 }
 
+/// All of a participant. @throws std::invalid_argument for nobody, or if one of them runs
+std::vector<SessionRow> idle_sessions(Database& database, std::string_view code) {
+    if (!find_participant(database, code)) {
+        throw std::invalid_argument(fmt::format("{}: nobody is called {}", database.file(), code));
+    }
+    std::vector<SessionRow> sessions = sessions_of(database, code, std::nullopt);
+    for (const SessionRow& session : sessions) {
+        if (SessionLock::held(database, session.id)) {
+            throw std::invalid_argument(fmt::format("{}: session {} of {} runs now: end it first",
+                                                    database.file(), session.number, code));
+        }
+    }
+    return sessions;
+}
+
+/// @param consent  is taken away too
+void destroy_notes(Database& database, std::string_view code, bool consent) {
+    database
+        .prepare(
+            "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
+            "participant WHERE participant_code = ?1)")
+        .bind(1, code)
+        .run();
+    database
+        .prepare(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
+                             "destroyed_utc = ?2{} WHERE participant_code = ?1",
+                             consent ? ", consent = 0, consent_utc = ?2" : ""))
+        .bind(1, code)
+        .bind(2, database.utc_now())
+        .run();
+}
+
 }  // namespace
 
 void destroy_participant(Database& database,
@@ -66,35 +99,18 @@ void destroy_participant(Database& database,
                          Destroy what,
                          std::string_view reason,
                          std::string_view operator_name) {
+    if (const std::string theirs = ordered_elsewhere(database.connection()); !theirs.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{}: {} is ordered by a rule of another program, so that the file cannot "
+                        "be written anew without what is destroyed: drop it, and try again",
+                        database.file(), theirs));
+    }
     {
         Transaction all(database);
         database.execute("PRAGMA defer_foreign_keys = ON");
-        if (!find_participant(database, code)) {
-            throw std::invalid_argument(
-                fmt::format("{}: nobody is called {}", database.file(), code));
-        }
-        const std::vector<SessionRow> sessions = sessions_of(database, code, std::nullopt);
-        for (const SessionRow& session : sessions) {
-            if (SessionLock::held(database, session.id)) {
-                throw std::invalid_argument(
-                    fmt::format("{}: session {} of {} runs now: end it first", database.file(),
-                                session.number, code));
-            }
-        }
-        database
-            .prepare(
-                "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
-                "participant WHERE participant_code = ?1)")
-            .bind(1, code)
-            .run();
+        const std::vector<SessionRow> sessions = idle_sessions(database, code);
         const bool everything = what == Destroy::everything;
-        database
-            .prepare(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
-                                 "destroyed_utc = ?2{} WHERE participant_code = ?1",
-                                 everything ? ", consent = 0, consent_utc = ?2" : ""))
-            .bind(1, code)
-            .bind(2, database.utc_now())
-            .run();
+        destroy_notes(database, code, everything);
         for (const SessionRow& session : sessions) {
             if (is_destroyed(database, session.id)) {
                 continue;

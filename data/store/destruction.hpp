@@ -9,9 +9,11 @@
 /// What is destroyed because a participant wants it: the only rows that this program ever deletes.
 namespace palpate::data {
 
+/// How much.
 enum class Destroy {
-    details,     ///< handedness, and what else was asked
-    everything,  ///< these, and all of each session but that it was, when, and with which newest seal
+    details,  ///< handedness, and what else was asked
+    /// These, and all of each session but that it was, when, and with which newest seal.
+    everything,
 };
 
 /// Destroys it, in the file's free pages too. Pseudonym and number stay, so that neither is given
@@ -30,6 +32,7 @@ void destroy_participant(Database& database,
 /// deferred foreign keys.
 void clear_session(Database& database, std::int64_t session);
 
+/// Its rows were deleted (Destroy::everything).
 [[nodiscard]] bool is_destroyed(Database& database, std::int64_t session);
 
 /// Writes the file anew without what was deleted.

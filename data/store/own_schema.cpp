@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -92,22 +93,42 @@ bool is_ours(std::string_view table) {
     });
 }
 
-/// An index of names alone decides nothing: UNIQUE refuses rows, WHERE and expressions can fail.
-bool is_plain(std::string_view index) {
-    constexpr std::string_view kBegin = "CREATE INDEX ";
-    const bool names = std::ranges::all_of(index, [](char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-               std::string_view(" \n\r\t_,()\"").find(c) != std::string_view::npos;
-    });
-    return index.starts_with(kBegin) && names && std::ranges::count(index, '(') == 1 &&
-           index.ends_with(')');
-}
-
 std::string lower(std::string text) {
     for (char& c : text) {
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     }
     return text;
+}
+
+/// What another program compares by is not here, and without it SQLite changes no row.
+bool sorts_as_sqlite(std::string_view index) {
+    std::istringstream words{lower(std::string(index))};
+    bool collate = false;
+    for (std::string word; words >> word; collate = word == "collate") {
+        const std::string rule = word.substr(0, word.find_first_of(",)"));
+        if (collate && rule != "nocase" && rule != "binary" && rule != "rtrim") {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// An index of names alone decides nothing: UNIQUE refuses rows, WHERE and expressions can fail.
+bool is_plain(std::string_view index) {
+    constexpr std::string_view kBegin = "CREATE INDEX ";
+    static constexpr std::string_view kBlanks = " \n\r\t";
+    index = index.substr(0, index.find_last_not_of(kBlanks) + 1);
+    const std::size_t columns = std::min(index.find('('), index.size());
+    const auto names = [](std::string_view text, std::string_view more) {
+        return std::ranges::all_of(text, [more](char c) {
+            return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                   kBlanks.find(c) != std::string_view::npos ||
+                   more.find(c) != std::string_view::npos;
+        });
+    };
+    return index.starts_with(kBegin) && names(index.substr(0, columns), "_\"-.") &&
+           names(index.substr(columns), "_,()\"") && sorts_as_sqlite(index) &&
+           std::ranges::count(index, '(') == 1 && index.ends_with(')');
 }
 
 Of kind_of(std::string_view type) {
@@ -210,6 +231,27 @@ std::vector<SchemaDifference> schema_differences(const Connection& file) {
     compare_references(file, stored, found);
     std::ranges::stable_sort(found, {}, &SchemaDifference::of);
     return found;
+}
+
+std::string ordered_elsewhere(const Connection& file) {
+    std::string all;
+    for (const auto& [object, entry] : read_schema(file)) {
+        if (!own_schema().contains(object) && !sorts_as_sqlite(entry.sql)) {
+            all += (all.empty() ? "" : ", ") + object.first + ' ' + object.second;
+        }
+    }
+    return all;
+}
+
+std::string referring_tables(const Connection& file) {
+    std::string all;
+    for (const auto& [object, entry] : read_schema(file)) {
+        if (object.first == "table" && !own_schema().contains(object) &&
+            lower(entry.sql).find("references") != std::string::npos) {
+            all += (all.empty() ? "" : ", ") + object.second;
+        }
+    }
+    return all;
 }
 
 void refuse_schema(const Connection& file,

@@ -12,6 +12,7 @@
 /// is a view without an end.
 namespace palpate::data {
 
+/// One table, view, index or trigger that is not the catalogue's.
 struct SchemaDifference {
     enum class Of : std::uint8_t {
         table,  ///< ours is gone or another: nothing that is read from it can be trusted
@@ -29,6 +30,12 @@ struct SchemaDifference {
 /// Every difference, tables first. What somebody added of their own is theirs and none: tables,
 /// views, triggers on these, plain indices on ours.
 [[nodiscard]] std::vector<SchemaDifference> schema_differences(const Connection& file);
+
+/// "table mine, index theirs": what is ordered by a rule of another program (COLLATE), without
+/// which SQLite neither checks it nor writes the file anew.
+[[nodiscard]] std::string ordered_elsewhere(const Connection& file);
+/// "mine, theirs": tables that somebody added and that refer to others.
+[[nodiscard]] std::string referring_tables(const Connection& file);
 
 /// @throws WrongFile that names every difference
 [[noreturn]] void refuse_schema(const Connection& file,

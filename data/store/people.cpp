@@ -104,6 +104,20 @@ protocols::Event noted_consent(bool given) {
     return noted("consent", given ? "yes" : "no");
 }
 
+void note_details(Database& database,
+                  std::string_view code,
+                  const ParticipantNotes& notes,
+                  std::string_view operator_name) {
+    Statement detail = database.prepare(
+        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
+        "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
+        "excluded.value, noted_utc = excluded.noted_utc");
+    for (const auto& [key, value] : notes.details) {
+        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, database.utc_now()).run();
+        tell_sessions(database, code, noted(key), operator_name);
+    }
+}
+
 }  // namespace
 
 void note_participant(Database& database,
@@ -133,14 +147,7 @@ void note_participant(Database& database,
             .run();
         tell_sessions(database, code, noted_consent(*notes.consent), operator_name);
     }
-    Statement detail = database.prepare(
-        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
-        "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
-        "excluded.value, noted_utc = excluded.noted_utc");
-    for (const auto& [key, value] : notes.details) {
-        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, database.utc_now()).run();
-        tell_sessions(database, code, noted(key), operator_name);
-    }
+    note_details(database, code, notes, operator_name);
     all.commit();
 }
 
@@ -191,13 +198,15 @@ std::vector<NoteBreak> note_breaks(Database& database) {
 
 std::vector<SessionRow> sessions_of(Database& database,
                                     std::string_view code,
-                                    std::optional<std::size_t> number) {
+                                    std::optional<std::size_t> number,
+                                    std::string_view study) {
     Statement row = database.prepare(
         "SELECT session.session_id, study_name, session_number FROM session JOIN study USING "
         "(study_id) JOIN participant USING (participant_id) WHERE participant_code = ?1 AND (?2 IS "
-        "NULL OR session_number = ?2) ORDER BY session.session_id DESC");
-    row.bind(1, code).bind(
-        2, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt);
+        "NULL OR session_number = ?2) AND ?3 IN ('', study_name) ORDER BY session.session_id DESC");
+    row.bind(1, code)
+        .bind(2, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt)
+        .bind(3, study);
     std::vector<SessionRow> all;
     while (row.step()) {
         all.push_back({.id = row.integer(0), .study = row.text(1), .number = row.integer(2)});
@@ -289,10 +298,10 @@ std::string came_of_mark(Database& database, std::int64_t trial) {
 
 }  // namespace
 
-Marked mark_invalid(Database& database,
-                    std::int64_t trial,
-                    std::string_view reason,
-                    std::string_view operator_name) {
+MarkResult mark_invalid(Database& database,
+                        std::int64_t trial,
+                        std::string_view reason,
+                        std::string_view operator_name) {
     Transaction all(database);
     const Markable found = markable(database, trial);
     if (!found.answered) {
@@ -305,16 +314,16 @@ Marked mark_invalid(Database& database,
                                                 database.file(), trial, *found.invalid));
     }
     refuse_running(database, trial, found.session);
-    Marked marked{.finished = found.finished,
-                  .head = add_mark(database, found.session, trial, reason, operator_name)};
+    MarkResult marked{.finished = found.finished,
+                      .head = add_mark(database, found.session, trial, reason, operator_name)};
     all.commit();
     return marked;
 }
 
-Marked undo_mark(Database& database,
-                 std::int64_t trial,
-                 std::string_view reason,
-                 std::string_view operator_name) {
+MarkResult undo_mark(Database& database,
+                     std::int64_t trial,
+                     std::string_view reason,
+                     std::string_view operator_name) {
     Transaction all(database);
     const Markable found = markable(database, trial);
     if (!mark_reason(database, trial)) {
@@ -329,8 +338,8 @@ Marked undo_mark(Database& database,
             fmt::format("{}: the mark of trial {} stays: {}", database.file(), trial, why));
     }
     refuse_running(database, trial, found.session);
-    Marked undone{.finished = found.finished,
-                  .head = undo_mark(database, found.session, trial, reason, operator_name)};
+    MarkResult undone{.finished = found.finished,
+                      .head = undo_mark(database, found.session, trial, reason, operator_name)};
     all.commit();
     return undone;
 }

@@ -20,6 +20,7 @@ struct ParticipantNotes {
     std::vector<std::pair<std::string, std::string>> details{};  ///< key [a-z0-9_]{1,64}, value
 };
 
+/// What is noted of a participant now.
 struct Participant {
     ParticipantNotes notes{};
     std::string consent_utc;    ///< when consent was noted; empty: it was not
@@ -57,18 +58,22 @@ struct NoteBreak {
     std::string stored;  ///< in the participant's row
     std::string noted;   ///< by the last such event
 };
+/// All of them, of a file that nobody tampered with none.
 [[nodiscard]] std::vector<NoteBreak> note_breaks(Database& database);
 
+/// A session in a list.
 struct SessionRow {
     std::int64_t id = 0;
     std::string study;
     std::int64_t number = 0;
 };
 
-/// The sessions of a participant, the last begun first. @param number  only those of this number
+/// The sessions of a participant, the last begun first.
+/// @param number, study  only those of this number and study; "": of any
 [[nodiscard]] std::vector<SessionRow> sessions_of(Database& database,
                                                   std::string_view code,
-                                                  std::optional<std::size_t> number);
+                                                  std::optional<std::size_t> number,
+                                                  std::string_view study = "");
 
 /// An event "note" of the session. @return the new head of its chain
 std::string add_note(Database& database,
@@ -76,7 +81,8 @@ std::string add_note(Database& database,
                      std::string_view text,
                      std::string_view operator_name = {});
 
-struct Marked {
+/// What came of marking a trial.
+struct MarkResult {
     bool finished = false;  ///< the session
     std::string head;       ///< of its chain, with the mark
 };
@@ -86,19 +92,19 @@ struct Marked {
 /// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count
 ///         already, or while a program runs its session, which goes by what it knows: the next
 ///         trials would contradict the mark
-Marked mark_invalid(Database& database,
-                    std::int64_t trial,
-                    std::string_view reason,
-                    std::string_view operator_name = {});
+MarkResult mark_invalid(Database& database,
+                        std::int64_t trial,
+                        std::string_view reason,
+                        std::string_view operator_name = {});
 
 /// The mark of a trial is taken back, for this reason: its answer counts again, as if it had never
 /// been marked.
 /// @throws std::invalid_argument if there is no such trial, if it is not marked, while a program
 ///         runs its session, or where the session went on otherwise for the mark: another answer
 ///         counts in its place, its part was run again, or its rule went on without it
-Marked undo_mark(Database& database,
-                 std::int64_t trial,
-                 std::string_view reason,
-                 std::string_view operator_name = {});
+MarkResult undo_mark(Database& database,
+                     std::int64_t trial,
+                     std::string_view reason,
+                     std::string_view operator_name = {});
 
 }  // namespace palpate::data

@@ -25,6 +25,7 @@ struct SummaryValue {
 /// Sets those that the row's table has.
 void set_summary(Row& row, const protocols::TrialSummary& sum, bool force);
 
+/// Inserts what was felt in one interval of a trial. In the caller's transaction.
 void write_presentation(Database& database,
                         std::int64_t trial,
                         const protocols::Presentation& felt,
@@ -37,6 +38,7 @@ void write_interval_result(Database& database,
                            const protocols::IntervalResult& result,
                            bool force);
 
+/// Inserts the answer of a trial. In the caller's transaction.
 void write_response(Database& database,
                     std::int64_t trial,
                     const protocols::Protocol& protocol,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
 
@@ -47,7 +48,7 @@ Ticks TraceReader::stored(std::int64_t trial, std::int64_t interval) {
         session =
             sessions_.emplace(context.session, session_traces(database_, context.session)).first;
     }
-    Replayed all = session->second.replay(context.trial, chunks.views);
+    ReplayResult all = session->second.replay(context.trial, chunks.views);
     if (all.differs_from) {
         throw ReplayError(replay_sentence(trial, *all.differs_from));
     }
@@ -57,7 +58,7 @@ Ticks TraceReader::stored(std::int64_t trial, std::int64_t interval) {
 }
 
 std::vector<std::int64_t> TraceReader::column(std::int64_t trial,
-                                              Stored column,
+                                              ColumnId column,
                                               std::int64_t interval) {
     const StoredChunks chunks = stored_chunks(database_, trial, interval);
     std::vector<std::int64_t> all;
@@ -68,24 +69,31 @@ std::vector<std::int64_t> TraceReader::column(std::int64_t trial,
     return all;
 }
 
+namespace {
+
+[[noreturn]] void missing(Database& database,
+                          std::int64_t trial,
+                          std::int64_t first,
+                          std::int64_t last) {
+    Statement none = database.prepare(
+        "SELECT 1 FROM trial JOIN session_provenance USING (session_id) WHERE trial_id = ?1 AND "
+        "key = 'traces' AND value = 'none'");
+    if (none.bind(1, trial).step()) {
+        throw TraceError(
+            fmt::format("trial {} has no ticks: it was simulated with --no-traces", trial));
+    }
+    throw TraceError(fmt::format("trial {}: ticks {} to {} are missing", trial, first, last));
+}
+
+}  // namespace
+
 Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
     const Snapshot now(database_);
     Ticks trace = stored(trial, interval);
-    const auto missing = [this, trial](std::int64_t first, std::int64_t last) {
-        Statement none = database_.prepare(
-            "SELECT 1 FROM trial JOIN session_provenance USING (session_id) WHERE trial_id = ?1 "
-            "AND key = 'traces' "
-            "AND value = 'none'");
-        if (none.bind(1, trial).step()) {
-            throw TraceError(
-                fmt::format("trial {} has no ticks: it was simulated with --no-traces", trial));
-        }
-        throw TraceError(fmt::format("trial {}: ticks {} to {} are missing", trial, first, last));
-    };
     std::int64_t next = 0;
     for (const engine::TickRecord& tick : trace) {
         if (tick.tick > next) {
-            missing(next, tick.tick - 1);
+            missing(database_, trial, next, tick.tick - 1);
         }
         if (tick.tick < next) {
             throw TraceError(
@@ -97,7 +105,7 @@ Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
         "SELECT coalesce(max(ticks), 0) FROM presentation WHERE trial_id = ?1 AND interval = ?2");
     counted.bind(1, trial).bind(2, interval).step();
     if (counted.integer(0) > next) {
-        missing(next, counted.integer(0) - 1);
+        missing(database_, trial, next, counted.integer(0) - 1);
     }
     return trace;
 }

@@ -40,7 +40,7 @@ public:
 
     /// One column as every chunk holds it, without any replay; stored_columns() has its scale.
     [[nodiscard]] std::vector<std::int64_t> column(std::int64_t trial,
-                                                   Stored column,
+                                                   ColumnId column,
                                                    std::int64_t interval = 1);
 
 private:

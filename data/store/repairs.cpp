@@ -64,6 +64,45 @@ std::int64_t free_number(Database& database,
     return row.integer(1) == 0 ? wished : row.integer(0) + 1;
 }
 
+/// @param ran_as  code and number that it was run with, kept where they are others
+void give_session(Database& database,
+                  std::int64_t session,
+                  std::string_view code,
+                  std::int64_t number,
+                  const std::pair<std::string, std::int64_t>& ran_as) {
+    const bool as_run = ran_as.first == code && ran_as.second == number;
+    database
+        .prepare(
+            "UPDATE session SET participant_id = (SELECT participant_id FROM participant WHERE "
+            "participant_code = ?2), session_number = ?3, run_code = ?4, run_number = ?5 WHERE "
+            "session_id = ?1")
+        .bind(1, session)
+        .bind(2, code)
+        .bind(3, number)
+        .bind(4, as_run ? std::nullopt : std::optional<std::string_view>(ran_as.first))
+        .bind(5, as_run ? std::nullopt : std::optional(ran_as.second))
+        .run();
+}
+
+/// @throws std::invalid_argument if it cannot be given to `code`
+void require_movable(Database& database,
+                     std::int64_t session,
+                     std::string_view whose,
+                     std::string_view code) {
+    if (whose == code) {
+        refuse(database, session, "is theirs already");
+    }
+    if (!find_participant(database, code)) {
+        throw std::invalid_argument(fmt::format(
+            "{}: nobody is called {}: palpate participant FILE {} --new registers them first",
+            database.file(), code, code));
+    }
+    if (is_destroyed(database, session)) {
+        refuse(database, session, "was destroyed");
+    }
+    refuse_running(database, session);
+}
+
 }  // namespace
 
 std::string withdraw_session(Database& database,
@@ -112,39 +151,18 @@ MovedSession move_session(Database& database,
     const std::int64_t run_number = row.integer(2);
     MovedSession moved;
     moved.finished = row.integer(3) != 0;
-    if (row.text(0) == code) {
-        refuse(database, session, "is theirs already");
-    }
+    const std::string whose = row.text(0);
     row.reset();
-    if (!find_participant(database, code)) {
-        throw std::invalid_argument(fmt::format(
-            "{}: nobody is called {}: palpate participant FILE {} --new registers them first",
-            database.file(), code, code));
-    }
-    if (is_destroyed(database, session)) {
-        refuse(database, session, "was destroyed");
-    }
-    refuse_running(database, session);
+    require_movable(database, session, whose, code);
     moved.number = free_number(database, session, code, run_number);
-    const bool as_run = code == run_code && moved.number == run_number;
-    database
-        .prepare(
-            "UPDATE session SET participant_id = (SELECT participant_id FROM participant WHERE "
-            "participant_code = ?2), session_number = ?3, run_code = ?4, run_number = ?5 WHERE "
-            "session_id = ?1")
-        .bind(1, session)
-        .bind(2, code)
-        .bind(3, moved.number)
-        .bind(4, as_run ? std::nullopt : std::optional<std::string_view>(run_code))
-        .bind(5, as_run ? std::nullopt : std::optional(run_number))
-        .run();
-    moved.head = add_event(database, session,
-                           {.kind = protocols::EventKind::participant,
-                            .text = std::string(reason),
-                            .count = moved.number,
-                            .key = std::string(kIsReally),
-                            .value = std::string(code)},
-                           operator_name);
+    give_session(database, session, code, moved.number, {run_code, run_number});
+    add_event(database, session,
+              {.kind = protocols::EventKind::participant,
+               .text = std::string(reason),
+               .count = moved.number,
+               .key = std::string(kIsReally),
+               .value = std::string(code)},
+              operator_name);
     note_at_beginning(database, session);
     moved.head = chain_head(database, session);
     all.commit();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
@@ -31,9 +32,9 @@ int Reserve::take(std::int64_t bytes) {
     if (descriptor_ < 0) {
         std::error_code unknown;
         const auto there = std::filesystem::canonical(file_, unknown);  // a link may lie elsewhere
-        const std::string name =
-            fmt::format("{}.{}.part", unknown ? file_ : there.string(), getpid());
-        descriptor_ = open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
+        std::string name = fmt::format("{}.room-XXXXXX", unknown ? file_ : there.string());
+        descriptor_ =
+            mkostemp(name.data(), O_CLOEXEC);  // no name that somebody could lay a link by
         if (descriptor_ < 0) {
             return errno;
         }

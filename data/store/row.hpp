@@ -20,6 +20,7 @@ namespace palpate::data {
 /// the catalogue does not have, StoreError where SQLite refuses.
 class Row {
 public:
+    /// @param table  outlives this
     explicit Row(std::string_view table) : table_(table) {}
 
     /// An integer, a real (NaN is NULL), a text, bytes that outlive the row, or nothing: NULL.

@@ -88,17 +88,12 @@ void write_provenance(Database& database, std::int64_t session, const SessionSpe
     }
 }
 
-/// @param instead  of this session, whose plan is gone
-std::int64_t create(Database& database,
-                    const SessionSpec& spec,
-                    std::optional<std::int64_t> instead = {}) {
+Row session_row(Database& database, const SessionSpec& spec) {
     const std::int64_t study = study_row(database, spec);
     keep_secret(database, spec.key.secret);
-    const std::int64_t participant =
-        participant_row(database, spec.key.participant, spec.key.secret);
     Row row("session");
     row.set("study_id", study)
-        .set("participant_id", participant)
+        .set("participant_id", participant_row(database, spec.key.participant, spec.key.secret))
         .set("session_number", spec.key.session)
         .set("session_kind", to_string(spec.kind))
         .set("seed", std::to_string(spec.seed))
@@ -111,9 +106,16 @@ std::int64_t create(Database& database,
         .set("operator",
              spec.operator_name.empty() ? std::nullopt : std::optional(spec.operator_name))
         .set("secret", spec.key.secret);
-    std::int64_t session = 0;
+    return row;
+}
+
+/// @param instead  of this session, whose plan is gone
+std::int64_t create(Database& database,
+                    const SessionSpec& spec,
+                    std::optional<std::int64_t> instead = {}) {
+    Row row = session_row(database, spec);
+    std::int64_t session = instead.value_or(0);
     if (instead) {
-        session = *instead;
         row.set("session_id", session).set("newest_seal", std::optional<std::string>());
         row.update(database, {"session_id"});
     } else {
@@ -133,24 +135,6 @@ struct Existing {
     bool over = false;  ///< withdrawn, or run under another code or number
     bool finished = false;
 };
-
-/// What a device without a calibration leaves out is noted as well: it has none.
-std::vector<std::pair<std::string, std::string>> with_none(
-    Database& database,
-    std::int64_t session,
-    std::vector<std::pair<std::string, std::string>> made) {
-    Statement row = database.prepare(
-        "SELECT key FROM session_provenance WHERE session_id = ?1 AND key LIKE 'calibration%'"
-        " UNION SELECT key FROM event WHERE session_id = ?1 AND event_kind = 'provenance'"
-        " AND key LIKE 'calibration%'");
-    row.bind(1, session);
-    while (row.step()) {
-        if (std::ranges::none_of(made, [&](const auto& one) { return one.first == row.text(0); })) {
-            made.emplace_back(row.text(0), "");
-        }
-    }
-    return made;
-}
 
 /// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
 void note_changes(Database& database, const Existing& there, const SessionSpec& spec) {
@@ -361,15 +345,7 @@ protocols::Plan planned(const SessionSpec& spec, const Rows& rows) {
 }  // namespace
 
 std::string_view to_string(RunKind kind) noexcept {
-    switch (kind) {
-        case RunKind::real:
-            return "real";
-        case RunKind::pilot:
-            return "pilot";
-        case RunKind::simulated:
-            return "simulated";
-    }
-    return "?";
+    return kind == RunKind::real ? "real" : kind == RunKind::pilot ? "pilot" : "simulated";
 }
 
 protocols::StreamKey session_stream(const SessionSpec& spec) {
@@ -381,6 +357,12 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
     OpenedSession opened = opened_session(database, spec);
     all.commit();
     return opened;
+}
+
+void check_session(Database& database, SessionSpec spec) {
+    const Transaction undone(database);
+    spec.plan = planned(spec, rows_taken(database, spec));
+    static_cast<void>(opened_session(database, spec));
 }
 
 OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {

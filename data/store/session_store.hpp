@@ -16,6 +16,7 @@
 namespace palpate::data {
 
 enum class RunKind : std::uint8_t { real, pilot, simulated };
+/// "real", "pilot" or "simulated", as session.session_kind has it.
 [[nodiscard]] std::string_view to_string(RunKind kind) noexcept;
 
 /// All that a session is, before its first trial.
@@ -50,6 +51,7 @@ public:
     using StoreError::StoreError;
 };
 
+/// A session that may run now, and how far it is.
 struct OpenedSession {
     SessionLock lock;  ///< held from before anyone else could have opened it
     std::int64_t id = 0;
@@ -61,6 +63,7 @@ struct OpenedSession {
     std::int64_t last_trial = 0;            ///< trial.id of the last one; 0: none
 };
 
+/// How far a session is, for whoever only looks.
 struct SessionState {
     std::size_t number = 0;
     std::uint64_t seed = 0;
@@ -100,6 +103,10 @@ struct OtherVersion {
 ///         kind, or if a program holds its SessionLock, this one too, or if the answers so far do
 ///         not give the stored states of the protocol's rule: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
+
+/// What plan_and_open_session() would refuse, before a device is touched: changes nothing.
+/// @throws what that throws
+void check_session(Database& database, SessionSpec spec);
 
 /// open_session() with the plan that a session of spec.key has on this database, left in spec.plan:
 /// its counterbalanced rows are those that the session, or the participant, already has, else those

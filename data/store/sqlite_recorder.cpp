@@ -53,7 +53,7 @@ auto SqliteRecorder::with_room(const Work& work) {
     for (;;) {
         try {
             return work();
-        } catch (const DiskRefused&) {
+        } catch (const DiskError&) {
             if (!reserve_.give_back()) {
                 throw;
             }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "engine/base/quotes.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -14,49 +16,7 @@ namespace {
 /// threads.
 std::mutex idle_guard;
 
-const char* remedy(int code) {
-    if (code == SQLITE_IOERR_SHMSIZE || code == SQLITE_IOERR_SHMOPEN ||
-        code == SQLITE_IOERR_SHMMAP) {
-        return "the index of its log finds no room: the disk is full, and reading needs 32 kB of "
-               "it; free some, or copy the file and its -wal to another disk";
-    }
-    switch (code & 0xFF) {
-        case SQLITE_FULL:
-            return "the disk is full: free some space and run again, what was recorded is kept";
-        case SQLITE_READONLY:
-            return "the file or its folder is read-only: choose another place or change the rights";
-        case SQLITE_BUSY:
-        case SQLITE_LOCKED:
-            return "another program holds a write lock: close it and run again";
-        case SQLITE_CANTOPEN:
-            return "check that the folder exists and may be written";
-        case SQLITE_NOTADB:
-            return "this is not a palpate database: choose another file name";
-        case SQLITE_CORRUPT:
-            return "the file is damaged: keep it, and restore a copy";
-        case SQLITE_IOERR:
-            return "the disk does not take the data: check its space and health";
-        default:
-            return "";
-    }
-}
-
 }  // namespace
-
-void Connection::fail(std::string_view doing) const {
-    const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
-    const char* message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
-    const char* what = remedy(code);
-    const std::string text =
-        fmt::format("{}: {} failed: {}{}{}", file, doing, message, *what == '\0' ? "" : "; ", what);
-    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
-        throw LockedFile(text);
-    }
-    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
-        throw DiskRefused(text);
-    }
-    throw StoreError(text);
-}
 
 void Connection::forget_idle() const noexcept {
     const std::scoped_lock lock(idle_guard);
@@ -72,12 +32,14 @@ void Connection::execute(const char* sql) const {
     }
 }
 
+namespace {}  // namespace
+
 std::string quoted_name(std::string_view name) {
-    std::string quoted = "\"";
-    for (const char c : name) {
-        quoted += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return quoted + '"';
+    return in_quotes(name);
+}
+
+std::string quoted_text(std::string_view text) {
+    return in_quotes(text, '\'');
 }
 
 Statement::Statement(const Connection& connection, std::string_view sql)

@@ -34,7 +34,7 @@ public:
 };
 
 /// The disk did not take the data: it is full, or it fails. With more room it may work.
-class DiskRefused : public StoreError {
+class DiskError : public StoreError {
 public:
     using StoreError::StoreError;
 };
@@ -48,7 +48,7 @@ struct Connection {
 
     /// Before the handle is closed.
     void forget_idle() const noexcept;
-    /// @throws StoreError, LockedFile or DiskRefused by SQLite's last error
+    /// @throws StoreError, LockedFile or DiskError by SQLite's last error
     [[noreturn]] void fail(std::string_view doing) const;
     /// Runs statements without results.
     void execute(const char* sql) const;
@@ -56,6 +56,8 @@ struct Connection {
 
 /// A name of a table or column as SQL takes it, whatever it holds: in ", each " twice.
 [[nodiscard]] std::string quoted_name(std::string_view name);
+/// A text of a statement as SQL takes it: in ', each ' twice.
+[[nodiscard]] std::string quoted_text(std::string_view text);
 
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws
 /// StoreError if SQLite refuses it. A NaN is stored as NULL: SQLite has none.
@@ -69,6 +71,8 @@ public:
     Statement& operator=(const Statement&) = delete;
     ~Statement();
 
+    /// Parameters count from 1; NaN and no value are NULL; texts and bytes are copied. @throws
+    /// StoreError for a parameter that the statement does not have
     Statement& bind(int parameter, std::int64_t value);
     Statement& bind(int parameter, double value);
     Statement& bind(int parameter, std::string_view value);
@@ -85,6 +89,7 @@ public:
     void run();
     void reset();
 
+    /// Columns count from 0; their names are those that the query gives them.
     [[nodiscard]] int columns() const;
     [[nodiscard]] std::string_view name(int column) const;
     [[nodiscard]] int type(

@@ -1,6 +1,5 @@
 #include "data/store/stored_chunks.hpp"
 
-#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -20,13 +19,6 @@ constexpr const char* kContext =
     "plan_position) LEFT JOIN presentation AS p ON p.trial_id = trial.trial_id AND p.interval = ?2 "
     "WHERE trial.trial_id = ?1";
 
-std::uint32_t crc_of(std::int64_t stored) {
-    if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
-        throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
-    }
-    return static_cast<std::uint32_t>(stored);
-}
-
 }  // namespace
 
 StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t interval) {
@@ -45,7 +37,7 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
                              .codec = row.integer(2),
                              .period_ns = row.integer(6),
                              .parts = parts_of(row.text(7)),
-                             .crc32 = crc_of(row.integer(3)),
+                             .crc32 = crc32_of(row.integer(3)),
                              .derived = static_cast<std::uint64_t>(row.integer(8)),
                              .data = data});
     }

@@ -22,6 +22,7 @@ enum class Resume : std::uint8_t {
 inline constexpr std::array<std::string_view, 3> kResumeWords{"continue", "redo-block",
                                                               "redo-practice"};
 
+/// An event, and when in the session it came.
 struct StoredEvent {
     std::int64_t trials_begun = 0;  ///< of the session by then
     protocols::Event event;
@@ -29,6 +30,7 @@ struct StoredEvent {
 /// The events of a session in their order.
 [[nodiscard]] std::vector<StoredEvent> stored_events(Database& database, std::int64_t session);
 
+/// An attempt as its rows say.
 struct StoredAttempt {
     protocols::Attempt attempt;  ///< `counts` as when it ended: a mark came later
     std::string state_hash;      ///< of the rule that took the answer in

@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "data/store/row.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/derived_hash.hpp"
@@ -17,6 +18,8 @@ TraceWriter::TraceWriter(Database& database,
     ticks_.reserve(2 * kChunkTicks);
     parts_.reserve(2 * kChunkTicks);
 }
+
+TraceWriter::~TraceWriter() = default;
 
 void TraceWriter::begin(std::int64_t trial,
                         std::int64_t interval,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/device/calibration.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/store/database.hpp"
 #include "data/trace/retrace.hpp"
@@ -28,6 +28,7 @@ public:
     TraceWriter(Database& database,
                 std::optional<engine::PantographSpec> machine,
                 std::int64_t period_ns);
+    ~TraceWriter();
 
     /// From here on ticks are those of this interval, what is not saved of another is dropped.
     /// @param scene  as the servo has it, with the same decays
@@ -41,6 +42,7 @@ public:
     void write();
     void saved();
 
+    /// Something added is not in a committed chunk yet.
     [[nodiscard]] bool has_unsaved() const noexcept { return unsaved_ > 0; }
     /// There is a full chunk in memory.
     [[nodiscard]] bool is_full() const noexcept;

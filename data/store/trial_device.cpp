@@ -1,5 +1,6 @@
 #include "data/store/trial_device.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "data/store/stored_progress.hpp"
@@ -47,6 +48,23 @@ bool same_rig(const TrialDevice& a, const TrialDevice& b) {
         return one.name.substr(0, one.name.find(" at "));
     };
     return kind(a) == kind(b) && a.calibration == b.calibration;
+}
+
+std::vector<std::pair<std::string, std::string>> with_none(
+    Database& database,
+    std::int64_t session,
+    std::vector<std::pair<std::string, std::string>> made) {
+    Statement row = database.prepare(
+        "SELECT key FROM session_provenance WHERE session_id = ?1 AND key LIKE 'calibration%'"
+        " UNION SELECT key FROM event WHERE session_id = ?1 AND event_kind = 'provenance'"
+        " AND key LIKE 'calibration%'");
+    row.bind(1, session);
+    while (row.step()) {
+        if (std::ranges::none_of(made, [&](const auto& one) { return one.first == row.text(0); })) {
+            made.emplace_back(row.text(0), "");
+        }
+    }
+    return made;
 }
 
 std::string device_text(const TrialDevice& device) {

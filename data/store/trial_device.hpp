@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
@@ -34,11 +36,20 @@ struct DeviceProgress {
     TrialDevice begun;
     TrialDevice now = begun;
 };
+/// The device after the next event; only those that change it do.
 [[nodiscard]] DeviceProgress apply(DeviceProgress device, const protocols::Event& event);
 /// Before any event.
 [[nodiscard]] DeviceProgress first_device(Database& database, std::int64_t session);
 /// Of the next trial.
 [[nodiscard]] TrialDevice next_device(Database& database, std::int64_t session);
+
+/// What a device without a calibration leaves out is noted as well: it has none.
+/// @param made  provenance, keys and values, of what the session goes on with
+/// @return that, and each key of a calibration that the session has so far, with an empty value
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> with_none(
+    Database& database,
+    std::int64_t session,
+    std::vector<std::pair<std::string, std::string>> made);
 
 /// "mouse", "Haply on /dev/ttyACM0 (calibration 1a2b3c4d)"
 [[nodiscard]] std::string device_text(const TrialDevice& device);

@@ -28,6 +28,21 @@ bool has(const TableManual& table, std::string_view column) {
     return std::ranges::find(table.columns, column, &ColumnManual::name) != table.columns.end();
 }
 
+/// Columns of a session by when they are set.
+void split_session(Layout& layout) {
+    const std::set<std::string> at_end{"finished", "finished_utc", "seal", "seal_events"};
+    const std::set<std::string> repaired{"session_number", "run_code", "run_number",
+                                         "withdrawn_reason"};
+    layout.session =
+        without("session", {"session_id", "study_id", "participant_id", "newest_seal"});
+    layout.session_end = layout.session_repairs = layout.session;
+    std::erase_if(layout.session.columns,
+                  [&](const auto& c) { return at_end.contains(c) || repaired.contains(c); });
+    std::erase_if(layout.session_repairs.columns,
+                  [&](const auto& c) { return !repaired.contains(c); });
+    std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });
+}
+
 }  // namespace
 
 std::string OwnedTable::list() const {
@@ -53,17 +68,7 @@ std::string OwnedTable::insert(std::string_view owner) const {
 Layout catalogue_layout() {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
-    const std::set<std::string> at_end{"finished", "finished_utc", "seal", "seal_events"};
-    const std::set<std::string> repaired{"session_number", "run_code", "run_number",
-                                         "withdrawn_reason"};
-    layout.session =
-        without("session", {"session_id", "study_id", "participant_id", "newest_seal"});
-    layout.session_end = layout.session_repairs = layout.session;
-    std::erase_if(layout.session.columns,
-                  [&](const auto& c) { return at_end.contains(c) || repaired.contains(c); });
-    std::erase_if(layout.session_repairs.columns,
-                  [&](const auto& c) { return !repaired.contains(c); });
-    std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });
+    split_session(layout);
     layout.trial = without("trial", {"trial_id", "session_id", "invalid_reason"});
     layout.event = without("event", {"event_id", "session_id", "trial_id"});
     for (const TableManual& table : catalogue()) {

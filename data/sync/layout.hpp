@@ -23,18 +23,20 @@ struct OwnedTable {
     [[nodiscard]] std::string insert(std::string_view owner) const;
 };
 
+/// What belongs to what, so that it can be copied into another file.
 struct Layout {
     std::vector<OwnedTable> of_session;  ///< plan, picture, ...: set before the first trial
     std::vector<OwnedTable> of_trial;    ///< response, trace_chunk, ...
     std::vector<OwnedTable> of_file;     ///< trace_column: nobody's, the same in every file; secret
-    OwnedTable
-        session;  ///< set before the first trial: without session_id, study_id, participant_id, newest_seal
+    /// Set before the first trial: without session_id, study_id, participant_id, newest_seal.
+    OwnedTable session;
     OwnedTable session_end;      ///< set when it finished
     OwnedTable session_repairs;  ///< set by events later: whose it is, whether it is left out
     OwnedTable trial;            ///< without trial_id, session_id, invalid_reason
     OwnedTable event;            ///< without event_id, session_id, trial_id
 };
 
+/// By the catalogue of this program.
 [[nodiscard]] Layout catalogue_layout();
 
 /// Binds all columns of `from`'s row to `to`, the first to parameter `first`.

@@ -30,7 +30,7 @@ struct Input {
 using Versions = std::vector<SessionVersion>;
 
 /// A session, as it is to be in the file.
-struct Merging {
+struct SessionMerge {
     const SessionVersion* last = nullptr;
     const SessionVersion* own = nullptr;  ///< as the file has it; none: it does not
 };
@@ -67,11 +67,11 @@ const SessionVersion* last_of(const Versions& versions,
 }
 
 /// One study, participant and number can only be one session.
-std::set<std::string> doubled(const std::vector<Merging>& all,
+std::set<std::string> doubled(const std::vector<SessionMerge>& all,
                               std::vector<MergeConflict>& conflicts) {
     std::map<std::string, const SessionVersion*> first;
     std::set<std::string> found;
-    for (const Merging& each : all) {
+    for (const SessionMerge& each : all) {
         const SessionVersion& one = *each.last;
         const auto [there, is_new] =
             first.emplace(fmt::format("{} {} {}", one.study, one.participant, one.number), &one);
@@ -107,26 +107,26 @@ bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts)
 
 /// By study, participant and number: shards of one simulation become what it is in one file, row by
 /// row.
-std::vector<Merging> in_order(const std::map<std::string, Versions>& all,
-                              const Database& out,
-                              const std::string& prefer,
-                              std::vector<MergeConflict>& conflicts) {
-    std::vector<Merging> order;
+std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
+                                   const Database& out,
+                                   const std::string& prefer,
+                                   std::vector<MergeConflict>& conflicts) {
+    std::vector<SessionMerge> order;
     for (const auto& [uuid, versions] : all) {
         const SessionVersion& first = versions.front();
         if (const SessionVersion* last = last_of(versions, prefer, conflicts)) {
             order.push_back({last, first.database == &out ? &first : nullptr});
         }
     }
-    std::ranges::stable_sort(order, {}, [](const Merging& one) {
+    std::ranges::stable_sort(order, {}, [](const SessionMerge& one) {
         return fmt::format("{} {} {:06}", one.last->study, one.last->participant, one.last->number);
     });
     return order;
 }
 
 /// Sessions that change whose they are free their numbers first, for each other.
-void free_numbers(Database& out, const std::vector<Merging>& order) {
-    for (const Merging& one : order) {
+void free_numbers(Database& out, const std::vector<SessionMerge>& order) {
+    for (const SessionMerge& one : order) {
         if (one.own != nullptr) {
             out.prepare(
                    "UPDATE session SET session_number = 1000000 + session_id WHERE session_id = ?1")
@@ -136,7 +136,7 @@ void free_numbers(Database& out, const std::vector<Merging>& order) {
     }
 }
 
-void bring(const Merging& one, Database& out, const Layout& layout, MergeReport& report) {
+void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeReport& report) {
     if (one.own == nullptr) {
         add_session(*one.last, out, layout);
         ++report.added;
@@ -153,6 +153,62 @@ std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& fil
         inputs.push_back(std::make_unique<Input>(file));
     }
     return inputs;
+}
+
+void collect(Database& database,
+             const std::string& name,
+             const Layout& layout,
+             PeopleMerge& people,
+             std::map<std::string, Versions>& all) {
+    people.read(database, name);
+    for (SessionVersion& version : session_versions(database, layout, name)) {
+        all[version.uuid].push_back(std::move(version));
+    }
+}
+
+/// What cannot be brought, or is there already.
+void leave_out(std::vector<SessionMerge>& order, const PeopleMerge& people, MergeReport& report) {
+    const std::set<std::string> twice = doubled(order, report.conflicts);
+    std::erase_if(order, [&](const SessionMerge& one) {
+        return twice.contains(one.last->uuid) ||
+               people.in_conflict().contains(one.last->participant);
+    });
+    report.same = std::erase_if(order, [](const SessionMerge& one) {
+        return one.own == one.last || (one.own != nullptr && became(*one.last, *one.own));
+    });
+    std::erase_if(order,
+                  [&](const SessionMerge& one) { return !whole(*one.last, report.conflicts); });
+}
+
+/// @return something of it was destroyed in another file
+bool merge_into(Database& out,
+                const std::vector<std::unique_ptr<Input>>& inputs,
+                const std::string& prefer,
+                MergeReport& report) {
+    bool destroyed = false;
+    const Layout layout = catalogue_layout();
+    PeopleMerge people(prefer);
+    std::map<std::string, Versions> all;
+    collect(out, out.file(), layout, people, all);
+    for (const auto& input : inputs) {
+        collect(input->database, input->name, layout, people, all);
+    }
+    people.number();
+    report.conflicts = people.conflicts();
+    report.notices = people.notices();
+    people.write(out);
+    std::vector<SessionMerge> order = in_order(all, out, prefer, report.conflicts);
+    leave_out(order, people, report);
+    free_numbers(out, order);
+    for (const SessionMerge& one : order) {
+        bring(one, out, layout, report);
+        destroyed = destroyed || one.last->destroyed;
+    }
+    for (const auto& input : inputs) {
+        copy_shared(input->database, out, layout, input->name);
+    }
+    drop_unused_secrets(out);
+    return destroyed;
 }
 
 }  // namespace
@@ -172,44 +228,7 @@ MergeReport merge_files(const std::string& file,
         if (is_new) {
             out.execute("DELETE FROM secret");  // it has those of the others
         }
-        const Layout layout = catalogue_layout();
-
-        PeopleMerge people(prefer);
-        std::map<std::string, Versions> all;
-        const auto collect = [&](Database& database, const std::string& name) {
-            people.read(database, name);
-            for (SessionVersion& version : session_versions(database, layout, name)) {
-                all[version.uuid].push_back(std::move(version));
-            }
-        };
-        collect(out, file);
-        for (const auto& input : inputs) {
-            collect(input->database, input->name);
-        }
-        people.number();
-        report.conflicts = people.conflicts();
-        report.notices = people.notices();
-        people.write(out);
-        std::vector<Merging> order = in_order(all, out, prefer, report.conflicts);
-        const std::set<std::string> twice = doubled(order, report.conflicts);
-        std::erase_if(order, [&](const Merging& one) {
-            return twice.contains(one.last->uuid) ||
-                   people.in_conflict().contains(one.last->participant);
-        });
-        report.same = std::erase_if(order, [](const Merging& one) {
-            return one.own == one.last || (one.own != nullptr && became(*one.last, *one.own));
-        });
-        std::erase_if(order,
-                      [&](const Merging& one) { return !whole(*one.last, report.conflicts); });
-        free_numbers(out, order);
-        for (const Merging& one : order) {
-            bring(one, out, layout, report);
-            destroyed = destroyed || one.last->destroyed;
-        }
-        for (const auto& input : inputs) {
-            copy_shared(input->database, out, layout, input->name);
-        }
-        drop_unused_secrets(out);
+        destroyed = merge_into(out, inputs, prefer, report);
         all_or_nothing.commit();
     }
     destroyed ? empty_free_pages(out) : out.checkpoint();

@@ -8,6 +8,7 @@
 
 namespace palpate::data {
 
+/// What a merge did.
 struct MergeReport {
     std::size_t added = 0;     ///< sessions that the file did not have
     std::size_t extended = 0;  ///< sessions that went on since

@@ -32,21 +32,20 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Not
     }
     if (there.utc == said.utc && there.file != prefer_ && said.file != prefer_) {
         in_conflict_.insert(code);
-        conflicts_.push_back({.what = fmt::format("participant {}: {} is {} and {}, noted at one "
-                                                  "time",
-                                                  code, key, there.value, said.value),
-                              .first = there.file,
-                              .second = said.file,
-                              .remedy = kPreferRemedy});
+        conflicts_.push_back(
+            {.what = fmt::format("participant {}: {} is {} and {}, noted at one time", code, key,
+                                 there.value, said.value),
+             .first = there.file,
+             .second = said.file,
+             .remedy = kPreferRemedy});
         return;
     }
     const bool newer = there.utc == said.utc ? said.file == prefer_ : there.utc < said.utc;
     const NotedDetail& now = newer ? said : there;
     const NotedDetail& before = newer ? there : said;
-    notices_.push_back(fmt::format(
-        "participant {}: {} is {} (noted {} in {}), no longer {} ({} in "
-        "{})",
-        code, key, now.value, now.utc, now.file, before.value, before.utc, before.file));
+    notices_.push_back(
+        fmt::format("participant {}: {} is {} (noted {} in {}), no longer {} ({} in {})", code, key,
+                    now.value, now.utc, now.file, before.value, before.utc, before.file));
     there = NotedDetail(now);
 }
 
@@ -101,6 +100,31 @@ bool PeopleMerge::stays(const Person& person, const std::string& key) {
                                     said->second.utc > destroyed->second.utc);
 }
 
+/// Handedness, consent and the time of destruction: ?2 to ?6.
+void PeopleMerge::bind_notes(const Person& person, Statement& note) {
+    int parameter = 2;
+    for (const char* key : {kHandedness, kConsent}) {
+        const bool known = stays(person, key);
+        note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
+            .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
+        parameter += 2;
+    }
+    const auto destroyed = person.find(kDestroyedTime);
+    note.bind(6, destroyed == person.end() ? std::nullopt : std::optional(destroyed->second.utc));
+}
+
+void PeopleMerge::write_details(const std::string& code, const Person& person, Statement& detail) {
+    for (const auto& [key, said] : person) {
+        if (key.starts_with(kDetail) && stays(person, key)) {
+            detail.bind(1, std::string_view(code))
+                .bind(2, std::string_view(key).substr(kDetail.size()))
+                .bind(3, std::string_view(said.value))
+                .bind(4, std::string_view(said.utc))
+                .run();
+        }
+    }
+}
+
 void PeopleMerge::write(Database& out) const {
     Statement add = out.prepare(
         "INSERT INTO participant (participant_code, subject) VALUES (?1, CAST(?2 AS INTEGER)) ON "
@@ -122,27 +146,10 @@ void PeopleMerge::write(Database& out) const {
         const std::string& subject = person.at(kSubject).value;
         add.bind(1, std::string_view(code)).bind(2, std::string_view(subject)).run();
         note.bind(1, std::string_view(code)).bind(7, std::string_view(subject));
-        int parameter = 2;
-        for (const char* key : {kHandedness, kConsent}) {
-            const bool known = stays(person, key);
-            note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
-                .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
-            parameter += 2;
-        }
-        const auto destroyed = person.find(kDestroyedTime);
-        note.bind(6,
-                  destroyed == person.end() ? std::nullopt : std::optional(destroyed->second.utc))
-            .run();
+        bind_notes(person, note);
+        note.run();
         gone.bind(1, std::string_view(code)).run();
-        for (const auto& [key, said] : person) {
-            if (key.starts_with(kDetail) && stays(person, key)) {
-                detail.bind(1, std::string_view(code))
-                    .bind(2, std::string_view(key).substr(kDetail.size()))
-                    .bind(3, std::string_view(said.value))
-                    .bind(4, std::string_view(said.utc))
-                    .run();
-            }
-        }
+        write_details(code, person, detail);
     }
 }
 

@@ -50,6 +50,8 @@ private:
         std::map<std::string, NotedDetail>;  ///< key, value; "detail KEY" for participant_detail
 
     void say(const std::string& code, const std::string& key, const NotedDetail& said);
+    static void write_details(const std::string& code, const Person& person, Statement& detail);
+    static void bind_notes(const Person& person, Statement& note);
     static bool stays(const Person& person, const std::string& key);
 
     std::map<std::string, Person> people_;

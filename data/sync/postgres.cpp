@@ -137,14 +137,28 @@ bool stays_here(std::string_view host) {
             host.find_first_not_of("0123456789.") == std::string_view::npos);
 }
 
+/// The places of a list with commas, one at least.
+std::vector<std::string> list_of(const std::string& words) {
+    std::vector<std::string> all(1);
+    for (const char c : words) {
+        if (c == ',') {
+            all.emplace_back();
+        } else {
+            all.back() += c;
+        }
+    }
+    return all;
+}
+
 /// Looked at before a word is sent: of several hosts each.
 void require_secure(PGconn* connection) {
-    const std::string addresses = word_of(connection, "hostaddr");
-    const std::string hosts = addresses.empty() ? word_of(connection, "host") : addresses;
-    for (std::size_t at = 0; at <= hosts.size();) {
-        const std::size_t end = std::min(hosts.find(',', at), hosts.size());
-        const std::string host = hosts.substr(at, end - at);
-        const std::string mode = word_of(connection, "sslmode");
+    const auto addresses = list_of(word_of(connection, "hostaddr"));
+    const auto hosts = list_of(word_of(connection, "host"));
+    const std::string mode = word_of(connection, "sslmode");
+    for (std::size_t i = 0; i < std::max(addresses.size(), hosts.size()); ++i) {
+        // libpq goes by an address, and where its place is empty by the host's name.
+        const bool by_name = i >= addresses.size() || addresses[i].empty();
+        const std::string host = !by_name ? addresses[i] : i < hosts.size() ? hosts[i] : "";
         if (!stays_here(host) && mode != "verify-full") {
             throw std::invalid_argument(fmt::format(
                 "{} is another machine, and with sslmode={} others can read what is sent, or "
@@ -152,7 +166,6 @@ void require_secure(PGconn* connection) {
                 "its place: give sslmode=verify-full with sslrootcert, or --insecure as well",
                 host, mode));
         }
-        at = end + 1;
     }
 }
 

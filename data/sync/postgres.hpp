@@ -20,6 +20,7 @@ public:
 /// A row's values as the server takes them: text, or bytes.
 class PostgresRow {
 public:
+    /// Adds the next value; none() is NULL.
     PostgresRow& none();
     PostgresRow& text(std::string_view value);
     PostgresRow& integer(std::int64_t value);

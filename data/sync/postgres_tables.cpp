@@ -1,7 +1,9 @@
 #include "data/sync/postgres_tables.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -29,15 +31,19 @@ PostgresTable owned(Database& database,
                     PostgresTable to,
                     const std::string& owner) {
     to.name = from.name;
+    // The statement: a table of the lab's may be called pragma_table_info.
     Statement row =
-        database.prepare("SELECT name, type, pk FROM pragma_table_info(?1) ORDER BY pk, cid");
-    row.bind(1, std::string_view(from.name));
+        database.prepare(fmt::format("PRAGMA main.table_info({})", quoted_name(from.name)));
     std::vector<std::pair<std::string, std::string>> types;
+    std::map<std::int64_t, std::string> key;  // by place
     while (row.step()) {
-        types.emplace_back(row.text(0), type_of(row.text(1)));
-        if (row.integer(2) > 0 && row.text(0) != owner && row.text(0) != from.name + "_id") {
-            to.key.push_back(row.text(0));
+        types.emplace_back(row.text(1), type_of(row.text(2)));
+        if (row.integer(5) > 0 && row.text(1) != owner && row.text(1) != from.name + "_id") {
+            key[row.integer(5)] = row.text(1);
         }
+    }
+    for (const auto& [place, column] : key) {
+        to.key.push_back(column);
     }
     for (const std::string& column : from.columns) {
         to.columns.push_back(*std::find_if(types.begin(), types.end(), [&column](const auto& type) {
@@ -45,6 +51,45 @@ PostgresTable owned(Database& database,
         }));
     }
     return to;
+}
+
+/// What a file of SQLite has in other tables, or by other keys.
+std::vector<PostgresTable> tables_of_no_file() {
+    return {{"study",
+             {{"protocol_sha256", "text"},
+              {"study_name", "text"},
+              {"study_title", "text"},
+              {"protocol_toml", "text"}},
+             {"protocol_sha256"}},
+            {"participant_note",
+             {{"participant_code", "text"}, {"key", "text"}, {"value", "text"}},
+             {"participant_code", "key"}},
+            {"trial_invalid",
+             {{"session_uuid", "uuid"}, {"trial_number", "bigint"}, {"invalid_reason", "text"}},
+             {"session_uuid", "trial_number"}}};
+}
+
+PostgresTable event_table(Database& database, const Layout& layout) {
+    PostgresTable event =
+        owned(database, layout.event,
+              {{},
+               {{"session_uuid", "uuid"}, {"event_number", "bigint"}, {"trial_number", "bigint"}},
+               {"session_uuid", "event_number"}},
+              "");
+    event.columns.emplace_back("content", "text");
+    return event;
+}
+
+PostgresTable session_table(Database& database,
+                            const Layout& layout,
+                            const PostgresTable& of_session) {
+    PostgresTable session = owned(database, layout.session, of_session, "");
+    session.columns.insert(session.columns.end(), {{"protocol_sha256", "text"},
+                                                   {"participant_code", "text"},
+                                                   {"session_number", "bigint"},
+                                                   {"began_sha256", "text"},
+                                                   {"file_schema", "bigint"}});
+    return session;
 }
 
 }  // namespace
@@ -62,34 +107,9 @@ std::vector<PostgresTable> postgres_tables(const Layout& layout) {
     const PostgresTable of_trial{{},
                                  {{"session_uuid", "uuid"}, {"trial_number", "bigint"}},
                                  {"session_uuid", "trial_number"}};
-    std::vector<PostgresTable> tables{
-        {"study",
-         {{"protocol_sha256", "text"},
-          {"study_name", "text"},
-          {"study_title", "text"},
-          {"protocol_toml", "text"}},
-         {"protocol_sha256"}},
-        {"participant_note",
-         {{"participant_code", "text"}, {"key", "text"}, {"value", "text"}},
-         {"participant_code", "key"}},
-        {"trial_invalid",
-         {{"session_uuid", "uuid"}, {"trial_number", "bigint"}, {"invalid_reason", "text"}},
-         {"session_uuid", "trial_number"}}};
-    PostgresTable event =
-        owned(database, layout.event,
-              {{},
-               {{"session_uuid", "uuid"}, {"event_number", "bigint"}, {"trial_number", "bigint"}},
-               {"session_uuid", "event_number"}},
-              "");
-    event.columns.emplace_back("content", "text");
-    tables.push_back(event);
-    PostgresTable session = owned(database, layout.session, of_session, "");
-    session.columns.insert(session.columns.end(), {{"protocol_sha256", "text"},
-                                                   {"participant_code", "text"},
-                                                   {"session_number", "bigint"},
-                                                   {"began_sha256", "text"},
-                                                   {"file_schema", "bigint"}});
-    tables.push_back(session);
+    std::vector<PostgresTable> tables = tables_of_no_file();
+    tables.push_back(event_table(database, layout));
+    tables.push_back(session_table(database, layout, of_session));
     PostgresTable end = owned(database, layout.session_end, of_session, "");
     end.name = "session_end";
     tables.push_back(end);

@@ -7,11 +7,13 @@
 
 namespace palpate::data {
 
+/// What is pushed, and whereto.
 struct PushChoice {
     bool insecure = false;           ///< Postgres
     bool including_refused = false;  ///< also the sessions of who is noted as not consenting
 };
 
+/// What a push did.
 struct PushReport {
     std::size_t sessions = 0;  ///< looked at
     std::size_t declined = 0;  ///< of these: left out, of people who do not consent

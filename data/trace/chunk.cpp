@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -55,7 +56,7 @@ EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
         }
         const std::size_t before = chunk.data.size();
         if (i < kStoredColumns) {
-            pack_column(static_cast<Stored>(i), ticks, clock, chunk.data);
+            pack_column(static_cast<ColumnId>(i), ticks, clock, chunk.data);
         } else {
             pack_exact(columns[i], ticks, chunk.data);
         }
@@ -66,7 +67,9 @@ EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
     return chunk;
 }
 
-ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
+namespace {
+
+void check_head(const ChunkView& chunk) {
     if (chunk.codec != kTraceCodec) {
         throw TraceError(fmt::format("trace codec {} is unknown; update palpate", chunk.codec));
     }
@@ -77,6 +80,12 @@ ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
     if (crc_of(chunk.data) != chunk.crc32) {
         damaged("its checksum differs");
     }
+}
+
+}  // namespace
+
+ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
+    check_head(chunk);
     const auto columns = stored_columns();
     const auto held = static_cast<std::size_t>(
         std::count_if(columns.begin(), columns.end(),
@@ -103,19 +112,19 @@ ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
     }
 }
 
-void ChunkReader::read(Stored column, std::span<std::int32_t> values) const {
+void ChunkReader::read(ColumnId column, std::span<std::int32_t> values) const {
     const auto index = static_cast<std::size_t>(column);
     require(unpack_column(column, streams_[index], chunk_.first_tick, values),
             stored_columns()[index].name, chunk_.ticks);
 }
 
-void ChunkReader::read(Stored column, std::span<std::int64_t> values) const {
+void ChunkReader::read(ColumnId column, std::span<std::int64_t> values) const {
     const auto index = static_cast<std::size_t>(column);
     require(unpack_column(column, streams_[index], chunk_.first_tick, values),
             stored_columns()[index].name, chunk_.ticks);
     if (stored_columns()[index].rule == Rule::clock) {
         std::vector<std::int64_t> ticks(values.size());
-        read(Stored::tick, ticks);
+        read(ColumnId::tick, ticks);
         for (std::size_t i = 0; i < ticks.size(); ++i) {
             const std::uint64_t due =
                 static_cast<std::uint64_t>(ticks[i]) * static_cast<std::uint64_t>(chunk_.period_ns);
@@ -160,6 +169,13 @@ std::uint8_t parts_of(std::string_view text) {
         }
     }
     throw TraceError(fmt::format("a trace chunk holds \"{}\"; update palpate", text));
+}
+
+std::uint32_t crc32_of(std::int64_t stored) {
+    if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
+        throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
+    }
+    return static_cast<std::uint32_t>(stored);
 }
 
 }  // namespace palpate::data

@@ -45,6 +45,7 @@ struct ChunkView {
     std::span<const std::byte> data{};
 };
 
+/// The bytes of a chunk as trace_chunk keeps them.
 struct EncodedChunk {
     std::vector<std::byte> data;
     std::uint32_t crc32 = 0;  ///< of `data`
@@ -65,11 +66,11 @@ public:
     explicit ChunkReader(const ChunkView& chunk);
 
     /// Values of a column of every chunk, into `values` of the chunk's ticks. @throws TraceError
-    void read(Stored column, std::span<std::int64_t> values) const;
+    void read(ColumnId column, std::span<std::int64_t> values) const;
     /// The same of a column of no more than 4 bytes.
-    void read(Stored column, std::span<std::int32_t> values) const;
+    void read(ColumnId column, std::span<std::int32_t> values) const;
     /// All values of a column of every chunk are 0.
-    [[nodiscard]] bool all_zero(Stored column) const noexcept {
+    [[nodiscard]] bool all_zero(ColumnId column) const noexcept {
         return streams_[static_cast<std::size_t>(column)].empty();
     }
     /// All exact columns that the chunk holds, into the ticks. `command` becomes bits XOR those of
@@ -78,12 +79,16 @@ public:
     /// The same columns, to be put into ticks later. @throws TraceError
     [[nodiscard]] std::vector<ExactColumn> exact() const;
 
+    /// Whose columns are read; its bytes outlive this.
     [[nodiscard]] const ChunkView& chunk() const noexcept { return chunk_; }
 
 private:
     ChunkView chunk_;
     std::array<std::span<const std::byte>, kAllColumns> streams_{};  ///< of those not held empty
 };
+
+/// A checksum as files hold it. @throws TraceError unless it has 32 bits
+[[nodiscard]] std::uint32_t crc32_of(std::int64_t stored);
 
 /// "hip contact" <-> bits. @throws TraceError for other words
 [[nodiscard]] std::string parts_text(std::uint8_t parts);

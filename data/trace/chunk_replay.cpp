@@ -7,6 +7,7 @@
 #include <new>
 #include <system_error>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
 
@@ -73,69 +74,81 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
 
 }  // namespace
 
-std::span<const std::int32_t> ChunkReplay::Unpacking::read(const ChunkReader& reader,
-                                                           Stored column) {
+std::span<const std::int32_t> ChunkReplay::Unpacker::read(const ChunkReader& reader,
+                                                          ColumnId column) {
     column_.resize(reader.chunk().ticks);
     reader.read(column, column_);
     return column_;
 }
 
-void ChunkReplay::Unpacking::steps(const ChunkReader& reader,
-                                   Stored column,
-                                   double engine::Vec2::*axis) {
+void ChunkReplay::Unpacker::steps(const ChunkReader& reader,
+                                  ColumnId column,
+                                  double engine::Vec2::*axis) {
     const auto steps = read(reader, column);
     for (std::size_t i = 0; i < hips_.size(); ++i) {
         hips_[i].*axis = steps_in_metres(steps[i]);
     }
 }
 
-void ChunkReplay::Unpacking::third(const ChunkReader& reader, std::span<TickRecord> ticks) {
-    if (reader.all_zero(Stored::count_3) && reader.all_zero(Stored::code_3) &&
-        reader.all_zero(Stored::hip_z)) {
+void ChunkReplay::Unpacker::third(const ChunkReader& reader, std::span<TickRecord> ticks) {
+    if (reader.all_zero(ColumnId::count_3) && reader.all_zero(ColumnId::code_3) &&
+        reader.all_zero(ColumnId::hip_z)) {
         return;
     }
-    const auto each = [&](Stored column, const auto& set) {
+    const auto each = [&](ColumnId column, const auto& set) {
         const auto values = read(reader, column);
         for (std::size_t i = 0; i < ticks.size(); ++i) {
             set(ticks[i], values[i]);
         }
     };
-    each(Stored::count_3, [](TickRecord& tick, std::int32_t count) { tick.count_3 = count; });
-    each(Stored::code_3, [](TickRecord& tick, std::int32_t code) { tick.code_3 = code; });
-    each(Stored::hip_z,
+    each(ColumnId::count_3, [](TickRecord& tick, std::int32_t count) { tick.count_3 = count; });
+    each(ColumnId::code_3, [](TickRecord& tick, std::int32_t code) { tick.code_3 = code; });
+    each(ColumnId::hip_z,
          [](TickRecord& tick, std::int32_t steps) { tick.hip_z = steps_in_metres(steps); });
 }
 
-void ChunkReplay::Unpacking::unpack(Chunk& chunk,
-                                    const std::optional<engine::ManyHips>& machine,
-                                    bool in_space) {
-    const ChunkView& view = chunk.view;
-    const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
-    const std::size_t size = chunk.ticks.size();
+/// The columns of whole numbers.
+void ChunkReplay::Unpacker::read_small(const ChunkReader& reader, std::size_t size) {
     numbers_.resize(size);
     times_.resize(size);
-    reader.read(Stored::tick, numbers_);
-    reader.read(Stored::time_ns, times_);
+    reader.read(ColumnId::tick, numbers_);
+    reader.read(ColumnId::time_ns, times_);
     for (std::size_t i = 0; i < small_.size(); ++i) {
         small_[i].resize(size);
-        reader.read(static_cast<Stored>(static_cast<std::size_t>(Stored::count_1) + i), small_[i]);
+        reader.read(static_cast<ColumnId>(static_cast<std::size_t>(ColumnId::count_1) + i),
+                    small_[i]);
     }
-    const auto& [count_1, count_2, code_1, code_2, late, flags] = small_;
-    counts_.resize(size);
-    for (std::size_t i = 0; i < size; ++i) {
-        counts_[i] = {count_1[i], count_2[i]};
-    }
-    hips_.resize(size);
+}
+
+/// HIP by the counts, or as it was stored. @return somewhere the linkage has no pose
+bool ChunkReplay::Unpacker::read_hips(const ChunkReader& reader,
+                                      const std::optional<engine::ManyHips>& machine,
+                                      bool in_space) {
+    hips_.resize(counts_.size());
     if (in_space) {
-        steps(reader, Stored::hip_x, &engine::Vec2::x);
-        steps(reader, Stored::hip_y, &engine::Vec2::y);
+        steps(reader, ColumnId::hip_x, &engine::Vec2::x);
+        steps(reader, ColumnId::hip_y, &engine::Vec2::y);
     } else if (machine) {
         machine->of(counts_, hips_);
     } else {
         std::ranges::fill(hips_, engine::Vec2{});
     }
-    chunk.has_gaps =
-        std::ranges::any_of(hips_, [](const engine::Vec2& hip) { return std::isnan(hip.x); });
+    return std::ranges::any_of(hips_, [](const engine::Vec2& hip) { return std::isnan(hip.x); });
+}
+
+void ChunkReplay::Unpacker::unpack(Chunk& chunk,
+                                   const std::optional<engine::ManyHips>& machine,
+                                   bool in_space) {
+    const ChunkView& view = chunk.view;
+    const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
+    const std::size_t size = chunk.ticks.size();
+    read_small(reader, size);
+    const auto& [count_1, count_2, code_1, code_2, late, flags] = small_;
+    counts_.resize(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        counts_[i] = {count_1[i], count_2[i]};
+    }
+    chunk.has_gaps = read_hips(reader, machine, in_space);
     for (std::size_t i = 0; i < size; ++i) {
         ::new (&chunk.ticks[i]) TickRecord{.tick = numbers_[i],
                                            .time_ns = times_[i],
@@ -249,7 +262,7 @@ bool ChunkReplay::work(Lock& lock) noexcept {
         chunk.finished = true;
     } else if (unpacking_ < std::min(chunks_.size(), wanted_ + kAhead)) {
         Chunk& chunk = chunks_[unpacking_++];
-        std::unique_ptr<Unpacking> unpacking;
+        std::unique_ptr<Unpacker> unpacking;
         if (!spare_.empty()) {
             unpacking = std::move(spare_.back());
             spare_.pop_back();
@@ -257,7 +270,7 @@ bool ChunkReplay::work(Lock& lock) noexcept {
         unlocked([&] {
             try {
                 if (!unpacking) {
-                    unpacking = std::make_unique<Unpacking>();
+                    unpacking = std::make_unique<Unpacker>();
                 }
                 unpacking->unpack(chunk, machine_, in_space_);
             } catch (...) {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/device/many_hips.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/retrace.hpp"
@@ -48,6 +48,7 @@ public:
     ChunkReplay& operator=(const ChunkReplay&) = delete;
     ~ChunkReplay();
 
+    /// How many chunks there are.
     [[nodiscard]] std::size_t size() const noexcept { return chunks_.size(); }
 
     /// What a chunk's ticks are again, each field as it was, without closest points.
@@ -77,15 +78,20 @@ private:
         bool as_recorded = false;
     };
     /// The columns of a chunk on their way into its ticks. Used again for later chunks.
-    class Unpacking {
+    class Unpacker {
     public:
         /// What the bytes tell without the scene. HIP is NaN where the linkage has no pose. @throws
         /// TraceError
         void unpack(Chunk& chunk, const std::optional<engine::ManyHips>& machine, bool in_space);
 
     private:
-        [[nodiscard]] std::span<const std::int32_t> read(const ChunkReader& reader, Stored column);
-        void steps(const ChunkReader& reader, Stored column, double engine::Vec2::*axis);
+        [[nodiscard]] std::span<const std::int32_t> read(const ChunkReader& reader,
+                                                         ColumnId column);
+        void read_small(const ChunkReader& reader, std::size_t size);
+        bool read_hips(const ChunkReader& reader,
+                       const std::optional<engine::ManyHips>& machine,
+                       bool in_space);
+        void steps(const ChunkReader& reader, ColumnId column, double engine::Vec2::*axis);
         void third(const ChunkReader& reader, std::span<engine::TickRecord> ticks);
 
         std::vector<std::int64_t> numbers_;
@@ -116,7 +122,7 @@ private:
     std::size_t unpacking_ = 0;  ///< the next one to be unpacked
     std::size_t following_ = 0;  ///< the next one whose contacts are computed
     std::size_t finishing_ = 0;  ///< the next one to be finished
-    std::vector<std::unique_ptr<Unpacking>> spare_;
+    std::vector<std::unique_ptr<Unpacker>> spare_;
     bool is_following_ = false;
     bool ends_ = false;
     std::thread ahead_;

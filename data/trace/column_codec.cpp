@@ -31,9 +31,9 @@ constexpr Word unfold(Word folded) noexcept {
 /// What a rule foretells of the next value: what is taken from it. All in two's complement of a
 /// Word.
 template <class Word>
-class Predicted {
+class Predictor {
 public:
-    Predicted(Rule rule, std::int64_t first_tick) noexcept
+    Predictor(Rule rule, std::int64_t first_tick) noexcept
         : line_(rule == Rule::line ? ~Word{0} : Word{0}),
           more_(rule == Rule::after ? Word{1} : Word{0}),
           before_(rule == Rule::after ? static_cast<Word>(first_tick) - 1 : Word{0}),
@@ -57,7 +57,7 @@ void numbers_of(Rule rule,
                 std::int64_t first_tick,
                 std::span<const std::int64_t> values,
                 std::span<std::uint64_t> numbers) noexcept {
-    Predicted<Word> predicted(rule, first_tick);
+    Predictor<Word> predicted(rule, first_tick);
     for (std::size_t i = 0; i < values.size(); ++i) {
         const auto value = static_cast<Word>(values[i]);
         numbers[i] = fold<Word>(value - predicted.next());
@@ -145,7 +145,7 @@ bool read_words(Rule rule,
                                  [](Word number) { return static_cast<Signed>(number); });
     }
     return each_number<Word>(stream, values,
-                             [predicted = Predicted<Word>(rule, first_tick)](Word number) mutable {
+                             [predicted = Predictor<Word>(rule, first_tick)](Word number) mutable {
                                  const Word value = predicted.next() + unfold(number);
                                  predicted.see(value);
                                  return static_cast<Signed>(value);
@@ -170,54 +170,54 @@ void unshuffle(std::span<const std::byte> bytes,
 
 }  // namespace
 
-void stored_values(Stored column,
+void stored_values(ColumnId column,
                    std::span<const TickRecord> ticks,
                    std::span<std::int64_t> values) noexcept {
     const auto each = [&](const auto& value_of) {
         std::transform(ticks.begin(), ticks.end(), values.begin(), value_of);
     };
     switch (column) {
-        case Stored::tick:
+        case ColumnId::tick:
             return each([](const TickRecord& tick) { return tick.tick; });
-        case Stored::time_ns:
+        case ColumnId::time_ns:
             return each([](const TickRecord& tick) { return tick.time_ns; });
-        case Stored::count_1:
+        case ColumnId::count_1:
             return each([](const TickRecord& tick) { return tick.counts[0]; });
-        case Stored::count_2:
+        case ColumnId::count_2:
             return each([](const TickRecord& tick) { return tick.counts[1]; });
-        case Stored::code_1:
+        case ColumnId::code_1:
             return each([](const TickRecord& tick) { return tick.codes[0]; });
-        case Stored::code_2:
+        case ColumnId::code_2:
             return each([](const TickRecord& tick) { return tick.codes[1]; });
-        case Stored::lateness_ns:
+        case ColumnId::lateness_ns:
             return each([](const TickRecord& tick) {
                 return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
             });
-        case Stored::flags:
+        case ColumnId::flags:
             return each([](const TickRecord& tick) { return tick.flags; });
-        case Stored::hip_x:
+        case ColumnId::hip_x:
             return each([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); });
-        case Stored::hip_y:
+        case ColumnId::hip_y:
             return each([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); });
-        case Stored::command_x:
+        case ColumnId::command_x:
             return each(
                 [](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); });
-        case Stored::command_y:
+        case ColumnId::command_y:
             return each(
                 [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
-        case Stored::count_3:
+        case ColumnId::count_3:
             return each([](const TickRecord& tick) { return tick.count_3; });
-        case Stored::code_3:
+        case ColumnId::code_3:
             return each([](const TickRecord& tick) { return tick.code_3; });
-        case Stored::hip_z:
+        case ColumnId::hip_z:
             return each([](const TickRecord& tick) { return in_steps(tick.hip_z, kHipSteps); });
-        case Stored::command_z:
+        case ColumnId::command_z:
             return each(
                 [](const TickRecord& tick) { return in_steps(tick.command_z, kCommandSteps); });
     }
 }
 
-void pack_column(Stored which,
+void pack_column(ColumnId which,
                  std::span<const TickRecord> ticks,
                  const ChunkClock& clock,
                  std::vector<std::byte>& data) {
@@ -255,7 +255,7 @@ void pack_exact(const StoredColumn& column,
     deflate(bytes, data);
 }
 
-bool unpack_column(Stored which,
+bool unpack_column(ColumnId which,
                    std::span<const std::byte> stream,
                    std::int64_t first_tick,
                    std::span<std::int32_t> values) noexcept {
@@ -264,7 +264,7 @@ bool unpack_column(Stored which,
                             : read_words<std::uint32_t>(column.rule, stream, first_tick, values);
 }
 
-bool unpack_column(Stored which,
+bool unpack_column(ColumnId which,
                    std::span<const std::byte> stream,
                    std::int64_t first_tick,
                    std::span<std::int64_t> values) noexcept {

@@ -19,12 +19,12 @@ struct ChunkClock {
 };
 
 /// What a column of every chunk says of these ticks. @param values  as many as `ticks`
-void stored_values(Stored column,
+void stored_values(ColumnId column,
                    std::span<const engine::TickRecord> ticks,
                    std::span<std::int64_t> values) noexcept;
 
 /// Adds the stream of a column of every chunk to `data`; nothing if all its numbers are 0.
-void pack_column(Stored column,
+void pack_column(ColumnId column,
                  std::span<const engine::TickRecord> ticks,
                  const ChunkClock& clock,
                  std::vector<std::byte>& data);
@@ -37,12 +37,12 @@ void pack_exact(const StoredColumn& column,
 
 /// The values of a stream. Of `time_ns` without tick * period_ns.
 /// @return false if it does not hold so many
-[[nodiscard]] bool unpack_column(Stored column,
+[[nodiscard]] bool unpack_column(ColumnId column,
                                  std::span<const std::byte> stream,
                                  std::int64_t first_tick,
                                  std::span<std::int64_t> values) noexcept;
 /// The same of a column of no more than 4 bytes.
-[[nodiscard]] bool unpack_column(Stored column,
+[[nodiscard]] bool unpack_column(ColumnId column,
                                  std::span<const std::byte> stream,
                                  std::int64_t first_tick,
                                  std::span<std::int32_t> values) noexcept;

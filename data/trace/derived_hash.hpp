@@ -22,6 +22,7 @@ namespace palpate::data {
 /// The same, some ticks at a time.
 class DerivedHash {
 public:
+    /// Of no tick yet; value() may be asked for at any time, and add() go on after it.
     DerivedHash() noexcept;
     void add(std::span<const engine::TickRecord> ticks) noexcept;
     [[nodiscard]] std::uint64_t value() const noexcept;

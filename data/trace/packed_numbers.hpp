@@ -23,6 +23,7 @@ void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>
 /// Reads such a stream block by block. `stream` must outlive this.
 class PackedNumbers {
 public:
+    /// At the first block.
     explicit PackedNumbers(std::span<const std::byte> stream) noexcept : rest_(stream) {}
 
     /// The next numbers. @param block  kBlock of them, or what is left
@@ -47,6 +48,7 @@ public:
         return true;
     }
 
+    /// All bytes were read.
     [[nodiscard]] bool at_end() const noexcept { return rest_.empty(); }
 
 private:

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/protocol_file.hpp"
@@ -39,12 +40,12 @@ std::string replay_sentence(std::int64_t trial, std::int64_t tick) {
         trial, tick);
 }
 
-Replayed replay(const engine::SceneView& scene,
-                const std::optional<engine::PantographSpec>& machine,
-                std::span<const ChunkView> chunks,
-                bool helped) {
+ReplayResult replay(const engine::SceneView& scene,
+                    const std::optional<engine::PantographSpec>& machine,
+                    std::span<const ChunkView> chunks,
+                    bool helped) {
     ChunkReplay work(machine, scene, chunks, helped);
-    Replayed all;
+    ReplayResult all;
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         if (!work.chunk(i).as_recorded && !all.differs_from) {
             all.differs_from = chunks[i].first_tick;
@@ -72,7 +73,7 @@ void find_closest_points(const engine::SceneView& scene,
     }
 }
 
-void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values) {
+void read_stored(const ChunkView& chunk, ColumnId column, std::span<std::int64_t> values) {
     ChunkReader(chunk).read(column, values);
 }
 
@@ -126,7 +127,7 @@ std::shared_ptr<const engine::FeltScene> SessionTraces::scene_of(const TraceTria
     return found->second;
 }
 
-Replayed SessionTraces::replay(const TraceTrial& trial, std::span<const ChunkView> chunks) {
+ReplayResult SessionTraces::replay(const TraceTrial& trial, std::span<const ChunkView> chunks) {
     const std::shared_ptr<const engine::FeltScene> scene = scene_of(trial);
     return data::replay(scene.get(), machine_, chunks);
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engine/device/calibration.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/trace/chunk.hpp"
@@ -35,7 +35,8 @@ struct TraceTrial {
     std::optional<double> stimulus{};  ///< what a rule chose, where it chose the compliance
 };
 
-struct Replayed {
+/// The ticks of a trial again, and from where on they may differ.
+struct ReplayResult {
     Ticks ticks;
     /// The first chunk whose hash the replay does not give: from here on the columns that were not
     /// stored are those of another palpate, compiler or machine. Nothing: every bit is as the servo
@@ -65,12 +66,13 @@ public:
     /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was:
     /// without closest points, which no servo needs.
     /// @throws TraceError if a chunk is damaged, std::invalid_argument if the scene cannot be built
-    [[nodiscard]] Replayed replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
+    [[nodiscard]] ReplayResult replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
 
     /// The scene of the trial, with the decays that were recorded.
     /// @throws std::invalid_argument if it cannot be built
     [[nodiscard]] std::shared_ptr<const engine::FeltScene> scene_of(const TraceTrial& trial);
 
+    /// By which HIP follows from counts; none: HIP itself was stored.
     [[nodiscard]] const std::optional<engine::PantographSpec>& machine() const noexcept {
         return machine_;
     }
@@ -100,10 +102,10 @@ private:
 /// Replay of one interval with a scene that is there already; no scene: only what is stored. The
 /// closest points are left out: see find_closest_points(). Chunk by chunk: ChunkReplay.
 /// @param helped  by a thread; not where intervals are replayed side by side
-[[nodiscard]] Replayed replay(const engine::SceneView& scene,
-                              const std::optional<engine::PantographSpec>& machine,
-                              std::span<const ChunkView> chunks,
-                              bool helped = true);
+[[nodiscard]] ReplayResult replay(const engine::SceneView& scene,
+                                  const std::optional<engine::PantographSpec>& machine,
+                                  std::span<const ChunkView> chunks,
+                                  bool helped = true);
 
 /// The closest point of the next ticks of an interval, from its first one on: out of contact the
 /// one that was last looked for, which is where the god-object is.
@@ -115,6 +117,6 @@ void find_closest_points(const engine::SceneView& scene,
 /// One column of every chunk without any replay. 10 to 100 times as fast.
 /// @param values  of the chunk's ticks
 /// @throws TraceError if the chunk is damaged
-void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values);
+void read_stored(const ChunkView& chunk, ColumnId column, std::span<std::int64_t> values);
 
 }  // namespace palpate::data

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -45,14 +46,16 @@ void HipFromCounts::at(std::span<const engine::Pantograph::Counts> counts,
 
 Retrace::Retrace(const std::optional<engine::PantographSpec>& machine,
                  const engine::SceneView& scene)
-    : scene_(scene) {
+    : scene_(scene), state_(std::make_unique<engine::FeltState>()) {
     if (machine) {
         machine_.emplace(*machine);
     }
 }
 
+Retrace::~Retrace() = default;
+
 void Retrace::contacts(std::span<TickRecord> ticks) noexcept {
-    engine::set_contacts(ticks, scene_, state_);
+    engine::set_contacts(ticks, scene_, *state_);
 }
 
 /// HIP follows from the other columns.

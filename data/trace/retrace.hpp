@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "engine/device/many_hips.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 
 namespace palpate::data {
@@ -14,7 +15,9 @@ namespace palpate::data {
 /// last one.
 class HipFromCounts {
 public:
+    /// @param machine  linkage, zeros and counts per turn of the readings
     explicit HipFromCounts(const engine::PantographSpec& machine);
+    /// The next tick's HIP, m, object frame.
     [[nodiscard]] engine::Vec2 at(const engine::Pantograph::Counts& counts) noexcept;
     /// The next ticks at once. @param hips  as many as `counts`
     void at(std::span<const engine::Pantograph::Counts> counts,
@@ -33,6 +36,7 @@ public:
     ///                 columns where it is a whole number of their steps
     /// @param scene    nothing: contacts follow from nothing; must outlive this
     Retrace(const std::optional<engine::PantographSpec>& machine, const engine::SceneView& scene);
+    ~Retrace();
 
     /// The parts of a recorded tick that nothing else in it tells.
     [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
@@ -40,6 +44,7 @@ public:
     /// The contacts of the next ticks, after HIP is known. Every tick, in order.
     void contacts(std::span<engine::TickRecord> ticks) noexcept;
 
+    /// It knows the scene, and contacts() computes something.
     [[nodiscard]] bool has_scene() const noexcept { return scene_.any(); }
 
 private:
@@ -47,7 +52,7 @@ private:
 
     std::optional<HipFromCounts> machine_;
     engine::SceneView scene_;
-    engine::FeltState state_;
+    std::unique_ptr<engine::FeltState> state_;  ///< never null
 };
 
 }  // namespace palpate::data

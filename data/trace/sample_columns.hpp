@@ -51,6 +51,7 @@ enum class SampleColumn : std::uint8_t {
 /// What a query needs of the ticks: bit i is column i.
 using SampleColumns = std::uint64_t;
 
+/// The bit of a column. @pre column < count_of_columns, below 64
 [[nodiscard]] constexpr SampleColumns bit(SampleColumn column) noexcept {
     return SampleColumns{1} << static_cast<unsigned>(column);
 }

@@ -11,7 +11,7 @@ namespace palpate::data {
 
 /// The columns that every chunk holds, whole numbers that anyone can read, in their order in a
 /// chunk.
-enum class Stored : std::uint8_t {
+enum class ColumnId : std::uint8_t {
     tick,
     time_ns,
     count_1,
@@ -24,7 +24,7 @@ enum class Stored : std::uint8_t {
     hip_y,
     command_x,
     command_y,
-    count_3,  ///< this and what follows of sessions in space; all 0 in the plane, which takes no bytes
+    count_3,  ///< from here on of sessions in space; all 0 in the plane, which takes no bytes
     code_3,
     hip_z,
     command_z,
@@ -46,15 +46,15 @@ enum class Rule : std::uint8_t {
 /// Exact columns are in a chunk only where they do not follow from the others: a chunk names the
 /// parts that it holds.
 enum Part : std::uint8_t {
-    part_hip =
-        1U
-        << 0U,  ///< HIP is not what the calibration makes of the counts; without one: no whole steps
+    /// HIP is not what the calibration makes of the counts; without one: no whole steps.
+    part_hip = 1U << 0U,
     part_contact = 1U << 1U,   ///< the contact is not what the scene makes of HIP
     part_command = 1U << 2U,   ///< the safety chain changed the force
     part_lateness = 1U << 3U,  ///< no whole number of ns
 };
 inline constexpr std::uint8_t kAllParts = 15;
 
+/// A column of a chunk, as table trace_column describes it.
 struct StoredColumn {
     std::string_view name;
     std::string_view type;  ///< i64le, i32le, i16le, u8, u64le, f64le, f32le
@@ -66,7 +66,7 @@ struct StoredColumn {
     std::size_t offset;  ///< exact: of the value in TickRecord
 };
 
-/// The twelve of `Stored`, then the exact ones.
+/// The twelve of `ColumnId`, then the exact ones.
 [[nodiscard]] std::span<const StoredColumn> stored_columns() noexcept;
 [[nodiscard]] std::string_view to_string(Rule rule) noexcept;
 

@@ -19,6 +19,7 @@ struct Unset {
     using value_type = T;
 
     Unset() = default;
+    /// An allocator has no state: all are one.
     template <class U>
     Unset(const Unset<U>& /*other*/) noexcept {}  // NOLINT(*-explicit-*)
 
@@ -36,8 +37,10 @@ struct Unset {
         }
         return static_cast<T*>(memory);
     }
+    /// Frees what allocate() gave.
     void deallocate(T* memory, std::size_t /*count*/) noexcept { std::free(memory); }
 
+    /// Default construction leaves the bytes as they are; any other writes them.
     template <class U>
     void construct(U* /*place*/) noexcept {}
     template <class U, class... Arguments>
@@ -47,6 +50,7 @@ struct Unset {
     bool operator==(const Unset& /*other*/) const noexcept { return true; }
 };
 
+/// Ticks that are written before they are read.
 using Ticks = std::vector<engine::TickRecord, Unset<engine::TickRecord>>;
 
 }  // namespace palpate::data

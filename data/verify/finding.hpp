@@ -8,9 +8,11 @@
 
 namespace palpate::data {
 
+/// How much a finding weighs.
 enum class FindingKind : std::uint8_t {
     differs,  ///< the file says something else than what follows from the rest of it
-    missing,  ///< nothing to compare: an older program did not store it, or this machine cannot tell
+    /// Nothing to compare: an older program did not store it, or this machine cannot know it.
+    missing,
 };
 
 /// One thing that a verification found.

@@ -15,9 +15,12 @@ namespace palpate::data {
 /// Takes down what is found, for the trial that is being looked at.
 class Findings {
 public:
+    /// @param all  gets what is found; outlives this
     explicit Findings(std::vector<Finding>& all) : all_(all) {}
 
+    /// Findings from here on are of this trial; none: of the session or the file.
     void look_at(std::optional<std::int64_t> trial) { trial_ = trial; }
+    /// Adds a finding: what the file says and what follows, or why nothing can be compared.
     void differs(std::string_view what, std::string stored, std::string recomputed);
     void missing(std::string_view what, std::string why);
     /// table.column of `row` must be `recomputed`.

@@ -96,6 +96,26 @@ void check_presses(const protocols::Protocol& protocol,
     }
 }
 
+void read_chunks(Database& database,
+                 std::int64_t trial,
+                 std::int64_t interval,
+                 bool traceless,
+                 CheckedInterval& one,
+                 Findings& findings) {
+    try {
+        one.chunks = stored_chunks(database, trial, interval);
+        if (traceless) {
+            one.trace.whole = false;  // nothing is known of what nobody kept
+            if (!one.chunks.views.empty()) {
+                findings.differs("trace_chunk", "ticks", "none: the session kept none");
+            }
+        }
+    } catch (const TraceError& e) {
+        one.trace.whole = false;
+        findings.differs("trace_chunk", e.what(), "a chunk that can be read");
+    }
+}
+
 }  // namespace
 
 std::vector<CheckedInterval> check_intervals(Database& database,
@@ -118,18 +138,7 @@ std::vector<CheckedInterval> check_intervals(Database& database,
         CheckedInterval& one = intervals.emplace_back();
         one.row = rows[i];
         one.scene = scene_of(frame, expected[i], rows[i], findings);
-        try {
-            one.chunks = stored_chunks(database, id, static_cast<std::int64_t>(i + 1));
-            if (frame.traceless) {
-                one.trace.whole = false;  // nothing is known of what nobody kept
-                if (!one.chunks.views.empty()) {
-                    findings.differs("trace_chunk", "ticks", "none: the session kept none");
-                }
-            }
-        } catch (const TraceError& e) {
-            one.trace.whole = false;
-            findings.differs("trace_chunk", e.what(), "a chunk that can be read");
-        }
+        read_chunks(database, id, static_cast<std::int64_t>(i + 1), frame.traceless, one, findings);
     }
     return intervals;
 }

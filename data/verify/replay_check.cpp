@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "data/trace/columns.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/retrace.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "engine/device/gantry.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {

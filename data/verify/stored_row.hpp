@@ -18,9 +18,11 @@ using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 /// Whatever columns the file's schema has, by name.
 class StoredRow {
 public:
+    /// A later value replaces an earlier one.
     void set(std::string_view column, Value value) {
         values_.insert_or_assign(std::string(column), std::move(value));
     }
+    /// No value for a column that the file does not have: as for NULL.
     [[nodiscard]] const Value& at(std::string_view column) const;
     [[nodiscard]] bool null(std::string_view column) const;
     /// 0 or "" for a value of another type: SQLite's own types are checked by STRICT.

@@ -97,13 +97,13 @@ private:
     /// What everybody can read must be what the exact numbers say. The other columns are the ticks'
     /// own.
     void check_readable(const ChunkView& chunk, std::span<const TickRecord> ticks) {
-        constexpr std::array kReadable{Stored::lateness_ns, Stored::flags,    Stored::hip_x,
-                                       Stored::hip_y,       Stored::hip_z,    Stored::command_x,
-                                       Stored::command_y,   Stored::command_z};
+        constexpr std::array kReadable{
+            ColumnId::lateness_ns, ColumnId::flags,     ColumnId::hip_x,     ColumnId::hip_y,
+            ColumnId::hip_z,       ColumnId::command_x, ColumnId::command_y, ColumnId::command_z};
         const ChunkReader reader(chunk);
         stored_.resize(chunk.ticks);
         exact_.resize(chunk.ticks);
-        for (const Stored column : kReadable) {
+        for (const ColumnId column : kReadable) {
             reader.read(column, stored_);
             stored_values(column, ticks, exact_);
             const auto wrong = std::ranges::mismatch(stored_, exact_);

@@ -2,23 +2,79 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <exception>
 #include <iterator>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "engine/realtime/tick_record.hpp"
 #include "engine/safety/trip.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/presentation.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/verify/interval_check.hpp"
-#include "data/verify/simulated_answer.hpp"
 #include "data/verify/summary_check.hpp"
 
 namespace palpate::data {
 namespace {
+
+/// exp() and log() of two C libraries differ in the last bits, and reaction times with them.
+constexpr double kSameTime = 1e-12;
+
+void compare_choice(const StoredRow& response,
+                    const protocols::Choice& choice,
+                    Findings& findings) {
+    findings.expect("response", "answer_code", response, static_cast<std::int64_t>(choice.place));
+    findings.expect("response", "confidence", response,
+                    choice.confidence ? Value(std::int64_t{*choice.confidence}) : Value());
+    if (choice.confidence && !(std::fabs(response.real("confidence_reaction_s") -
+                                         choice.confidence_reaction_s) <= kSameTime)) {
+        findings.expect("response", "confidence_reaction_s", response,
+                        choice.confidence_reaction_s);
+    }
+    if (!(std::fabs(response.real("reaction_s") - choice.reaction_s) <= kSameTime)) {
+        findings.expect("response", "reaction_s", response, choice.reaction_s);
+    }
+    findings.expect("response", "reaction_uncertainty_s", response, choice.uncertainty_s);
+    findings.expect("response", "early_presses", response, std::int64_t{0});
+}
+
+/// What the simulated observer answers to these ticks, and how fast, follows from protocol,
+/// participant, session and seed. @param done  trials of the session before this attempt
+void check_simulated_answer(const SessionFrame& frame,
+                            const StoredRow& response,
+                            std::span<const CheckedInterval> intervals,
+                            std::size_t done,
+                            Findings& findings) {
+    const auto usable = [](const CheckedInterval& one) {
+        const std::int64_t felt = one.row.integer("ticks");
+        return one.trace.whole && felt >= 0 &&
+               felt <= static_cast<std::int64_t>(one.trace.ticks.size());
+    };
+    if (!frame.simulated || response.text("input") != "simulated" ||
+        !std::all_of(intervals.begin(), intervals.end(), usable)) {
+        return;
+    }
+    protocols::SimulatedObserver observer(
+        frame.protocol, session_stream(frame.protocol_hash, frame.key, frame.seed),
+        frame.plan.picture_order, [] { return true; },
+        frame.person.value_or(protocols::Person{.spec = frame.protocol.observer}));
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        static_cast<void>(observer.ready({.interval = i + 1}));
+        observer.feel(std::span(intervals[i].trace.ticks)
+                          .first(static_cast<std::size_t>(intervals[i].row.integer("ticks"))));
+    }
+    const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
+    const protocols::Choice choice =
+        observer.choose({.done = done}, question_of(frame.protocol, pictures));
+    compare_choice(response, choice, findings);
+}
 
 using protocols::PlannedTrial;
 
@@ -282,9 +338,12 @@ void TrialCheck::check_outcome(const TrialRows& pending, Findings& findings) con
     if (outcome == "unanswered" && frame_.protocol.timing.answer_timeout == 0.0) {
         wrong("the protocol waits for every answer");
     }
-    if (outcome != "faulted") {
-        return;
+    if (outcome == "faulted") {
+        check_cause(trial, findings);
     }
+}
+
+void TrialCheck::check_cause(const StoredRow& trial, Findings& findings) const {
     if (!is_trip(trial.text("fault_cause"))) {
         findings.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
                          "a cause of faults");

@@ -61,6 +61,7 @@ private:
               bool answered,
               const std::optional<protocols::RuleAnswer>& answer,
               Findings& findings);
+    void check_cause(const StoredRow& trial, Findings& findings) const;
     void check_outcome(const TrialRows& pending, Findings& findings) const;
     [[nodiscard]] std::optional<double> stimulus_of(const protocols::PlannedTrial& planned,
                                                     Findings& findings) const;

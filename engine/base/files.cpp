@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -16,7 +17,6 @@
 #include <unistd.h>
 
 #include "engine/base/remark.hpp"
-#include "engine/base/whole_text.hpp"
 
 namespace palpate {
 bool sync_to_disk(const std::filesystem::path& what) {
@@ -64,7 +64,7 @@ struct Part {
         if (special) {  // a pipe that nobody reads is an error, not a long wait
             name = file.string();
             fd = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-        } else {  // new, by a name that nobody can guess: whoever may write here cannot lay a link there
+        } else {  // new: nobody can guess the name, and so lay a link there
             name = file.string() + std::string(kPartName) + "XXXXXX";
             fd = ::mkostemp(name.data(), O_CLOEXEC);
             ::flock(fd, LOCK_EX | LOCK_NB);
@@ -168,6 +168,13 @@ std::string first_line(const std::filesystem::path& file) {
     std::string line;
     std::getline(in, line);
     return line;
+}
+
+std::string file_text(const std::filesystem::path& file) {
+    const std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();  // of what vanishes meanwhile, as in /proc, nothing is thrown
+    return std::move(text).str();
 }
 
 void require_writable(const std::filesystem::path& file, std::string_view text) {

@@ -20,6 +20,9 @@ namespace palpate {
 /// The first line of a file; empty if it cannot be read.
 [[nodiscard]] std::string first_line(const std::filesystem::path& file);
 
+/// All of a file; empty if it cannot be read.
+[[nodiscard]] std::string file_text(const std::filesystem::path& file);
+
 /// Who may read what is written.
 enum class Rights : std::uint8_t {
     usual,  ///< whom the umask lets
@@ -36,6 +39,8 @@ inline constexpr std::string_view kPartName = ".palpate-part-";
 /// Holds what is half made, for as long as this lives: what nobody holds was left behind.
 class PartLock {
 public:
+    /// Locks the file or folder (flock). Where that cannot be had nothing is removed either;
+    /// nothing is thrown.
     explicit PartLock(const std::filesystem::path& part);
     PartLock(const PartLock&) = delete;
     PartLock& operator=(const PartLock&) = delete;
@@ -65,6 +70,29 @@ void require_writable(const std::filesystem::path& file, std::string_view text);
 ///         cannot be written; both with file, why and remedy
 void write_whole(const std::filesystem::path& file, std::string_view text, Rights rights);
 void write_whole(const std::filesystem::path& file, std::string_view text);  ///< Rights::usual
+
+/// write_whole() bit by bit, for what is longer than the memory: the file is there once it is
+/// finished. Standard output gets each bit at once.
+class WholeText {
+public:
+    /// @param head  how the text begins: what is there is written over only if it is of this kind;
+    /// it is not written
+    /// @throws as write_whole()
+    WholeText(const std::filesystem::path& file,
+              std::string_view head,
+              Rights rights = Rights::usual);
+    WholeText(const WholeText&) = delete;
+    WholeText& operator=(const WholeText&) = delete;
+    ~WholeText();  ///< what is not finished is removed
+
+    void add(std::string_view text);  ///< @throws as write_whole()
+    void finish();                    ///< @throws as write_whole()
+
+private:
+    std::filesystem::path file_;
+    std::string part_;  ///< the file beside it; empty: none
+    int fd_ = -1;
+};
 
 /// Writes a file that is not there yet, and syncs it: nobody's file is ever written over, whoever
 /// comes first.

@@ -10,6 +10,7 @@
 /// SHA-256 (FIPS 180-4): names of protocols, plans and random streams that nobody can mistake.
 namespace palpate {
 
+/// The 32 bytes of a hash, the first one first.
 using Sha256 = std::array<std::uint8_t, 32>;
 
 /// The hash of these bytes, or of the bytes of a text (FIPS 180-4, by libsodium).

@@ -25,6 +25,7 @@ public:
             return reinterpret_cast<Function*>(place);
         }
     };
+    /// The symbol of this name; a null one if the library was not loaded or has none.
     [[nodiscard]] Symbol find(const char* name) const noexcept {
         return {loaded() ? dlsym(handle_, name) : nullptr};
     }

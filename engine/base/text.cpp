@@ -15,6 +15,20 @@ void require(bool ok, const char* what, double value, const char* remedy) {
     }
 }
 
+void require_range(double value, double lowest, double highest, const std::string& what) {
+    if (!(value >= lowest && value <= highest)) {
+        throw std::invalid_argument(what + " is " + number_text(value) + ": give " +
+                                    number_text(lowest) + " to " + number_text(highest));
+    }
+}
+
+std::string_view trimmed(std::string_view text, std::string_view of) noexcept {
+    const std::size_t begin = text.find_first_not_of(of);
+    return begin == std::string_view::npos
+             ? std::string_view()
+             : text.substr(begin, text.find_last_not_of(of) - begin + 1);
+}
+
 std::size_t utf8_length(std::string_view text) noexcept {
     const auto byte = [text](std::size_t i) {
         return i < text.size() ? static_cast<unsigned>(static_cast<unsigned char>(text[i])) : 0U;

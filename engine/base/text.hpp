@@ -24,6 +24,10 @@ namespace palpate {
 /// Refuses a value. @throws std::invalid_argument "`what` is `value`: `remedy`" unless `ok`
 void require(bool ok, const char* what, double value, const char* remedy);
 
+/// Refuses a value outside of a range; NaN is in none.
+/// @throws std::invalid_argument "`what` is `value`: give `lowest` to `highest`"
+void require_range(double value, double lowest, double highest, const std::string& what);
+
 /// "1 trial", "2 trials", "0 trials": how many of something, for sentences.
 /// @param many  where "s" alone does not make more of it: "1 of them is", "2 of them are"
 [[nodiscard]] std::string counted(std::integral auto n,
@@ -33,6 +37,9 @@ void require(bool ok, const char* what, double value, const char* remedy);
     text += n == 1 || many.empty() ? one : many;
     return n == 1 || !many.empty() ? text : text + 's';
 }
+
+/// Without what begins and ends it of these characters.
+[[nodiscard]] std::string_view trimmed(std::string_view text, std::string_view of) noexcept;
 
 /// The UTF-8 character at the start of a text.
 struct Character {
@@ -53,6 +60,7 @@ struct Character {
 /// change the direction of writing, tags.
 [[nodiscard]] bool is_order(char32_t code) noexcept;
 
+/// What becomes of tabs and ends of lines.
 enum class Lines : std::uint8_t {
     joined,  ///< a value: tabs and ends of lines become spaces
     kept     ///< what was laid out already

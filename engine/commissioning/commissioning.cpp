@@ -228,7 +228,7 @@ double least_friction(const Pantograph& machine,
 std::string prove_strength(const Calibration& machine,
                            const Vec3& mass,
                            double delay,
-                           Commissioned& done) {
+                           CommissioningResult& done) {
     if (machine.gantry) {
         const FittedAxes found = fit_axes(Gantry(*machine.gantry), done.pulses, mass, delay);
         done.record.axes = found.axes;
@@ -280,7 +280,7 @@ std::string prove_pushes(PulseRunner& runner,
                          const std::vector<Vec3>& places,
                          const Vec3& mass,
                          const CommissioningDesk& desk,
-                         Commissioned& done) {
+                         CommissioningResult& done) {
     const double delay = device.traits().delay_ticks * desk.period;
     double& force = done.record.force;
     const std::size_t last = machine.gantry ? places.size() - 1 : 0;
@@ -317,11 +317,11 @@ std::string prove_pushes(PulseRunner& runner,
 
 }  // namespace
 
-Commissioned commission(Device& device,
-                        const Calibration& machine,
-                        const std::vector<Vec3>& places,
-                        const Vec3& mass,
-                        const CommissioningDesk& desk) {
+CommissioningResult commission(Device& device,
+                               const Calibration& machine,
+                               const std::vector<Vec3>& places,
+                               const Vec3& mass,
+                               const CommissioningDesk& desk) {
     check_marks(machine, places);
     for (int i = 0; i < static_cast<int>(machine.gantry ? machine.axes() : 1); ++i) {
         if (!(mass[i] > 0.0 && std::isfinite(mass[i]))) {
@@ -329,7 +329,7 @@ Commissioned commission(Device& device,
                                         " kg: give a number above 0");
         }
     }
-    Commissioned done;
+    CommissioningResult done;
     PulseRunner runner(device, Machine(machine), desk.period, desk.wait);
     std::vector<Rest> marks;
     done.refused = read_marks(runner, device, places, desk, marks, done.given_up);

@@ -21,7 +21,7 @@ struct CommissioningDesk {
 };
 
 /// What came of it.
-struct Commissioned {
+struct CommissioningResult {
     std::string refused;  ///< why not, a sentence without a full stop; empty: the rig is proved
     bool given_up = false;
     /// Without device, calibration and program, which are of whoever keeps it.
@@ -39,21 +39,10 @@ struct Commissioned {
 /// @param mass    kg: what the handle of a pantograph weighs, or what each of three motors moves
 /// @throws std::invalid_argument for places that do not tell how encoders are connected, and for a
 ///         mass that cannot be
-[[nodiscard]] Commissioned commission(Device& device,
-                                      const Calibration& machine,
-                                      const std::vector<Vec3>& places,
-                                      const Vec3& mass,
-                                      const CommissioningDesk& desk);
-
-/// The short form that opens each session, and is given again in its breaks: a pulse in each
-/// direction where the handle rests, until one says that something is wrong.
-struct ShortForm {
-    std::string refused;  ///< as above
-    std::string found;    ///< shares and directions of those that were right, for the record
-};
-[[nodiscard]] ShortForm prove_again(PulseRunner& runner,
-                                    const Calibration& machine,
-                                    const RigRecord& record,
-                                    double delay);
+[[nodiscard]] CommissioningResult commission(Device& device,
+                                             const Calibration& machine,
+                                             const std::vector<Vec3>& places,
+                                             const Vec3& mass,
+                                             const CommissioningDesk& desk);
 
 }  // namespace palpate::engine

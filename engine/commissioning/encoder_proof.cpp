@@ -123,7 +123,10 @@ double separation(const PantographSpec& spec, std::span<const Vec2> places) {
     return least;
 }
 
-std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& home) {
+namespace {
+
+/// Of a grid those within reach, far from home and from singular poses, m.
+std::vector<Vec2> clear_places(const PantographSpec& spec, const Vec2& home) {
     constexpr double kStep = 0.010;
     constexpr double kClear = 0.008;  // m from singular poses: the force is a force there
     const Pantograph machine(spec);
@@ -138,6 +141,13 @@ std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& h
             }
         }
     }
+    return within;
+}
+
+}  // namespace
+
+std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& home) {
+    const std::vector<Vec2> within = clear_places(spec, home);
     std::vector<Vec2> best;
     double max = 2.0 * kPlaced;
     for (std::size_t i = 0; i < within.size(); ++i) {

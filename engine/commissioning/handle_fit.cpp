@@ -16,7 +16,7 @@ constexpr std::size_t kEvery = 4;  ///< ticks between two that are compared
 /// Inertia 1, 2, mass, damping 1, 2, friction 1, 2, damping and friction of the handle, ratio.
 using Numbers = LeastSquares::Row;
 
-constexpr Numbers kLeast{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05};
+constexpr Numbers kMin{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05};
 constexpr Numbers kMax{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 100.0, 10.0, 20.0};
 /// What a step of the differences is, where a number is near 0.
 constexpr Numbers kSmall{1e-6, 1e-6, 1e-3, 1e-4, 1e-4, 3e-5, 3e-5, 1e-2, 1e-3, 1e-2};
@@ -26,7 +26,7 @@ Numbers numbers_of(const FittedHandle& handle) {
     Numbers all{d.inertia.x,  d.inertia.y,  d.handle_mass,    d.damping.x,       d.damping.y,
                 d.friction.x, d.friction.y, d.handle_damping, d.handle_friction, handle.ratio};
     for (std::size_t i = 0; i < all.size(); ++i) {
-        all[i] = std::clamp(all[i], kLeast[i], kMax[i]);
+        all[i] = std::clamp(all[i], kMin[i], kMax[i]);
     }
     return all;
 }
@@ -161,7 +161,7 @@ Numbers changed(const HandleDynamics& before, const Numbers& by) {
 FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start, bool free_ratio) {
     const Numbers found =
         nearest_numbers([&](const Numbers& x) { return predicted(tracks, x); }, counted(tracks),
-                        numbers_of(start), {kLeast, kMax, kSmall}, free_ratio ? 10 : 9);
+                        numbers_of(start), {kMin, kMax, kSmall}, free_ratio ? 10 : 9);
     FittedHandle handle = handle_of(found);
     handle.unexplained = unexplained(tracks, found);
     return handle;

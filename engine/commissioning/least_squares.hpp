@@ -12,8 +12,10 @@ public:
     static constexpr std::size_t kMax = 10;
     using Row = std::array<double, kMax>;
 
+    /// @param unknowns  at most kMax; of a row only so many are read
     explicit LeastSquares(std::size_t unknowns) : n_(unknowns) {}
 
+    /// One equation: the unknowns times `row` should be `value`. All weigh alike.
     void add(const Row& row, double value) noexcept {
         for (std::size_t i = 0; i < n_; ++i) {
             for (std::size_t j = 0; j < n_; ++j) {

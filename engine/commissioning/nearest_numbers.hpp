@@ -25,6 +25,7 @@ struct NumberRange {
 
 namespace detail {
 
+/// Measured less predicted, one by one; 0 where nothing was measured (NaN).
 inline std::vector<double> missed(const std::vector<double>& measured,
                                   const std::vector<double>& predicted) {
     std::vector<double> all(measured.size());
@@ -34,6 +35,7 @@ inline std::vector<double> missed(const std::vector<double>& measured,
     return all;
 }
 
+/// Sum of squares.
 inline double squares_of(const std::vector<double>& missed) {
     double sum = 0.0;
     for (const double one : missed) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/commissioning/commissioning.hpp"
+#include "engine/commissioning/short_form.hpp"
 
 /// Is a free handle where its encoders say? Between trials, without a force.
 namespace palpate::engine {
@@ -25,7 +26,9 @@ struct Sight {
     std::optional<Vec3> place{};  ///< m; none: no pose of the machine, or nothing was read
     double off = 0.0;             ///< m from where it should be
 
+    /// No encoder went over more than kStillCounts while it rested.
     [[nodiscard]] bool still() const;
+    /// A pose of the machine, within kAtPlace of where it should be.
     [[nodiscard]] bool there() const { return place && off <= kAtPlace; }
     /// "(10, 60) mm", or "nowhere". @param axes  of the machine
     [[nodiscard]] std::string text(std::size_t axes) const;

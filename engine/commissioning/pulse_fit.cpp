@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/base/text.hpp"
 #include "engine/commissioning/handle_fit.hpp"
 #include "engine/commissioning/least_squares.hpp"
 
@@ -288,6 +289,16 @@ MotorProof prove_motors(const PantographSpec& spec,
         proof.dynamics = fit_handle(tracks, {fitted.dynamics, 1.0}, false).dynamics;
     }
     return proof;
+}
+
+std::string unexplained_text(const std::string& what) {
+    return "the motion is not explained by mass, damping and friction: " + what +
+           ". Is the desk level, does a cable pull at the handle, does somebody hold it, is "
+           "something in its way? Nothing is said of the motors before that is right";
+}
+
+std::string unexplained_text(double left) {
+    return unexplained_text(number_text(std::round(100.0 * left)) + " % of a push is left over");
 }
 
 }  // namespace palpate::engine

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <span>
+#include <string>
 
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/commissioning/pulses.hpp"
 #include "engine/commissioning/rig_record.hpp"
+#include "engine/math/elementary.hpp"
 
 /// What pulses say of motors and handle.
 ///
@@ -18,6 +20,18 @@
 /// f_i, each divided by its gain: pulses at three places tell them. A motor on the other joint, or
 /// reversed, fits worse or with a mass below 0; one twice as strong, with half the mass.
 namespace palpate::engine {
+
+/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within
+/// 20 degrees.
+inline constexpr double kMaxGainError = 0.3;
+inline constexpr double kMaxTurn = 20.0 * kPi / 180.0;
+/// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
+inline constexpr double kMaxUnexplained = 0.2;
+
+/// Why no motor is blamed for a motion, a sentence without a full stop. @param what  was seen of it
+[[nodiscard]] std::string unexplained_text(const std::string& what);
+/// @param left  share of a motion, FittedHandle::unexplained
+[[nodiscard]] std::string unexplained_text(double left);
 
 /// What was found of the motors.
 struct MotorProof {

@@ -12,13 +12,8 @@ namespace palpate::engine {
 namespace {
 
 constexpr double kDegree = 180.0 / kPi;
-constexpr double kLeastShare =
-    0.4;  ///< of a push at once: a change of friction is not enough for it
+constexpr double kMinShare = 0.4;  ///< of a push at once: a change of friction is not enough for it
 constexpr double kMaxShare = 2.0;
-constexpr const char* kUnexplained = "the motion is not explained by mass, damping and friction: ";
-constexpr const char* kMayPull =
-    ". Is the desk level, does a cable pull at the handle, does somebody hold it, is something in "
-    "its way? Nothing is said of the motors before that is right";
 
 std::string percent(double share) {
     return number_text(std::round(100.0 * share)) + " %";
@@ -52,6 +47,22 @@ std::string pushed_text(const Pulse& pulse, std::size_t axes) {
            (axes > 2 ? ", " + mm(pulse.place.z) : std::string()) + ") mm the handle ";
 }
 
+/// The torques of a pulse up to sample `last`, each as late as the device.
+void push_plant(PantographPlant& plant, const Pulse& pulse, std::size_t last, double delay) {
+    const auto& samples = pulse.samples;
+    std::size_t next = 0;
+    double now = 0.0;
+    while (now < samples[last].time) {
+        const double change = next < last ? samples[next].time + delay : samples[last].time;
+        const double until = std::fmin(change, samples[last].time);
+        plant.advance(until - now);
+        now = until;
+        if (next < last) {
+            plant.set_torque(Vec2(samples[next++].torque));
+        }
+    }
+}
+
 PulseMatch match_linkage(const PantographSpec& spec,
                          const Pulse& pulse,
                          const HandleDynamics& dynamics,
@@ -67,17 +78,7 @@ PulseMatch match_linkage(const PantographSpec& spec,
     }
     PantographPlant plant = free_handle(spec, dynamics);
     plant.begin({.start = from->hip, .tremor = 0.0});
-    std::size_t next = 0;
-    double now = 0.0;
-    while (now < samples[last].time) {
-        const double change = next < last ? samples[next].time + delay : samples[last].time;
-        const double until = std::fmin(change, samples[last].time);
-        plant.advance(until - now);
-        now = until;
-        if (next < last) {
-            plant.set_torque(Vec2(samples[next++].torque));
-        }
-    }
+    push_plant(plant, pulse, last, delay);
     const Vec2 expected{plant.angles()[0] - start[0], plant.angles()[1] - start[1]};
     const Vec2 measured{end[0] - start[0], end[1] - start[1]};
     const double length = glm::length(expected);
@@ -133,7 +134,7 @@ std::string wrong_with(const Machine& machine,
     }
     const PulseMatch found = match(machine, pulse, record, delay);
     const std::string moved = pushed + "moved " + percent(found.share) + " of what it should: ";
-    if (!(found.share >= kLeastShare)) {
+    if (!(found.share >= kMinShare)) {
         return moved + "is somebody holding it, does something block it, or is a motor too weak";
     }
     if (!(found.angle <= kMaxTurn)) {
@@ -155,16 +156,13 @@ std::string unexplained_by(const RigRecord& record,
         const PulseMatch found = match(machine, pulse, record, delay);
         if (!(std::fabs(found.share - 1.0) <= kMaxGainError && found.angle <= kMaxTurn) &&
             !(found.counts <= kMaxRounding)) {
-            return kUnexplained + (pushed_text(pulse, machine.axes()) + "moved ") +
-                   percent(found.share) + " of what they say, " +
-                   number_text(std::round(found.angle * kDegree)) + " degrees beside it" + kMayPull;
+            return unexplained_text(pushed_text(pulse, machine.axes()) + "moved " +
+                                    percent(found.share) + " of what they say, " +
+                                    number_text(std::round(found.angle * kDegree)) +
+                                    " degrees beside it");
         }
     }
     return {};
-}
-
-std::string unexplained_text(double left) {
-    return kUnexplained + percent(left) + " of a push is left over" + kMayPull;
 }
 
 }  // namespace palpate::engine

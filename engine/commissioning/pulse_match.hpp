@@ -3,9 +3,9 @@
 #include <span>
 #include <string>
 
+#include "engine/commissioning/pulse_fit.hpp"
 #include "engine/commissioning/pulses.hpp"
 #include "engine/commissioning/rig_record.hpp"
-#include "engine/math/elementary.hpp"
 
 /// Does a free handle move as it did when the rig was commissioned?
 namespace palpate::engine {
@@ -19,16 +19,9 @@ struct PulseMatch {
     double counts = 0.0;  ///< the most that one of them is off
 };
 
-/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within
-/// 20 degrees.
-inline constexpr double kMaxGainError = 0.3;
-inline constexpr double kMaxTurn = 20.0 * kPi / 180.0;
 /// A push that hardly overcomes friction moves by a count or none, and its share and angle say
 /// nothing: start and end are whole counts.
 inline constexpr double kMaxRounding = 1.5;
-/// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
-inline constexpr double kMaxUnexplained = 0.2;
-
 /// The turn until the force was reversed, measured and predicted by the plant.
 /// @param record  whose dynamics are those of the handle
 /// @param delay   s from a tick's reading to the force of that tick
@@ -49,7 +42,4 @@ inline constexpr double kMaxUnexplained = 0.2;
                                          const Machine& machine,
                                          std::span<const Pulse> pulses,
                                          double delay);
-/// @param left  share of a motion, FittedHandle::unexplained
-[[nodiscard]] std::string unexplained_text(double left);
-
 }  // namespace palpate::engine

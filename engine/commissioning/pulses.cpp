@@ -107,7 +107,7 @@ PulseRunner::Tick PulseRunner::tick(const Vec3& force) {
                               .hip_z = tick.reading.hip_z,
                               .load_3 = load_.z,
                               .count_3 = tick.reading.count_3});
-    const Applied applied = device_->press(Vec3(tick.command.force, tick.command.force_z));
+    const AppliedForce applied = device_->press(Vec3(tick.command.force, tick.command.force_z));
     load_ = {applied.load, applied.load_3};
     return tick;
 }

@@ -1,7 +1,8 @@
+#include "engine/commissioning/short_form.hpp"
+
 #include <cmath>
 
 #include "engine/base/text.hpp"
-#include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/handle_fit.hpp"
 #include "engine/commissioning/pulse_match.hpp"
 #include "engine/commissioning/straight_axes.hpp"

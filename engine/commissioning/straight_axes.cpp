@@ -7,7 +7,7 @@
 #include "engine/base/text.hpp"
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/commissioning/nearest_numbers.hpp"
-#include "engine/commissioning/pulse_match.hpp"
+#include "engine/commissioning/pulse_fit.hpp"
 #include "engine/device/gantry.hpp"
 #include "engine/math/elementary.hpp"
 
@@ -84,15 +84,15 @@ std::string wrong_encoder(
 }
 
 /// Pulses along an axis together: to and fro count alike, and what pulls all the time goes out.
-struct Pushed {
+struct PushSum {
     bool forward = false;  ///< the handle moved enough when it was pushed so
     bool backward = false;
     Vec3 way{};          ///< sum of the ways until the force was reversed, in its direction
     double force = 0.0;  ///< N, the strongest
 };
 
-Pushed pushed_along(const Gantry& gantry, std::span<const Pulse> pulses, int axis) {
-    Pushed all;
+PushSum pushed_along(const Gantry& gantry, std::span<const Pulse> pulses, int axis) {
+    PushSum all;
     for (const Pulse& pulse : pulses) {
         const double force = pulse.force[axis];
         if (force != 0.0) {
@@ -104,7 +104,7 @@ Pushed pushed_along(const Gantry& gantry, std::span<const Pulse> pulses, int axi
     return all;
 }
 
-std::string wrong_motor(const OpenWiring& wiring, int axis, const Pushed& pushed) {
+std::string wrong_motor(const OpenWiring& wiring, int axis, const PushSum& pushed) {
     const std::string motor = "motor " + name(axis);
     if (!pushed.forward && !pushed.backward) {
         return "nothing counts when " + motor + " pushes by " + number_text(pushed.force) +

@@ -20,6 +20,7 @@ public:
     /// @param n, m  degrees in u and v, at most 18; the coefficients are rubbish until written
     // NOLINTNEXTLINE: 3 kB of coefficients are left as they are on purpose
     BernsteinNet(std::size_t n, std::size_t m) noexcept : n_(n), m_(m) {}
+    /// Copies what its degrees need, not all 3 kB.
     BernsteinNet(const BernsteinNet& other) noexcept : n_(other.n_), m_(other.m_) { copy(other); }
     BernsteinNet& operator=(const BernsteinNet& other) noexcept {
         n_ = other.n_;

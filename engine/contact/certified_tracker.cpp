@@ -34,7 +34,7 @@ double safe(double bound, const Vec2& h) noexcept {
 CertifiedTracker::CertifiedTracker(const Outline& outline) : feet_(outline), windows_(feet_) {}
 
 ClosestPoint CertifiedTracker::named(const TrackWindow& window,
-                                     const Followed& found,
+                                     const WindowFoot& found,
                                      const Vec2& h) const noexcept {
     return found.on_seam ? feet_.at_seam(found.seam, h)
                          : feet_.named(h, found.foot, window.jet.first);
@@ -48,11 +48,11 @@ ClosestPoint CertifiedTracker::track(TrackState& s, const Vec2& h) const noexcep
             const double spare = bound - distance;
             return spare > 0.0 && way2 < spare * spare;
         };
-        Followed found = windows_.follow(s.best, h);
+        WindowFoot found = windows_.follow(s.best, h);
         double distance = std::sqrt(found.foot.distance2);
         if (found.settled && s.has_rival &&
             !nearer(distance, distance2(h, s.rival_seen), s.rival_at)) {
-            const Followed other = windows_.follow(s.rival, h);
+            const WindowFoot other = windows_.follow(s.rival, h);
             found.settled = other.settled;
             double beyond = std::sqrt(other.foot.distance2);
             if (beyond < distance) {

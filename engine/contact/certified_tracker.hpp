@@ -48,7 +48,7 @@ public:
 
 private:
     [[nodiscard]] ClosestPoint named(const TrackWindow& window,
-                                     const Followed& found,
+                                     const WindowFoot& found,
                                      const Vec2& h) const noexcept;
     ClosestPoint search(TrackState& state, const Vec2& h) const noexcept;
     void open_rival(TrackState& state, const Vec2& h) const noexcept;

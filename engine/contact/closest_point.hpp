@@ -38,6 +38,7 @@ struct SegmentPlace {
             .angle = on_vertex ? place.parameter : 0.0};
 }
 
+/// The foot of h on an outline, m, in the frame of the outline.
 struct ClosestPoint {
     Place place{};
     Vec2 point{};

@@ -42,6 +42,7 @@ struct PieceRange {
     std::size_t first = 0;
     std::size_t count = 0;
 
+    /// Whether a piece is one of them. @param total  of all pieces, round which they wrap
     [[nodiscard]] bool holds(std::size_t piece, std::size_t total) const noexcept {
         return (piece >= first ? piece - first : piece + total - first) < count;
     }
@@ -54,6 +55,7 @@ public:
     /// Cuts every span until it is nearly straight (kFlat), or kMaxCuts times.
     explicit Pieces(const std::vector<RationalBezier<D>>& spans);
 
+    /// All pieces of all spans.
     [[nodiscard]] std::size_t size() const noexcept { return pieces_.size(); }
     [[nodiscard]] const Piece<D>& operator[](std::size_t i) const noexcept { return pieces_[i]; }
     /// Index of the first piece of span i; first_of(number of spans) is size().

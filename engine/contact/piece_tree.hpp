@@ -30,8 +30,11 @@ struct Foot {
 template <int D>
 class PieceTree {
 public:
+    /// Keeps the spans; takes n log n for n pieces. Not for the tick.
     explicit PieceTree(std::vector<RationalBezier<D>> spans);
 
+    /// As they were given; a place names them by their index. And the pieces that they were cut
+    /// into.
     [[nodiscard]] const std::vector<RationalBezier<D>>& spans() const noexcept { return spans_; }
     [[nodiscard]] const Pieces<D>& pieces() const noexcept { return pieces_; }
 

@@ -69,6 +69,12 @@ double clearance(const Seam& seam, const Vec2& h) noexcept {
     return std::max(-glm::dot(gap, seam.tangent_in), glm::dot(gap, seam.tangent_out)) - margin;
 }
 
+/// On an arc, in units of its length instead of the span's parameter.
+Jet<2> jet_on(const Arc& arc, double s) noexcept {
+    const Arc::Point at = arc.at(s, 1.0 - s);
+    return {.point = at.point, .first = at.tangent, .second = -arc.curvature() * perp(at.tangent)};
+}
+
 }  // namespace
 
 WindowTracker::WindowTracker(const OutlineFeet& feet) : feet_(&feet) {
@@ -87,19 +93,19 @@ bool WindowTracker::one_minimum(const TrackWindow& window, const Vec2& h) const 
 }
 
 /// The foot of h, in this place of the window's span.
-Followed WindowTracker::here(const TrackWindow& s,
-                             double u,
-                             const Vec2& point,
-                             const Vec2& h) noexcept {
+WindowFoot WindowTracker::here(const TrackWindow& s,
+                               double u,
+                               const Vec2& point,
+                               const Vec2& h) noexcept {
     const Vec2 gap = point - h;
     return {.settled = true, .foot = {s.span, u, point, glm::dot(gap, gap)}};
 }
 
 /// Towards an end of the span the distance still falls: the foot is there, at the vertex beyond, or
 /// nothing is returned, and the window goes on on the next span.
-std::optional<Followed> WindowTracker::past_end(TrackWindow& s,
-                                                bool forward,
-                                                const Vec2& h) const noexcept {
+std::optional<WindowFoot> WindowTracker::past_end(TrackWindow& s,
+                                                  bool forward,
+                                                  const Vec2& h) const noexcept {
     const Outline& outline = feet_->outline();
     const bool window_ends = s.span == (forward ? s.last_span : s.first_span);
     const auto seam = outline.seam_beyond(s.span, forward);
@@ -110,7 +116,7 @@ std::optional<Followed> WindowTracker::past_end(TrackWindow& s,
     const Vec2 gap = vertex.point - h;
     const double beyond = glm::dot(gap, forward ? vertex.tangent_out : vertex.tangent_in);
     if (forward ? beyond >= 0.0 : beyond <= 0.0) {
-        Followed found = here(s, s.u, s.jet.point, h);
+        WindowFoot found = here(s, s.u, s.jet.point, h);
         found.on_seam = true;
         found.seam = *seam;
         found.foot.distance2 = glm::dot(gap, gap);
@@ -122,7 +128,7 @@ std::optional<Followed> WindowTracker::past_end(TrackWindow& s,
     return std::nullopt;
 }
 
-Followed WindowTracker::walk(TrackWindow& s, const Vec2& h) const noexcept {
+WindowFoot WindowTracker::walk(TrackWindow& s, const Vec2& h) const noexcept {
     const Outline& outline = feet_->outline();
     double before = 0.0;  // slope and length of the first step
     double first = 0.0;
@@ -162,12 +168,9 @@ Followed WindowTracker::walk(TrackWindow& s, const Vec2& h) const noexcept {
             continue;
         }
         if (arc != nullptr) {
-            const Arc::Point at = arc->at(next, 1.0 - next);
             s.u = next;
-            s.jet = {.point = at.point,
-                     .first = at.tangent,
-                     .second = -arc->curvature() * perp(at.tangent)};
-            return here(s, next, at.point, h);
+            s.jet = jet_on(*arc, next);
+            return here(s, next, s.jet.point, h);
         }
         const double longest = taylor_[s.span];
         const bool last = longest > 0.0

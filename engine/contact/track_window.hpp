@@ -30,7 +30,7 @@ struct TrackWindow {
 };
 
 /// What following a window's minimum gave.
-struct Followed {
+struct WindowFoot {
     bool settled = false;  ///< else: no minimum was reached, a search is due
     bool on_seam = false;
     std::size_t seam = 0;
@@ -58,12 +58,12 @@ public:
     /// On an arc or a line the foot itself, elsewhere Newton's iteration on g(u) = (C - h) . C'
     /// from the last one, its first step along a parabola; across spans, within the window.
     /// @pre h has moved less than the window's slack
-    [[nodiscard]] Followed follow(TrackWindow& window, const Vec2& h) const noexcept {
+    [[nodiscard]] WindowFoot follow(TrackWindow& window, const Vec2& h) const noexcept {
         if (window.vertex_count != 0 && !one_minimum(window, h)) {
             return {};
         }
         Foot<2> foot;
-        return glide(window, h, foot) ? Followed{.settled = true, .foot = foot} : walk(window, h);
+        return glide(window, h, foot) ? WindowFoot{.settled = true, .foot = foot} : walk(window, h);
     }
 
 private:
@@ -83,14 +83,14 @@ private:
 
     [[nodiscard]] bool one_minimum(const TrackWindow& window, const Vec2& h) const noexcept;
     [[nodiscard]] bool glide(TrackWindow& window, const Vec2& h, Foot<2>& foot) const noexcept;
-    [[nodiscard]] Followed walk(TrackWindow& window, const Vec2& h) const noexcept;
-    [[nodiscard]] static Followed here(const TrackWindow& window,
-                                       double u,
-                                       const Vec2& point,
-                                       const Vec2& h) noexcept;
-    std::optional<Followed> past_end(TrackWindow& window,
-                                     bool forward,
-                                     const Vec2& h) const noexcept;
+    [[nodiscard]] WindowFoot walk(TrackWindow& window, const Vec2& h) const noexcept;
+    [[nodiscard]] static WindowFoot here(const TrackWindow& window,
+                                         double u,
+                                         const Vec2& point,
+                                         const Vec2& h) noexcept;
+    std::optional<WindowFoot> past_end(TrackWindow& window,
+                                       bool forward,
+                                       const Vec2& h) const noexcept;
 
     const OutlineFeet* feet_;
     std::vector<double>

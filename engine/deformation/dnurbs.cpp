@@ -194,23 +194,54 @@ void Dnurbs::assemble(std::size_t gauss_points) {
     }
 }
 
-BasisAt Dnurbs::basis(double u) const {
-    const auto p = static_cast<std::size_t>(spec_.degree);
-    const std::vector<double>& t = knots_.values();
-    const KnotVector::Interval& piece = knots_.intervals()[knots_.interval_of(u)];
-    // B-splines of all degrees up to p on this piece: spline[d][j] belongs to control point knot -
-    // d + j.
+namespace {
+
+/// B-splines of all degrees up to p on the piece that begins with a knot: of degree d the j-th
+/// belongs to control point knot - d + j.
+std::vector<std::vector<double>> splines_at(const std::vector<double>& t,
+                                            std::size_t knot,
+                                            std::size_t p,
+                                            double u) {
     std::vector<std::vector<double>> spline{{1.0}};
     for (std::size_t d = 1; d <= p; ++d) {
         std::vector<double> next(d + 1);
         for (std::size_t j = 0; j < d; ++j) {
-            const std::size_t left = piece.knot + 1 + j - d;
+            const std::size_t left = knot + 1 + j - d;
             const double share = (u - t[left]) / (t[left + d] - t[left]);
             next[j] += (1.0 - share) * spline.back()[j];
             next[j + 1] += share * spline.back()[j];
         }
         spline.push_back(std::move(next));
     }
+    return spline;
+}
+
+/// By the quotient rule. @param weights  of the control points of r
+void make_rational(std::span<const double> weights, BasisAt& r) {
+    double w = 0.0;
+    double w1 = 0.0;
+    double w2 = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double weight = weights[i];
+        w += r.value[i] *= weight;
+        w1 += r.first_derivative[i] *= weight;
+        w2 += r.second_derivative[i] *= weight;
+    }
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        r.value[i] /= w;
+        r.first_derivative[i] = (r.first_derivative[i] - r.value[i] * w1) / w;
+        r.second_derivative[i] =
+            (r.second_derivative[i] - 2.0 * r.first_derivative[i] * w1 - r.value[i] * w2) / w;
+    }
+}
+
+}  // namespace
+
+BasisAt Dnurbs::basis(double u) const {
+    const auto p = static_cast<std::size_t>(spec_.degree);
+    const std::vector<double>& t = knots_.values();
+    const KnotVector::Interval& piece = knots_.intervals()[knots_.interval_of(u)];
+    const std::vector<std::vector<double>> spline = splines_at(t, piece.knot, p, u);
     // A derivative is one of degree d - 1, raised: N' = d (N_left / width - N_right / width).
     const auto raised = [&](std::vector<double> values, std::size_t from) {
         for (std::size_t d = from + 1; d <= p; ++d) {
@@ -228,22 +259,7 @@ BasisAt Dnurbs::basis(double u) const {
     BasisAt r{.first = piece.knot - p, .value = spline[p]};
     r.first_derivative = raised(spline[p - 1], p - 1);
     r.second_derivative = p < 2 ? std::vector<double>(p + 1) : raised(spline[p - 2], p - 2);
-    // Rational, by the quotient rule.
-    double w = 0.0;
-    double w1 = 0.0;
-    double w2 = 0.0;
-    for (std::size_t i = 0; i <= p; ++i) {
-        const double weight = weights_[r.first + i];
-        w += r.value[i] *= weight;
-        w1 += r.first_derivative[i] *= weight;
-        w2 += r.second_derivative[i] *= weight;
-    }
-    for (std::size_t i = 0; i <= p; ++i) {
-        r.value[i] /= w;
-        r.first_derivative[i] = (r.first_derivative[i] - r.value[i] * w1) / w;
-        r.second_derivative[i] =
-            (r.second_derivative[i] - 2.0 * r.first_derivative[i] * w1 - r.value[i] * w2) / w;
-    }
+    make_rational(std::span(weights_).subspan(r.first, p + 1), r);
     return r;
 }
 

@@ -55,6 +55,7 @@ public:
     /// @throws std::invalid_argument with the key, the value and the remedy
     explicit Dnurbs(DnurbsSpec spec);
 
+    /// As it was given; how many control points it has; and the ends of its domain.
     [[nodiscard]] const DnurbsSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] std::size_t points() const noexcept { return spec_.points.size(); }
     [[nodiscard]] double front() const noexcept { return knots_.front(); }

@@ -40,6 +40,18 @@ DnurbsSpec displacements(double compliance) {
     return spec;
 }
 
+/// v^T M v / 2 of the points that move.
+template <class Square, class Points>
+double half_form(const Square& m, const Points& v) noexcept {
+    double twice = 0.0;
+    for (std::size_t i = 0; i < m.size(); ++i) {
+        for (std::size_t j = 0; j < m.size(); ++j) {
+            twice += m[i][j] * glm::dot(v[i + 1], v[j + 1]);
+        }
+    }
+    return 0.5 * twice;
+}
+
 template <class Square>
 double times(const Square& m, std::size_t row, std::size_t column, const Square& n) noexcept {
     double sum = 0.0;
@@ -191,40 +203,32 @@ Jet<2> SoftShape::jet(const SoftState& state, const Material& at) const noexcept
     return jet;
 }
 
-double SoftShape::compliance_at(const Material& at) const noexcept {
-    if (at.span >= kSoftSpans) {
-        return 0.0;
-    }
-    const Splines s = splines(at);
+/// The quadratic form of a matrix at the splines of a place.
+double SoftShape::weighed(const Square& by, const Splines& at) noexcept {
     double sum = 0.0;
     for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t j = 0; j < 4; ++j) {
-            const std::size_t a = s.first + i - 1;
-            const std::size_t b = s.first + j - 1;
-            sum += a < kMoving && b < kMoving ? s.value[i] * s.value[j] * soft_[a][b] : 0.0;
+            const std::size_t a = at.first + i - 1;
+            const std::size_t b = at.first + j - 1;
+            sum += a < kMoving && b < kMoving ? at.value[i] * at.value[j] * by[a][b] : 0.0;
         }
     }
     return sum;
 }
 
-double SoftShape::stored(const SoftState& state) const noexcept {
-    double twice = 0.0;
-    for (std::size_t i = 0; i < kMoving; ++i) {
-        for (std::size_t j = 0; j < kMoving; ++j) {
-            twice += stiffness_[i][j] * glm::dot(state.q[i + 1], state.q[j + 1]);
-        }
+double SoftShape::compliance_at(const Material& at) const noexcept {
+    if (at.span >= kSoftSpans) {
+        return 0.0;
     }
-    return 0.5 * twice;
+    return weighed(soft_, splines(at));
+}
+
+double SoftShape::stored(const SoftState& state) const noexcept {
+    return half_form(stiffness_, state.q);
 }
 
 double SoftShape::energy(const SoftState& state) const noexcept {
-    double twice = 0.0;
-    for (std::size_t i = 0; i < kMoving; ++i) {
-        for (std::size_t j = 0; j < kMoving; ++j) {
-            twice += mass_[i][j] * glm::dot(state.v[i + 1], state.v[j + 1]);
-        }
-    }
-    return 0.5 * twice + stored(state);
+    return half_form(mass_, state.v) + stored(state);
 }
 
 /// v_m = A^-1 (M v - T/2 K q): the velocities of the middle of a tick without a force.
@@ -242,15 +246,7 @@ SoftShape::Velocities SoftShape::unforced(const SoftState& state) const noexcept
 
 /// c_1, m/N: how far the material is at the middle of a tick by a force on it.
 double SoftShape::once(const Splines& at) const noexcept {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        for (std::size_t j = 0; j < 4; ++j) {
-            const std::size_t a = at.first + i - 1;
-            const std::size_t b = at.first + j - 1;
-            sum += a < kMoving && b < kMoving ? at.value[i] * at.value[j] * answer_[a][b] : 0.0;
-        }
-    }
-    return 0.5 * period_ * sum;
+    return 0.5 * period_ * weighed(answer_, at);
 }
 
 void SoftShape::push(Velocities& mean, const Splines& at, const Vec2& force) const noexcept {

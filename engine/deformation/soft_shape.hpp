@@ -64,6 +64,8 @@ struct Material {
                          : Material{place.index, place.parameter};
 }
 
+/// How an outline of two curves on a base line gives way to a force: unchanging, made once; what
+/// moves is a SoftState.
 class SoftShape {
 public:
     /// Spans of the outline that yield.
@@ -76,6 +78,7 @@ public:
     /// @throws std::invalid_argument for another outline, or a value out of range
     SoftShape(std::shared_ptr<const Outline> outline, double compliance, double period);
 
+    /// Its shape as nobody presses it.
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
     /// A control point moves no farther than this, m: a quarter of the shorter chord. There the
     /// surface stops, and stays as it is until it may go back.
@@ -145,6 +148,7 @@ private:
     void set_looks();
     [[nodiscard]] Splines splines(const Material& at) const noexcept;
     [[nodiscard]] Velocities unforced(const SoftState& state) const noexcept;
+    [[nodiscard]] static double weighed(const Square& by, const Splines& at) noexcept;
     [[nodiscard]] double once(const Splines& at) const noexcept;
     void push(Velocities& mean, const Splines& at, const Vec2& force) const noexcept;
     bool move(SoftState& state, const Velocities& mean) const noexcept;

@@ -18,14 +18,6 @@ constexpr double kMaxVolts = 1000.0;   ///< V/(N m): 10 V are 10 mN m
 constexpr double kMaxDamping = 100.0;  ///< N s/m: no hand would move it
 constexpr double kMaxCode = 2147483647.0;
 
-/// NaN is in no range.
-void in_range(double value, double lowest, double highest, const std::string& what) {
-    if (!(value >= lowest && value <= highest)) {
-        throw std::invalid_argument(what + " is " + number_text(value) + ": give " +
-                                    number_text(lowest) + " to " + number_text(highest));
-    }
-}
-
 void above_zero(double value, double highest, const std::string& what) {
     if (!(value > 0.0 && value <= highest)) {
         throw std::invalid_argument(what + " is " + number_text(value) +
@@ -35,11 +27,11 @@ void above_zero(double value, double highest, const std::string& what) {
 
 void check_axis(const Axis& axis, const std::string& which) {
     above_zero(axis.counts_per_turn, kMaxCounts, "counts per turn of " + which);
-    in_range(axis.zero, -4.0 * kPi, 4.0 * kPi, "encoder zero (rad) of " + which);
+    require_range(axis.zero, -4.0 * kPi, 4.0 * kPi, "encoder zero (rad) of " + which);
     above_zero(axis.torque_limit, kMaxTorque, "torque limit (N m) of " + which);
     above_zero(axis.torque_forever, axis.torque_limit,
                "torque that the motor gives for ever (N m) of " + which);
-    in_range(axis.codes_full_scale, 1.0, kMaxCode, "DAC code of the torque limit of " + which);
+    require_range(axis.codes_full_scale, 1.0, kMaxCode, "DAC code of the torque limit of " + which);
 }
 
 void differ(std::uint32_t one, std::uint32_t two, const std::string& what) {
@@ -57,13 +49,13 @@ void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
             "1 to 255");
     }
     for (const std::uint8_t port : wiring.port) {
-        in_range(port, 1.0, 2.0, "port of the Haply board");
+        require_range(port, 1.0, 2.0, "port of the Haply board");
     }
     differ(wiring.port[0], wiring.port[1], "port of the Haply board");
     if (wiring.grip_pin) {
-        in_range(*wiring.grip_pin, 54.0, 65.0, "grip pin of the Haply board");
+        require_range(*wiring.grip_pin, 54.0, 65.0, "grip pin of the Haply board");
     }
-    in_range(wiring.grip_threshold, 0.0, 4095.0, "grip threshold (ADC value)");
+    require_range(wiring.grip_threshold, 0.0, 4095.0, "grip threshold (ADC value)");
     for (std::size_t i = 0; i < 2; ++i) {
         const double torque = pantograph.axes[i].torque_limit;
         if (!(torque <= kHaplyTorque)) {
@@ -79,14 +71,15 @@ void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
 void check_board(const OpenWiring& wiring, const Calibration& machine) {
     const std::size_t axes = machine.axes();
     for (std::size_t i = 0; i < axes; ++i) {
-        in_range(wiring.channel[i], 1.0, static_cast<double>(axes), "channel of the open board");
-        in_range(machine.axis(i).counts_per_turn, 4.0, kMaxCode,
-                 "counts per turn on an open board");
+        require_range(wiring.channel[i], 1.0, static_cast<double>(axes),
+                      "channel of the open board");
+        require_range(machine.axis(i).counts_per_turn, 4.0, kMaxCode,
+                      "counts per turn on an open board");
         for (std::size_t j = 0; j < i; ++j) {
             differ(wiring.channel[j], wiring.channel[i], "channel of the open board");
         }
     }
-    in_range(1e3 * wiring.watchdog, 5.0, 50.0, "watchdog of the open board (ms)");
+    require_range(1e3 * wiring.watchdog, 5.0, 50.0, "watchdog of the open board (ms)");
 }
 
 void check_comedi(const ComediWiring& wiring) {
@@ -105,16 +98,16 @@ void check(const PantographSpec& spec) {
     above_zero(linkage.driven_2, kLongest, "length (m) of driven link 2");
     above_zero(linkage.free_1, kLongest, "length (m) of free link 1");
     above_zero(linkage.free_2, kLongest, "length (m) of free link 2");
-    in_range(linkage.base, 0.0, kLongest, "distance (m) of the pivots");
+    require_range(linkage.base, 0.0, kLongest, "distance (m) of the pivots");
     check_axis(spec.axes[0], "axis 1");
     check_axis(spec.axes[1], "axis 2");
-    in_range(spec.origin.x, -kLongest, kLongest, "x of the object frame's origin (m)");
-    in_range(spec.origin.y, -kLongest, kLongest, "y of the object frame's origin (m)");
-    in_range(spec.turn, -2.0 * kPi, 2.0 * kPi, "turn of the object frame (rad)");
+    require_range(spec.origin.x, -kLongest, kLongest, "x of the object frame's origin (m)");
+    require_range(spec.origin.y, -kLongest, kLongest, "y of the object frame's origin (m)");
+    require_range(spec.turn, -2.0 * kPi, 2.0 * kPi, "turn of the object frame (rad)");
     if (spec.damping) {
-        in_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
+        require_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
     }
-    in_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+    require_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
     above_zero(spec.clearance, 0.05, "clearance from singular poses (m)");
 }
 
@@ -125,15 +118,15 @@ void check(const GantrySpec& spec) {
         const std::string which = kNames[i];
         check_axis(axis.motor, which);
         above_zero(axis.radius, kWidestDrum, "radius (m) of the drum of " + which);
-        in_range(axis.low, -kLongest, kLongest, "low end (m) of " + which);
+        require_range(axis.low, -kLongest, kLongest, "low end (m) of " + which);
         above_zero(axis.high - axis.low, kLongest,
                    "way (m) from the low to the high end of " + which);
-        in_range(axis.home, axis.low, axis.high, "home (m) of " + which);
+        require_range(axis.home, axis.low, axis.high, "home (m) of " + which);
     }
     if (spec.damping) {
-        in_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
+        require_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
     }
-    in_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+    require_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
 }
 
 void check(const Calibration& calibration) {
@@ -157,8 +150,8 @@ void check(const Calibration& calibration) {
         check_comedi(*calibration.comedi);
     }
     if (calibration.home) {
-        in_range(calibration.home->x, -kLongest, kLongest, "x of the home pose (m)");
-        in_range(calibration.home->y, -kLongest, kLongest, "y of the home pose (m)");
+        require_range(calibration.home->x, -kLongest, kLongest, "x of the home pose (m)");
+        require_range(calibration.home->y, -kLongest, kLongest, "y of the home pose (m)");
     }
 }
 

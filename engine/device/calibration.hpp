@@ -106,6 +106,7 @@ struct Calibration {
     /// hand.
     std::optional<Vec2> home{};
 
+    /// Of the machine that it is for: the gantry's if it is one, else the pantograph's.
     [[nodiscard]] const std::string& name() const noexcept {
         return gantry ? gantry->name : pantograph.name;
     }

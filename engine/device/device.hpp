@@ -42,7 +42,7 @@ struct Reading {
 };
 
 /// What a device did with a commanded force. Without a third motor code_3 and load_3 are 0.
-struct Applied {
+struct AppliedForce {
     std::array<std::int32_t, 2> codes{};  ///< DAC codes
     bool saturated = false;               ///< it could not give the force asked for
     Vec2 load{};  ///< each motor's torque as a share of the torque that it can give for ever, >= 0
@@ -74,9 +74,9 @@ public:
     /// HIP now; why there is none is in the reading.
     [[nodiscard]] virtual Reading read() noexcept = 0;
     /// @param force  on the user, object frame, N; finite
-    virtual Applied write(const Vec2& force) noexcept = 0;
+    virtual AppliedForce write(const Vec2& force) noexcept = 0;
     /// The same of a force in space. A machine in the plane gives what lies in it.
-    virtual Applied press(const Vec3& force) noexcept { return write(Vec2(force)); }
+    virtual AppliedForce press(const Vec3& force) noexcept { return write(Vec2(force)); }
     /// What people call it, for messages and the record of a session.
     [[nodiscard]] virtual std::string name() const = 0;
 

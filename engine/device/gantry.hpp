@@ -41,6 +41,7 @@ public:
     /// m of way by one count of each axis.
     [[nodiscard]] Vec3 quantum() const noexcept;
 
+    /// As the calibration gave it, SI.
     [[nodiscard]] const GantrySpec& spec() const noexcept { return spec_; }
 
 private:

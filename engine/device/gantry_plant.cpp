@@ -14,12 +14,8 @@ constexpr double kLongestStep = 250e-6;  ///< s
 constexpr double kShakeHz = 9.0;
 constexpr double kAbove = 0.015;  ///< m above the middle on the way down and up again
 
-void require_range(double value, double lowest, double highest, const char* what) {
-    if (!(value >= lowest && value <= highest)) {
-        throw std::invalid_argument(std::string("the simulated gantry's ") + what + " is " +
-                                    number_text(value) + ": give " + number_text(lowest) + " to " +
-                                    number_text(highest));
-    }
+void gantry_range(double value, double lowest, double highest, const char* what) {
+    require_range(value, lowest, highest, std::string("the simulated gantry's ") + what);
 }
 
 /// Down onto the patch, strokes across its middle in ever new directions, and off again.
@@ -46,21 +42,21 @@ TimedWay<3> way_of(const SurfaceExploration& plan) {
 }  // namespace
 
 GantryPlant::GantryPlant(const GantryModel& model) : model_(model) {
-    require_range(model.mass, 1e-3, 10.0, "mass (kg)");
-    require_range(model.damping, 0.0, 100.0, "damping (N s/m)");
+    gantry_range(model.mass, 1e-3, 10.0, "mass (kg)");
+    gantry_range(model.damping, 0.0, 100.0, "damping (N s/m)");
     burden(model.friction, model.weight);
-    require_range(model.force_limit, 0.1, 100.0, "motor's limit (N)");
-    require_range(model.current_time, 0.0, 1.0, "current's time constant (s)");
-    require_range(model.hand.mass, 0.0, 10.0, "hand mass (kg)");
-    require_range(model.hand.stiffness, 0.0, 1e5, "hand stiffness (N/m)");
-    require_range(model.hand.damping, 0.0, 1e3, "hand damping (N s/m)");
-    require_range(model.hand.strength, 0.0, 1e3, "hand strength (N)");
+    gantry_range(model.force_limit, 0.1, 100.0, "motor's limit (N)");
+    gantry_range(model.current_time, 0.0, 1.0, "current's time constant (s)");
+    gantry_range(model.hand.mass, 0.0, 10.0, "hand mass (kg)");
+    gantry_range(model.hand.stiffness, 0.0, 1e5, "hand stiffness (N/m)");
+    gantry_range(model.hand.damping, 0.0, 1e3, "hand damping (N s/m)");
+    gantry_range(model.hand.strength, 0.0, 1e3, "hand strength (N)");
     begin({});
 }
 
 void GantryPlant::burden(double friction, double weight) {
-    require_range(friction, 0.0, 100.0, "dry friction (N)");
-    require_range(weight, -100.0, 100.0, "weight (N)");
+    gantry_range(friction, 0.0, 100.0, "dry friction (N)");
+    gantry_range(weight, -100.0, 100.0, "weight (N)");
     model_.friction = friction;
     model_.weight = weight;
 }

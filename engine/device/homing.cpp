@@ -32,8 +32,8 @@ Target target_of(const Pantograph& machine, const MarkReading& mark) {
     const auto angles = machine.reach(mark.place);
     const auto fix = angles ? machine.locate(*angles) : std::nullopt;
     if (!fix) {
-        throw HomingRefused("the mark " + text_of(mark.place) +
-                            " is out of the linkage's reach: give a mark within it");
+        throw HomingError("the mark " + text_of(mark.place) +
+                          " is out of the linkage's reach: give a mark within it");
     }
     const auto& axes = machine.spec().axes;
     const double moved =
@@ -41,9 +41,9 @@ Target target_of(const Pantograph& machine, const MarkReading& mark) {
          glm::length(fix->jacobian.column_2()) * mark.span.y / axes[1].counts_per_turn) *
         kTurn;
     if (!(moved <= kMoved + machine.quantum(*fix).largest)) {
-        throw HomingRefused("the handle moved by " + number_text(moved * 1e3) +
-                            " mm while it was read at " + text_of(mark.place) +
-                            ": hold it still, or put it into a hole");
+        throw HomingError("the handle moved by " + number_text(moved * 1e3) +
+                          " mm while it was read at " + text_of(mark.place) +
+                          ": hold it still, or put it into a hole");
     }
     return {
         .counts = mark.counts, .angles = {(*angles)[0], (*angles)[1]}, .jacobian = fix->jacobian};
@@ -85,7 +85,7 @@ constexpr std::size_t kMax = 4;
 using Column = std::array<double, kMax>;
 using Normal = std::array<Column, kMax>;
 
-/// Gauss's elimination with pivots. @throws HomingRefused if the marks do not tell
+/// Gauss's elimination with pivots. @throws HomingError if the marks do not tell
 Column solved(Normal a, Column b, std::size_t n) {
     for (std::size_t k = 0; k < n; ++k) {
         std::size_t pivot = k;
@@ -95,7 +95,7 @@ Column solved(Normal a, Column b, std::size_t n) {
         std::swap(a[k], a[pivot]);
         std::swap(b[k], b[pivot]);
         if (!(std::fabs(a[k][k]) > 1e-300)) {
-            throw HomingRefused("the marks do not tell the encoders' zeros: give other marks");
+            throw HomingError("the marks do not tell the encoders' zeros: give other marks");
         }
         for (std::size_t i = k + 1; i < n; ++i) {
             const double share = a[i][k] / a[k][k];
@@ -141,10 +141,10 @@ void check_scale(const std::array<Axis, 2>& before, const std::array<Axis, 2>& a
     for (std::size_t i = 0; i < 2; ++i) {
         const double share = after[i].counts_per_turn / before[i].counts_per_turn;
         if (!(std::fabs(share - 1.0) <= kMaxScale)) {
-            throw HomingRefused("axis " + std::to_string(i + 1) + " would count " +
-                                number_text(after[i].counts_per_turn) + " a turn instead of " +
-                                number_text(before[i].counts_per_turn) +
-                                ": check the preset and the order of the marks");
+            throw HomingError("axis " + std::to_string(i + 1) + " would count " +
+                              number_text(after[i].counts_per_turn) + " a turn instead of " +
+                              number_text(before[i].counts_per_turn) +
+                              ": check the preset and the order of the marks");
         }
     }
 }
@@ -161,7 +161,7 @@ void measure(Homing& homing, const PantographSpec& spec, std::span<const MarkRea
         const double missed =
             fix ? glm::length(fix->hip - mark.place) : std::numeric_limits<double>::infinity();
         if (!(missed <= kMissed)) {
-            throw HomingRefused(
+            throw HomingError(
                 "with the zeros that fit best the mark " + text_of(mark.place) +
                 (fix ? " is missed by " + number_text(missed * 1e3) + " mm" : " is nowhere") +
                 ", more than 1 mm: check the marks' places and order, the preset's lengths and "
@@ -196,19 +196,27 @@ MarkReading MarkCounts::at(const Vec2& place) const {
     return {.place = place, .counts = {mean(0), mean(1)}, .span = {span(0), span(1)}};
 }
 
-Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks, bool scale) {
+namespace {
+
+void check_marks(std::span<const MarkReading> marks, bool scale) {
     if (marks.empty()) {
-        throw HomingRefused("there is no mark: give at least one");
+        throw HomingError("there is no mark: give at least one");
     }
     if (scale && marks.size() < 3) {
-        throw HomingRefused("counts per turn need three marks, " + std::to_string(marks.size()) +
-                            " were given: give more, or find the zeros alone");
+        throw HomingError("counts per turn need three marks, " + std::to_string(marks.size()) +
+                          " were given: give more, or find the zeros alone");
     }
     if (scale && !(narrowest(marks) >= kNarrow)) {
-        throw HomingRefused(
+        throw HomingError(
             "the marks lie in line or too close together to tell counts per turn: "
             "spread them over a triangle of 30 mm or more");
     }
+}
+
+}  // namespace
+
+Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks, bool scale) {
+    check_marks(marks, scale);
     PantographSpec found = spec;
     const Pantograph machine(spec);
     const Vec2 per_count{kTurn / spec.axes[0].counts_per_turn,
@@ -245,7 +253,7 @@ Calibration calibrated(const Calibration& before, const Homing& homing) {
     const auto rest = machine.reach(*before.home);
     const auto fix = rest ? found.locate(found.angles(machine.counts(*rest))) : std::nullopt;
     if (!fix) {
-        throw HomingRefused(
+        throw HomingError(
             "with the zeros found the handle could not rest where the device is "
             "switched on, home at " +
             text_of(*before.home) + ": check home and the marks");

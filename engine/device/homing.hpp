@@ -42,7 +42,7 @@ struct Homing {
 };
 
 /// The readings cannot be; what() is a sentence with number and remedy.
-class HomingRefused : public std::runtime_error {
+class HomingError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
@@ -56,7 +56,7 @@ public:
 ///
 /// @param spec   linkage and frame; its zeros are not used, its counts per turn are the start
 /// @param scale  find counts per turn as well: at least three marks that do not lie in line
-/// @throws HomingRefused  without marks, for one out of reach, for a handle that moved by more than
+/// @throws HomingError  without marks, for one out of reach, for a handle that moved by more than
 ///         0.3 mm while it was read, for marks in line or too close (scale), for counts per turn
 ///         more than a tenth off, and when a mark is missed by more than 1 mm
 [[nodiscard]] Homing find_home(const PantographSpec& spec,
@@ -65,7 +65,7 @@ public:
 
 /// `before` with the axes found. Its home, where there is one, is moved to where the handle truly
 /// rests at switch-on: a driver counts from there, so that the zeros alone would change nothing.
-/// @throws HomingRefused if the linkage could not rest there
+/// @throws HomingError if the linkage could not rest there
 [[nodiscard]] Calibration calibrated(const Calibration& before, const Homing& homing);
 
 }  // namespace palpate::engine

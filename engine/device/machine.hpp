@@ -28,6 +28,7 @@ public:
     /// @throws std::invalid_argument what check() refuses, and for a home out of reach
     explicit Machine(const Calibration& calibration);
 
+    /// Motors, each with its encoder: 2 or 3.
     [[nodiscard]] std::size_t axes() const noexcept { return calibration_.axes(); }
     /// @param i  below axes()
     [[nodiscard]] const Axis& axis(std::size_t i) const noexcept { return calibration_.axis(i); }

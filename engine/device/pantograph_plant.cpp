@@ -15,6 +15,7 @@ namespace {
 /// Hz, (2 pi 10 Hz 250 us)^2 / 12 = 2e-5 of the motion.
 constexpr double kSubStep = 250e-6;
 constexpr double kLongestAdvance = 1.0;  ///< s
+constexpr double kNoTorque = 1e-30;      ///< N m from the command: a current that dies away arrives
 
 /// exp(-x) for x >= 0 from + - * / alone: Taylor for x / 2^k <= 1/16, then k squarings. 1e-14.
 double decay(double x) noexcept {
@@ -37,11 +38,7 @@ double decay(double x) noexcept {
 }
 
 void in_range(double value, double lowest, double highest, const char* what) {
-    if (!(value >= lowest && value <= highest)) {
-        throw std::invalid_argument(std::string("the simulated pantograph's ") + what + " is " +
-                                    number_text(value) + ": give " + number_text(lowest) + " to " +
-                                    number_text(highest));
-    }
+    require_range(value, lowest, highest, std::string("the simulated pantograph's ") + what);
 }
 
 void check(const PlantModel& model) {
@@ -118,6 +115,10 @@ void PantographPlant::advance(double seconds) noexcept {
         return;
     }
     const double span = std::fmin(seconds, kLongestAdvance);
+    if (rests()) {
+        time_ += span;
+        return;
+    }
     const int steps = static_cast<int>(std::ceil(span / kSubStep * (1.0 - 1e-9)));
     const double h = span / steps;
     const double ratio = model_.current_time > 0.0 ? h / model_.current_time : 0.0;
@@ -126,8 +127,15 @@ void PantographPlant::advance(double seconds) noexcept {
     for (int i = 0; i < steps && !lost_; ++i) {
         const Vec2 away = torque_ - command_;
         step(h, command_ + mean * away);
-        torque_ = command_ + left * away;
+        torque_ = glm::length(away) > kNoTorque ? command_ + left * away : command_;
     }
+}
+
+/// What nobody holds rests on, to the bit, while dry friction holds its motors.
+bool PantographPlant::rests() const noexcept {
+    return model_.hand.stiffness == 0.0 && model_.hand.damping == 0.0 && rates_ == Vec2{} &&
+           torque_ == command_ && std::fabs(torque_.x) <= model_.coulomb.x &&
+           std::fabs(torque_.y) <= model_.coulomb.y;
 }
 
 void PantographPlant::step(double h, const Vec2& torque) noexcept {

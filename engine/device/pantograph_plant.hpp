@@ -74,6 +74,7 @@ public:
     [[nodiscard]] const PlantModel& model() const noexcept { return model_; }
 
 private:
+    [[nodiscard]] bool rests() const noexcept;
     void step(double h, const Vec2& torque) noexcept;
 
     PlantModel model_;

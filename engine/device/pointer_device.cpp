@@ -25,7 +25,7 @@ Reading PointerDevice::read() noexcept {
     return {.hip = Vec2{unpacked(word >> 32U), unpacked(word & 0xFFFFFFFFU)}};
 }
 
-Applied PointerDevice::write(const Vec2& /*force*/) noexcept {
+AppliedForce PointerDevice::write(const Vec2& /*force*/) noexcept {
     return {};
 }
 

@@ -19,7 +19,7 @@ public:
     void publish(const Vec2& position) noexcept;
 
     [[nodiscard]] Reading read() noexcept override;
-    Applied write(const Vec2& force) noexcept override;
+    AppliedForce write(const Vec2& force) noexcept override;
     [[nodiscard]] std::string name() const override { return "mouse"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
 

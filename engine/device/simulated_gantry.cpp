@@ -48,8 +48,8 @@ Reading SimulatedGantry::read() noexcept {
     return reading;
 }
 
-Applied SimulatedGantry::press(const Vec3& force) noexcept {
-    Applied applied;
+AppliedForce SimulatedGantry::press(const Vec3& force) noexcept {
+    AppliedForce applied;
     const auto coded = [&](double newton) {
         const double max = plant_.model().force_limit;
         applied.saturated = applied.saturated || std::fabs(newton) > max;

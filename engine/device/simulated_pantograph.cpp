@@ -10,12 +10,12 @@ namespace palpate::engine {
 namespace {
 
 /// Code and torque of one motor.
-struct Coded {
+struct MotorCode {
     std::int32_t code = 0;
     double torque = 0.0;  ///< N m
 };
 
-Coded coded(const Axis& axis, double torque) noexcept {
+MotorCode coded(const Axis& axis, double torque) noexcept {
     const double one = axis.torque_limit / axis.codes_full_scale;
     const double code = std::floor(torque / one + 0.5);
     return {.code = static_cast<std::int32_t>(code), .torque = code * one};
@@ -94,13 +94,13 @@ Reading SimulatedPantograph::read() noexcept {
     return reading;
 }
 
-Applied SimulatedPantograph::write(const Vec2& force) noexcept {
-    Applied applied;
+AppliedForce SimulatedPantograph::write(const Vec2& force) noexcept {
+    AppliedForce applied;
     Vec2 torque{};
     if (fix_) {
         const Pantograph::Drive drive = machine_.drive(*fix_, force);
-        const Coded one = coded(machine_.spec().axes[0], drive.torque.x);
-        const Coded two = coded(machine_.spec().axes[1], drive.torque.y);
+        const MotorCode one = coded(machine_.spec().axes[0], drive.torque.x);
+        const MotorCode two = coded(machine_.spec().axes[1], drive.torque.y);
         applied = {.codes = {one.code, two.code}, .saturated = drive.saturated, .load = drive.load};
         torque = Vec2{one.torque, two.torque};
     } else {

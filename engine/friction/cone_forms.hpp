@@ -45,6 +45,7 @@ public:
         double hi = 1.0;
     };
 
+    /// Whose spans these forms are.
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
     [[nodiscard]] const Piece& operator[](std::size_t i) const noexcept { return pieces_[i]; }
     /// Index of the piece of `span` ahead of u in direction `dir`.

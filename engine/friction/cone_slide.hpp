@@ -46,6 +46,7 @@ struct Drive {
             .rest = 4.0 * kEpsilon * arc.chord()};
 }
 
+/// A place on the arc by u and 1 - u, with point and tangent; its second derivative is 0.
 [[nodiscard]] inline Spot spot_at(const Arc& arc, double u, double rest) noexcept {
     const Arc::Point at = arc.at(u, rest);
     return {.u = u, .rest = rest, .jet = {.point = at.point, .first = at.tangent}};
@@ -61,6 +62,7 @@ struct FallProof {
     double slack2 = 0.0;  ///< m^2, how far HIP may be from h; 0: nothing is known
     Bend bend{};          ///< of the excess over u, at the last slide
 
+    /// What was found for h is proven for this HIP too, m.
     [[nodiscard]] bool holds(const Vec2& hip) const noexcept {
         const Vec2 moved = hip - h;
         return glm::dot(moved, moved) < slack2;

@@ -18,6 +18,7 @@ struct Spot {
     Jet<2> jet{};       ///< of the curve there
 };
 
+/// A place on the curve by u and 1 - u, with point and two derivatives.
 [[nodiscard]] inline Spot spot_at(const RationalBezier<2>& curve, double u, double rest) noexcept {
     return {.u = u, .rest = rest, .jet = curve.at(u, rest)};
 }
@@ -29,6 +30,9 @@ struct Fall {
     double slope = 0.0;
 };
 
+/// Of the god-object at `jet`, held by HIP at h (m). Load below 0 has no cone.
+/// @param mu   >= 0, not read without friction
+/// @param dir  +1: towards larger u, -1: towards smaller
 template <bool HasFriction>
 [[nodiscard, gnu::always_inline]] inline Fall fall_at(const Jet<2>& jet,
                                                       const Vec2& h,
@@ -53,6 +57,7 @@ struct FallingWay {
     double mu = 0.0;
     double dir = 0.0;  ///< +1 or -1
 
+    /// The end that the slide goes to.
     [[nodiscard]] double end() const noexcept { return dir > 0.0 ? hi : lo; }
 };
 

@@ -76,6 +76,7 @@ struct SpanName {
     }
 };
 
+/// A span whose parameter was changed by ratio, so that its end weights are equal, and its name.
 template <int D>
 struct BalancedSpan {
     RationalBezier<D> curve;

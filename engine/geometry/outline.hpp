@@ -22,6 +22,7 @@ struct Frame {
 /// Frame of `curve` at u.
 [[nodiscard]] Frame frame_at(const RationalBezier<2>& curve, double u) noexcept;
 
+/// What two neighbouring spans make of their common end.
 enum class SeamKind : std::uint8_t {
     convex,   ///< the outline turns towards the object: an external fan of normals
     concave,  ///< it turns away: the vertex owns an internal fan

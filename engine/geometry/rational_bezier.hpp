@@ -87,10 +87,8 @@ public:
 
     /// C, C' and C'' at u; u is not clamped.
     [[nodiscard]] Jet<D> at(double u) const noexcept { return at(u, 1.0 - u); }
-    /// The same at u = 1 - v, for v near 0: beside a heavy last control point one bit of u may be
-    /// 1e-10 of the size, while v has all its digits.
-    [[nodiscard]] Jet<D> at_from_end(double v) const noexcept { return at(1.0 - v, v); }
-    /// The same for u + v = 1, each with all its digits.
+    /// The same for u + v = 1, each with all its digits: beside a heavy last control point one bit
+    /// of u may be 1e-10 of the size.
     [[nodiscard]] Jet<D> at(double u, double v) const noexcept {
         Jet<D> jet = local_at(u, v);
         jet.point = origin_ + jet.point;

@@ -15,6 +15,7 @@
 /// length.
 namespace palpate::engine {
 
+/// A point or a direction of D coordinates.
 template <int D>
 using Vec = glm::vec<D, double, glm::defaultp>;
 using Vec2 = Vec<2>;

@@ -14,6 +14,7 @@ namespace palpate::engine {
 inline constexpr double kPi = 3.141592653589793238462643383279502884;
 inline constexpr double kTurn = 2.0 * kPi;
 
+/// Sine and cosine of one angle.
 struct SinCos {
     double sin = 0.0;
     double cos = 1.0;

@@ -16,12 +16,12 @@ constexpr double kLow = 0x1.a39ef35793c76p-33;
 constexpr double kPerLn2 = 0x1.71547652b82fep+0;
 
 /// A number as n ln 2 + r.
-struct Reduced {
+struct ReducedArgument {
     std::int64_t n = 0;
     double r = 0.0;
 };
 
-Reduced reduced(double x) noexcept {
+ReducedArgument reduced(double x) noexcept {
     const double n = std::floor(x * kPerLn2 + 0.5);
     return {static_cast<std::int64_t>(n), (x - n * kHigh) - n * kLow};
 }
@@ -55,7 +55,7 @@ double exponential(double x) noexcept {
     if (x < -708.0) {
         return 0.0;
     }
-    const Reduced parts = reduced(x < 700.0 ? x : 700.0);
+    const ReducedArgument parts = reduced(x < 700.0 ? x : 700.0);
     return (1.0 + small(parts.r)) * two_to(parts.n);
 }
 

@@ -13,6 +13,7 @@ struct Twice {
     Twice() noexcept = default;  // rubbish until written, as a bare double is
     // NOLINTNEXTLINE: a double is such a number, in every sum and product
     constexpr Twice(double value) noexcept : hi(value), lo(0.0) {}
+    /// @pre low is at most half a unit in the last place of high
     constexpr Twice(double high, double low) noexcept : hi(high), lo(low) {}
 
     friend constexpr Twice operator-(const Twice& a) noexcept { return {-a.hi, -a.lo}; }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <utility>
 #include <variant>
 
+#include "engine/realtime/scene_view.hpp"
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/surface_scene.hpp"
 
@@ -41,26 +41,15 @@ private:
     std::variant<Scene, SurfaceScene> scene_;
 };
 
-/// A look at such a scene, which outlives it; or at none.
-struct SceneView {
-    const Scene* plane = nullptr;
-    const SurfaceScene* space = nullptr;
+/// Of a scene, plane or in space, that outlives the view; of none, the view of nothing.
+inline SceneView::SceneView(const FeltScene& scene) noexcept
+    : plane(scene.plane()), space(scene.space()) {}
 
-    SceneView(std::nullptr_t = nullptr) noexcept {}                   // NOLINT(*-explicit-*)
-    SceneView(const Scene& scene) noexcept : plane(&scene) {}         // NOLINT(*-explicit-*)
-    SceneView(const Scene* scene) noexcept : plane(scene) {}          // NOLINT(*-explicit-*)
-    SceneView(const SurfaceScene& scene) noexcept : space(&scene) {}  // NOLINT(*-explicit-*)
-    SceneView(const FeltScene& scene) noexcept                        // NOLINT(*-explicit-*)
-        : plane(scene.plane()), space(scene.space()) {}
-    SceneView(const FeltScene* scene) noexcept {  // NOLINT(*-explicit-*)
-        if (scene != nullptr) {
-            *this = SceneView(*scene);
-        }
+inline SceneView::SceneView(const FeltScene* scene) noexcept {
+    if (scene != nullptr) {
+        *this = SceneView(*scene);
     }
-
-    /// There is one.
-    [[nodiscard]] bool any() const noexcept { return plane != nullptr || space != nullptr; }
-};
+}
 
 /// What lives on from tick to tick, of whichever scene it is.
 struct FeltState {

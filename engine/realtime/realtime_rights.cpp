@@ -1,14 +1,20 @@
 #include "engine/realtime/realtime_rights.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <span>
 #include <string>
 #include <system_error>
 
 #include <fcntl.h>
+#include <link.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -17,23 +23,90 @@
 namespace palpate::engine {
 namespace {
 
-constexpr std::size_t kStack = 256U << 10U;  ///< far above what a tick uses
+/// What came of locking memory.
+struct LockedParts {
+    int locked = 0;
+    int refused = 0;
+    int error = 0;  ///< errno of the first refusal
+};
+
 constexpr std::size_t kPage = 4096;
-constexpr int kSpared = -1000;  ///< oom_score_adj of what is never chosen
 
-std::atomic<int> lockers{0};
-
-Granted granted(bool success) noexcept {
-    return success ? Granted{.grant = Grant::given}
-                   : Granted{.grant = Grant::refused, .error = errno};
+void lock(LockedParts& parts, std::uintptr_t begin, std::size_t bytes) noexcept {
+    const std::uintptr_t first = begin & ~(kPage - 1);
+    if (bytes == 0) {
+        return;
+    }
+    if (mlock(reinterpret_cast<const void*>(first), begin + bytes - first) == 0) {  // NOLINT
+        ++parts.locked;
+    } else {
+        parts.error = parts.refused == 0 ? errno : parts.error;
+        ++parts.refused;
+    }
 }
 
-Granted lock_memory(std::span<const MemoryPart> own) noexcept {
-    const LockedParts parts = lock_what_ticks_touch(own);
+/// The program itself has no name there.
+bool ticks_in(const char* library) noexcept {
+    for (const char* name : {"/libc.so", "/libm.so", "/libstdc++.so", "/libgcc_s.so"}) {
+        if (std::strstr(library, name) != nullptr) {
+            return true;
+        }
+    }
+    return library[0] == '\0';
+}
+
+int lock_library(dl_phdr_info* library, std::size_t /*size*/, void* parts) {
+    for (int i = 0; ticks_in(library->dlpi_name) && i < library->dlpi_phnum; ++i) {
+        const auto& part = library->dlpi_phdr[i];
+        if (part.p_type == PT_LOAD && (part.p_flags & PF_R) != 0) {
+            lock(*static_cast<LockedParts*>(parts), library->dlpi_addr + part.p_vaddr,
+                 part.p_memsz);
+        }
+    }
+    return 0;
+}
+
+void lock_heap(LockedParts& parts) noexcept {
+    std::FILE* maps = std::fopen("/proc/self/maps", "re");
+    std::array<char, 512> line{};
+    while (maps != nullptr && std::fgets(line.data(), line.size(), maps) != nullptr) {
+        std::uintptr_t begin = 0;
+        std::uintptr_t end = 0;
+        if (std::strstr(line.data(), "[heap]") != nullptr &&
+            std::sscanf(line.data(), "%zx-%zx", &begin, &end) == 2) {
+            lock(parts, begin, end - begin);
+        }
+    }
+    if (maps != nullptr) {
+        std::fclose(maps);
+    }
+}
+
+/// Keeps in memory what a tick may touch, and nothing else: `own` parts, the code and data of the
+/// program and of the C, C++ and mathematical libraries, and the heap as large as it is now. A
+/// window's libraries and pictures, hundreds of MB, are left out: they would be read in whole, take
+/// longer to free than a guard may wait for the end of a program, and no tick needs them.
+RightGrant lock_memory(std::span<const MemoryPart> own) noexcept {
+    LockedParts parts;
+    for (const MemoryPart& part : own) {
+        lock(parts, reinterpret_cast<std::uintptr_t>(part.begin), part.bytes);  // NOLINT
+    }
+    dl_iterate_phdr(lock_library, &parts);
+    lock_heap(parts);
     return {.grant = parts.refused == 0 ? Grant::given
                    : parts.locked == 0  ? Grant::refused
                                         : Grant::partly,
             .error = parts.error};
+}
+
+constexpr std::size_t kStack = 256U << 10U;  ///< far above what a tick uses
+constexpr int kSpared = -1000;               ///< oom_score_adj of what is never chosen
+
+std::atomic<int> lockers{0};
+
+RightGrant granted(bool success) noexcept {
+    return success ? RightGrant{.grant = Grant::given}
+                   : RightGrant{.grant = Grant::refused, .error = errno};
 }
 
 /// @return what it was; none: it cannot be written
@@ -63,7 +136,7 @@ std::optional<int> spare_from_the_killer(int score) noexcept {
     }
 }
 
-std::string refusal(Right right, const Granted& granted) {
+std::string refusal(Right right, const RightGrant& granted) {
     const bool limit = granted.error == ENOMEM || granted.error == EPERM || granted.error == EAGAIN;
     if (right == Right::fifo && limit) {
         return "SCHED_FIFO refused: this user may not use real-time priorities";
@@ -77,7 +150,7 @@ std::string refusal(Right right, const Granted& granted) {
 }  // namespace
 
 bool RealtimeRights::complete() const noexcept {
-    return std::all_of(grants.begin(), grants.end(), [](const Granted& one) {
+    return std::all_of(grants.begin(), grants.end(), [](const RightGrant& one) {
         return one.grant == Grant::given || one.grant == Grant::not_asked;
     });
 }
@@ -90,7 +163,7 @@ ProgramRights::ProgramRights(const RealtimeWish& wish,
         rights.of(Right::spared) = granted(spared_before_.has_value());
     }
     if (wish.memory) {
-        Granted& memory = rights.of(Right::memory);
+        RightGrant& memory = rights.of(Right::memory);
         memory = lock_memory(own);
         locked_ = memory.grant != Grant::refused;
         lockers.fetch_add(locked_ ? 1 : 0);
@@ -118,7 +191,8 @@ ProgramRights::~ProgramRights() {
 
 void ProgramRights::renew() const noexcept {
     if (locked_) {
-        static_cast<void>(lock_heap());
+        LockedParts heap;  // which may have grown; what was refused is in the rights already
+        lock_heap(heap);
     }
 }
 
@@ -152,7 +226,7 @@ std::string_view name_of(Right right) noexcept {
 }
 
 std::string describe(Right right, const RealtimeRights& rights) {
-    const Granted& granted = rights.of(right);
+    const RightGrant& granted = rights.of(right);
     if (granted.grant == Grant::not_asked) {
         return "not asked for";
     }
@@ -177,7 +251,7 @@ std::string describe(Right right, const RealtimeRights& rights) {
 }
 
 std::string remedy(Right right, const RealtimeRights& rights) {
-    const Granted& granted = rights.of(right);
+    const RightGrant& granted = rights.of(right);
     if (granted.grant != Grant::refused && granted.grant != Grant::partly) {
         return "";
     }

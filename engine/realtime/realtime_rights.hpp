@@ -10,9 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "engine/realtime/locked_memory.hpp"
-
 namespace palpate::engine {
+
+/// A stretch of this program's memory.
+struct MemoryPart {
+    const void* begin = nullptr;
+    std::size_t bytes = 0;
+};
 
 /// What a servo thread asks of the system to be woken in time.
 struct RealtimeWish {
@@ -39,28 +43,30 @@ struct RealtimeWish {
 enum class Right : std::uint8_t { fifo, memory, latency, slack, spared };
 inline constexpr std::size_t kRights = 5;
 
+/// What the system made of a wish.
 enum class Grant : std::uint8_t {
     not_asked,
     given,
     partly,   ///< memory: some of it
-    refused,  ///< see Granted::error
+    refused,  ///< see RightGrant::error
 };
 
-struct Granted {
+/// A right, and why it was refused.
+struct RightGrant {
     Grant grant = Grant::not_asked;
     int error = 0;  ///< errno of a refusal
 };
 
 /// What the system granted. A plain value.
 struct RealtimeRights {
-    std::array<Granted, kRights> grants{};
+    std::array<RightGrant, kRights> grants{};
     int priority = 0;  ///< of SCHED_FIFO, where given
 
     /// What was granted of one right.
-    [[nodiscard]] const Granted& of(Right right) const {
+    [[nodiscard]] const RightGrant& of(Right right) const {
         return grants[static_cast<std::size_t>(right)];
     }
-    [[nodiscard]] Granted& of(Right right) { return grants[static_cast<std::size_t>(right)]; }
+    [[nodiscard]] RightGrant& of(Right right) { return grants[static_cast<std::size_t>(right)]; }
     /// Everything that was asked for was given.
     [[nodiscard]] bool complete() const noexcept;
 };

@@ -75,23 +75,14 @@ void Servo::run_tick(std::int64_t time_ns,
     if (!ring_.push(record)) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
     }
-    latest_.publish({.tick = record.tick,
-                     .at_ns = at_ns,
-                     .hip = record.hip,
-                     .command = record.command,
-                     .lateness_us = record.lateness_us,
-                     .trip = loop_.trip()});
     lateness_.add(lateness_ns, (record.flags & tick_late) != 0);
 }
 
 void Servo::run_idle(std::int64_t at_ns) noexcept {
     const Reading reading = loop_.idle();
     idle_fault_ = reading.fault;
-    latest_.publish({.at_ns = at_ns,
-                     .hip = reading.hip,
-                     .hip_z = reading.hip_z,
-                     .fault = reading.fault,
-                     .grip = reading.grip});
+    rest_.publish(
+        {.at_ns = at_ns, .hip = reading.hip, .hip_z = reading.hip_z, .fault = reading.fault});
 }
 
 void Servo::rewind() noexcept {

@@ -15,24 +15,23 @@
 
 namespace palpate::engine {
 
+/// How ticks leave the servo's thread.
 using TickRing = SpscRing<TickRecord>;
 
 /// 16,384 ticks: 16 s at 1 kHz, far above any pause of the reader.
 inline constexpr std::size_t kRingTicks = 16384;
 
-/// A share of the period to watch the clock for, where watching is wanted. See
-/// ServoSpec::spin_share.
-inline constexpr double kSpinShare = 0.3;
-
 /// A dead-man key counts as held for so long after the screen last saw it held, ns. Longer than
 /// SafetyLimits::screen_silence, so that a screen that stands still is called so.
 inline constexpr std::int64_t kHeldNs = 300'000'000;
 
+/// Whether the servo still gives force.
 enum class ServoStatus : std::uint8_t {
     running,
     faulted,  ///< the safety chain has tripped: force zero, latched until the next trial
 };
 
+/// How a servo runs.
 struct ServoSpec {
     double rate_hz = 1000.0;  ///< 1000 to 10000
     SafetyLimits limits{};    ///< limits.period follows from rate_hz
@@ -41,29 +40,23 @@ struct ServoSpec {
     std::optional<RealtimeWish> realtime{};
     /// Share of the period that a real-time servo may watch the clock before a deadline instead of
     /// sleeping, 0 to 0.5; 0: it sleeps. See AdaptiveSpin. Off unless asked for: 25 us at the 99th
-    /// percentile do not matter at 1 kHz. kSpinShare brings them below 1 us for a tenth of a
+    /// percentile do not matter at 1 kHz. 0.3 brings them below 1 us for a tenth of a
     /// processor at 1 kHz, a quarter at 4 and 10 kHz (tests/bench, `servo`).
     double spin_share = 0.0;
 };
 
-/// The newest tick, for screens.
-struct LatestTick {
-    std::int64_t tick = -1;  ///< of the running trial; -1 between trials
-    /// monotonic_ns() of a real-time tick; time of the trial on a virtual clock
-    std::int64_t at_ns = 0;
-    Vec2 hip{};          ///< m
-    double hip_z = 0.0;  ///< between trials, of a machine of three axes
-    Vec2 command{};      ///< force asked of the device, N
-    float lateness_us = 0.0F;
-    Trip trip = Trip::none;
-    DeviceFault fault = DeviceFault::none;  ///< between trials: hip is not new
-    Grip grip = Grip::unknown;              ///< between trials
+/// What the device said between trials: where a free handle is.
+struct RestReading {
+    std::int64_t at_ns = 0;  ///< monotonic_ns() of the reading; 0: a trial began since
+    Vec2 hip{};              ///< m
+    double hip_z = 0.0;      ///< of a machine of three axes
+    DeviceFault fault = DeviceFault::none;  ///< hip is not new
 };
 
 /// Runs ticks of a device and a scene, on some clock. Ticks come out of ring().
 ///
 /// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), beat(), stop(),
-/// allow() and latest() to any.
+/// allow() and resting() to any.
 class Servo {
 public:
     /// @param device  outlives the servo
@@ -86,13 +79,15 @@ public:
     /// Device::reconnect() or a calibration may use it. Before the first begin(), and after a
     /// fault, a servo is parked by itself.
     virtual void park() {}
-    /// Between trials: reads the device again, with zero force, so that latest() moves with the
-    /// hand.
+    /// Between trials: reads the device again, with zero force, so that resting() moves with
+    /// the hand.
     virtual void unpark() {}
 
     /// Deadlines are those of the wall clock, and may be missed.
     [[nodiscard]] virtual bool real_time() const noexcept { return false; }
 
+    /// For its name and traits; the servo alone reads it and gives it force.
+    [[nodiscard]] const Device& device() const noexcept { return loop_.device(); }
     /// Where the ticks come out; one reader.
     [[nodiscard]] TickRing& ring() noexcept { return ring_; }
     /// Ticks that found the ring full and are not in it; 0 in every sound run.
@@ -116,8 +111,8 @@ public:
     }
     /// Between trials: whoever may has settled what stopped the force.
     void allow() noexcept { stop_.store(Trip::none); }
-    /// Any thread: the newest tick; none before the first.
-    [[nodiscard]] std::optional<LatestTick> latest() const noexcept { return latest_.read(); }
+    /// Any thread: the newest reading between trials; none before the first.
+    [[nodiscard]] std::optional<RestReading> resting() const noexcept { return rest_.read(); }
 
     /// Why the force is off, and the ticks up to then. After advance() said faulted, or after
     /// end().
@@ -134,6 +129,8 @@ protected:
                   std::int64_t lateness_ns,
                   bool enable) noexcept;
     void run_idle(std::int64_t at_ns) noexcept;
+    /// On the thread that ticks, as a trial begins: what was read before it is no place any more.
+    void forget_rest() noexcept { rest_.publish({}); }
     /// Before each trial: forgets the last trial's ticks.
     void rewind() noexcept;
     /// Where the ticks go that come out of ring().
@@ -155,7 +152,7 @@ private:
     [[nodiscard]] double screen_age_at(std::int64_t at_ns) const noexcept;
 
     TickRing ring_{kRingTicks};
-    LatestValue<LatestTick> latest_{};
+    LatestValue<RestReading> rest_{};
     std::atomic<std::int64_t> dropped_{0};
     std::atomic<std::int64_t> held_ns_{kAlways};  ///< when it was last seen held; 0: let go
     std::atomic<std::int64_t> beat_ns_{0};

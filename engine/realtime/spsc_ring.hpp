@@ -49,6 +49,7 @@ public:
         tail_.store(head_.load(std::memory_order_acquire), std::memory_order_release);
     }
 
+    /// Values that it holds when it is full, as they were asked for.
     [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
     /// Where the values are kept.
     [[nodiscard]] std::span<const T> slots() const noexcept { return slots_; }

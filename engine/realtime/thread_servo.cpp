@@ -185,6 +185,7 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     switch (static_cast<Order>(word % 8)) {
         case Order::run:
             idle_fault_ = DeviceFault::none;
+            forget_rest();
             loop_.begin(scene_, rest_s(deadline_ns));
             start_ns_.store(deadline_ns, std::memory_order_relaxed);
             stand(State::running);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/realtime/felt_scene.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -28,7 +30,7 @@ Trip found(const Reading& reading, bool refused) noexcept {
 /// The flags of the safety chain, the clock and the device; those of the scene come with its
 /// contact.
 std::uint8_t flags_of(const Command& command,
-                      const Applied& applied,
+                      const AppliedForce& applied,
                       bool late,
                       bool stale) noexcept {
     const auto flag = [](bool set, TickFlag bit) {
@@ -42,11 +44,16 @@ std::uint8_t flags_of(const Command& command,
 
 }  // namespace
 
+TickLoop::TickLoop(Device& device, const SafetyLimits& limits)
+    : device_(&device), limits_(limits), state_(std::make_unique<FeltState>()) {}
+
+TickLoop::~TickLoop() = default;
+
 void TickLoop::begin(const SceneView& scene, double rest) noexcept {
     scene_ = scene;
-    state_ = FeltState{};
+    *state_ = FeltState{};
     safety_ = fresh_state(safety_, limits_, rest);
-    applied_ = Applied{};
+    applied_ = AppliedForce{};
     flight_.clear();
     next_ = 0;
 }
@@ -94,10 +101,10 @@ TickRecord TickLoop::recorded(const TickOrder& order,
 TickRecord TickLoop::tick_in_plane(const TickOrder& order) noexcept {
     const Reading reading = usable(device_->read());
     const Scene& scene = *scene_.plane;
-    const Contact contact = scene.tick(state_.plane, reading.hip);
+    const Contact contact = scene.tick(state_->plane, reading.hip);
     SafetyInput input = input_of(order, reading);
     input.force = contact.force;
-    input.spring = scene.spring(state_.plane, contact, reading.hip);
+    input.spring = scene.spring(state_->plane, contact, reading.hip);
     input.depth = contact.mode == Mode::free ? 0.0 : contact.normal_force / limits_.stiffness;
     input.found = found(reading, contact.refused);
     const Command command = make_safe(safety_, limits_, input);
@@ -112,7 +119,7 @@ TickRecord TickLoop::tick_in_plane(const TickOrder& order) noexcept {
 TickRecord TickLoop::tick_in_space(const TickOrder& order) noexcept {
     const Reading reading = usable(device_->read());
     const Vec3 hip(reading.hip, reading.hip_z);
-    const SurfaceContact contact = scene_.space->tick(state_.space, hip);
+    const SurfaceContact contact = scene_.space->tick(state_->space, hip);
     const bool free = contact.mode == Mode::free;
     const Vec3 spring = free ? Vec3{} : contact.go - hip;
     SafetyInput input = input_of(order, reading);

@@ -3,10 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "engine/device/device.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/safety/safety_chain.hpp"
 
@@ -51,7 +52,8 @@ private:
 class TickLoop {
 public:
     /// @param device  outlives the loop
-    TickLoop(Device& device, const SafetyLimits& limits) : device_(&device), limits_(limits) {}
+    TickLoop(Device& device, const SafetyLimits& limits);
+    ~TickLoop();
 
     /// A new trial: fresh contact, force off. @param scene  outlives the trial
     /// @param rest  s since the last trial's last tick, in which the motors cooled; by default for
@@ -75,6 +77,8 @@ public:
     void prove_zero() noexcept { device_->prove_zero(); }
     void keep_off() noexcept { device_->keep_off(); }
 
+    /// As it was given; outlives this.
+    [[nodiscard]] const Device& device() const noexcept { return *device_; }
     /// Why the force is off; none while it is not.
     [[nodiscard]] Trip trip() const noexcept { return safety_.trip; }
     /// The trial's last ticks.
@@ -93,10 +97,10 @@ private:
     Device* device_;
     SafetyLimits limits_;
     SceneView scene_{};
-    FeltState state_{};
+    std::unique_ptr<FeltState> state_;  ///< never null
     SafetyState safety_{};
-    Applied applied_{};  ///< by the last tick
-    Vec3 hip_{};         ///< the last one that could be used
+    AppliedForce applied_{};  ///< by the last tick
+    Vec3 hip_{};              ///< the last one that could be used
     FlightRecorder flight_{};
     std::int64_t next_ = 0;
 };

@@ -50,7 +50,7 @@ Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
     if (contact.mode == Mode::free) {
         return contact;
     }
-    Rubbing& rubbing = state.rubbing;
+    FrictionMemory& rubbing = state.rubbing;
     if (!touched) {
         rubbing = {.law = {.draws = rubbing.law.draws}, .hip = hip};
     }

@@ -82,7 +82,7 @@ struct Contact {
 }
 
 /// What a law of friction remembers of the contact.
-struct Rubbing {
+struct FrictionMemory {
     LawState law{};
     Vec2 hip{};      ///< of the tick before, m
     Vec2 tangent{};  ///< along which friction has been held since; 0 in the first tick
@@ -101,7 +101,7 @@ struct ContactState {
     Contact away{};             ///< the answer of every tick out of reach, made at the last look
     TrackState track{};         ///< of the looks
     std::uint64_t skipped = 0;  ///< ticks so far that were out of reach: a comparison
-    Rubbing rubbing{};          ///< of scenes with a law of friction from the literature
+    FrictionMemory rubbing{};   ///< of scenes with a law of friction from the literature
     SoftState soft{};           ///< of scenes whose object yields
 };
 

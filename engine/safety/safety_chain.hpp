@@ -29,17 +29,17 @@ struct SafetyInput {
     double behind = 0.0;           ///< ticks that HIP is older than delay_ticks, >= 0
     std::int64_t time_ns = 0;      ///< of the wake-up; left alone, a tick is a period
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
-    Vec2 load{};                   ///< motors' torque share of the last tick, see Applied::load
-    bool clipped = false;          ///< the motors could not give the last command
-    double screen_age = 0.0;       ///< s since the screen's last sign of life
-    bool enable = true;            ///< ramp towards on (true) or off (false)
-    bool held = true;              ///< someone holds the dead-man key
-    Trip stop = Trip::none;        ///< who ends it by hand: stopped, focus_lost; none: nobody
-    double force_z = 0.0;          ///< N
-    double spring_z = 0.0;         ///< m
-    double hip_z = 0.0;            ///< m
-    double load_3 = 0.0;           ///< of the third motor
-    std::int32_t count_3 = 0;      ///< third encoder
+    Vec2 load{};               ///< motors' torque share of the last tick, see AppliedForce::load
+    bool clipped = false;      ///< the motors could not give the last command
+    double screen_age = 0.0;   ///< s since the screen's last sign of life
+    bool enable = true;        ///< ramp towards on (true) or off (false)
+    bool held = true;          ///< someone holds the dead-man key
+    Trip stop = Trip::none;    ///< who ends it by hand: stopped, focus_lost; none: nobody
+    double force_z = 0.0;      ///< N
+    double spring_z = 0.0;     ///< m
+    double hip_z = 0.0;        ///< m
+    double load_3 = 0.0;       ///< of the third motor
+    std::int32_t count_3 = 0;  ///< third encoder
 };
 
 /// What the safety chain remembers. A plain value; 12 kB, most of it the ways of the last 20 ms.
@@ -60,6 +60,7 @@ struct SafetyState {
     BuzzWatch buzz{};
 };
 
+/// What the chain makes of a rendered force, N.
 struct Command {
     Vec2 force{};
     bool saturated = false;

@@ -17,6 +17,7 @@ struct Quad {
     Pair xy;
     Pair zw;
 
+    /// The weight; and the first three coordinates, which are w P, not P.
     [[nodiscard]] double w() const noexcept { return zw[1]; }
     [[nodiscard]] Vec3 xyz() const noexcept { return Vec3{xy[0], xy[1], zw[0]}; }
 
@@ -34,6 +35,7 @@ struct Quad {
     friend Quad operator*(double s, const Quad& a) noexcept { return {s * a.xy, s * a.zw}; }
 };
 
+/// (p, w), both as they are: p is not multiplied by w.
 [[nodiscard]] inline Quad quad(const Vec3& p, double w) noexcept {
     return Quad{Quad::Pair{p.x, p.y}, Quad::Pair{p.z, w}};
 }
@@ -93,6 +95,7 @@ public:
     /// @throws std::invalid_argument for a degree outside 1 .. 9 or another number of points
     BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, bool polynomial);
 
+    /// As they were given; net(i, j) has i along u and j along v. @pre i <= degree_u, j <= degree_v
     [[nodiscard]] int degree_u() const noexcept { return degree_u_; }
     [[nodiscard]] int degree_v() const noexcept { return degree_v_; }
     [[nodiscard]] bool polynomial() const noexcept { return polynomial_; }

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/math/bernstein.hpp"
+#include "engine/surface/surface_object.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -14,14 +17,6 @@ constexpr int kMaxDepth = 44;
 /// Rounding of a coefficient, as a share of the sizes of its terms: sums of 5, and convex
 /// combinations.
 constexpr double kNoise = 8.0 * kEpsilon;
-
-double binomial(std::size_t n, std::size_t k) {
-    double value = 1.0;
-    for (std::size_t i = 1; i <= k; ++i) {
-        value = value * static_cast<double>(n - k + i) / static_cast<double>(i);
-    }
-    return value;
-}
 
 /// Shares of the products of coefficients i and k of two polynomials of degree p in coefficient i +
 /// k of their product, at i (p + 1) + k.
@@ -35,6 +30,8 @@ std::vector<double> shares(std::size_t p) {
     return table;
 }
 
+}  // namespace
+
 double largest(const std::vector<double>& values) {
     double largest = 0.0;
     for (const double v : values) {
@@ -42,8 +39,6 @@ double largest(const std::vector<double>& values) {
     }
     return largest;
 }
-
-}  // namespace
 
 DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net, const Vec3& c)
     : n_(2 * static_cast<std::size_t>(degree_u)),

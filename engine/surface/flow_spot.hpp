@@ -45,6 +45,7 @@ struct FlowSpot {
 /// bends; relative error of a smooth flow h^6 y''''''/46080.
 class FlowArc {
 public:
+    /// @param end  u and v at `to`; @param h  m along the flow, > 0
     FlowArc(const FlowSpot& from, const FlowSpot& to, const Vec2& end, double h) noexcept;
     /// u and v after the share x of the step; also a little beyond 1.
     [[nodiscard]] Vec2 at(double x) const noexcept {

@@ -94,10 +94,9 @@ bool one_point(std::span<const Quad> row, double size) {
     });
 }
 
-/// A patch that is nowhere wider than this share of the size has no normal but rounding.
-constexpr double kNoWidth = 1e-12;
-
-/// Whether du x dv vanishes all over the patch. Numerator and denominator of du x dv are of at most
+/// Whether du x dv vanishes all over the patch: it is nowhere wider than kFlat of the size. There
+/// normal_at() finds nothing, and the last bits of coordinates, 1e-16 of them, turn what it would
+/// find by 1e-6 rad, the share of the size to which a slide's end is found. Numerator and denominator of du x dv are of at most
 /// thrice the degree each way: so many places speak for all.
 bool has_no_width(const BezierPatch& patch, double size) {
     const int rows = 3 * patch.degree_u() + 1;
@@ -106,7 +105,7 @@ bool has_no_width(const BezierPatch& patch, double size) {
         for (int j = 0; j < columns; ++j) {
             const SurfaceJet jet = patch.at((i + 0.5) / rows, (j + 0.5) / columns);
             const double longer = std::max(glm::length(jet.du), glm::length(jet.dv));
-            if (glm::length(glm::cross(jet.du, jet.dv)) > kNoWidth * size * longer) {
+            if (glm::length(glm::cross(jet.du, jet.dv)) > kFlat * size * longer) {
                 return false;
             }
         }
@@ -131,6 +130,41 @@ bool is_mere_curve(const BezierPatch& patch, double size) {
 std::string interval_text(const char* name, const KnotVector::Interval& interval) {
     return std::string(name) + " from " + number_text(interval.lo) + " to " +
            number_text(interval.hi);
+}
+
+/// Row by row. @param n  points of a row
+std::vector<BezierPatch> patches_of(const KnotVector& knots_u,
+                                    const KnotVector& knots_v,
+                                    const Net& net,
+                                    std::size_t n) {
+    std::vector<BezierPatch> patches;
+    const auto p = static_cast<std::size_t>(knots_u.degree());
+    for (std::size_t i = 0; i < knots_u.intervals().size(); ++i) {
+        std::vector<std::vector<Quad>> lines(p + 1);  // Bezier in u, still B-splines in v
+        for (std::size_t j = 0; j < n; ++j) {
+            const std::vector<Quad> column =
+                knots_u.bezier_points(i, std::span<const Quad>(net.values).subspan(j), n);
+            for (std::size_t k = 0; k <= p; ++k) {
+                lines[k].push_back(column[k]);
+            }
+        }
+        for (std::size_t j = 0; j < knots_v.intervals().size(); ++j) {
+            std::vector<Quad> patch;
+            for (const std::vector<Quad>& line : lines) {
+                const std::vector<Quad> row = knots_v.bezier_points(j, std::span<const Quad>(line));
+                patch.insert(patch.end(), row.begin(), row.end());
+            }
+            patches.emplace_back(knots_u.degree(), knots_v.degree(), patch, net.polynomial);
+            if (is_mere_curve(patches.back(), net.size)) {
+                throw std::invalid_argument(
+                    "the patch with " + interval_text("u", knots_u.intervals()[i]) + " and " +
+                    interval_text("v", knots_v.intervals()[j]) +
+                    " is a mere curve, without an outside: give its rows of control points apart "
+                    "from one another");
+            }
+        }
+    }
+    return patches;
 }
 
 }  // namespace
@@ -173,34 +207,7 @@ NurbsSurface::NurbsSurface(int degree_u,
     // Two poles are no seam: an edge that is one point has no other side.
     closed_u_ = closed_u_ && !poles_[0];
     closed_v_ = closed_v_ && !poles_[2];
-
-    const auto p = static_cast<std::size_t>(degree_u);
-    for (std::size_t i = 0; i < rows_; ++i) {
-        std::vector<std::vector<Quad>> lines(p + 1);  // Bezier in u, still B-splines in v
-        for (std::size_t j = 0; j < n; ++j) {
-            const std::vector<Quad> column =
-                knots_u_.bezier_points(i, std::span<const Quad>(net.values).subspan(j), n);
-            for (std::size_t k = 0; k <= p; ++k) {
-                lines[k].push_back(column[k]);
-            }
-        }
-        for (std::size_t j = 0; j < columns_; ++j) {
-            std::vector<Quad> patch;
-            for (const std::vector<Quad>& line : lines) {
-                const std::vector<Quad> row =
-                    knots_v_.bezier_points(j, std::span<const Quad>(line));
-                patch.insert(patch.end(), row.begin(), row.end());
-            }
-            patches_.emplace_back(degree_u, degree_v, patch, polynomial_);
-            if (is_mere_curve(patches_.back(), size_)) {
-                throw std::invalid_argument(
-                    "the patch with " + interval_text("u", knots_u_.intervals()[i]) + " and " +
-                    interval_text("v", knots_v_.intervals()[j]) +
-                    " is a mere curve, without an outside: give its rows of control points apart "
-                    "from one another");
-            }
-        }
-    }
+    patches_ = patches_of(knots_u_, knots_v_, net, n);
 }
 
 NurbsSurface NurbsSurface::about(const Vec3& origin) const {

@@ -1,11 +1,70 @@
 #pragma once
 
-#include "engine/surface/surface_step.hpp"
+#include "engine/surface/surface_ground.hpp"
+
+namespace palpate::engine {
+
+/// A step of the god-object in the parameters of its patch.
+struct SurfaceStep {
+    double du = 0.0;
+    double dv = 0.0;
+    double length = 0.0;  ///< m
+    bool newton = false;  ///< to the foot that the second derivatives promise
+};
+
+/// Steps down |r|^2 / 2 from one spot, one of any length:
+///
+///     (Phi + lambda M) d = -grad          linearly implicit Euler, of the flow towards the foot
+///
+/// with M the metric and Phi the second derivatives of |S - h|^2 / 2 in u and v. A short step
+/// (large lambda) follows the tangential stretch, a long one goes to the foot (lambda = 0, Newton),
+/// and one in between bends from the first way to the second as the flow itself does, also in
+/// narrow valleys (Hairer & Wanner, Solving Ordinary Differential Equations II, IV.7).
+class SurfaceSteps {
+public:
+    /// @param size  of the surface, m
+    SurfaceSteps(const SurfaceSpot& s, double size) noexcept;
+
+    /// The step of `length` m, > 0, or the shorter one to the foot.
+    [[nodiscard]] SurfaceStep of(double length) const noexcept;
+    /// There is a foot, and a step goes to it.
+    [[nodiscard]] bool bowl() const noexcept { return low_ > 1e-9 && low_ > 1e-14 * high_; }
+    /// The stretch is square to a way down to both sides, as where an edge folds back.
+    [[nodiscard]] bool ridge() const noexcept { return low_ < 0.0 && c_low_ == 0.0; }
+    /// In a bowl: the step after which the stretch along the surface is `rest` m, >= 0.
+    [[nodiscard]] SurfaceStep to(double rest) const noexcept;
+    /// Straight along the stretch, and not beyond the lowest place on that way.
+    [[nodiscard]] SurfaceStep straight(double length) const noexcept;
+    /// With v (or u) kept.
+    [[nodiscard]] SurfaceStep along(bool in_u, double length) const noexcept;
+    /// By how much |r|^2 / 2 falls in a step, says the model, m^2.
+    [[nodiscard]] double fall(const SurfaceStep& d) const noexcept {
+        return (slope_.x * d.du + slope_.y * d.dv) -
+               (0.5 * (uu_ * d.du * d.du + vv_ * d.dv * d.dv) + uv_ * d.du * d.dv);
+    }
+
+private:
+    [[nodiscard]] Vec2 at(double lambda) const noexcept;
+    /// @param x  along the axes, m
+    [[nodiscard]] SurfaceStep in_parameters(const Vec2& x, bool newton) const noexcept;
+
+    Vec2 slope_{};  ///< of |r|^2 / 2 downwards
+    double uu_ = 0.0;
+    double uv_ = 0.0;
+    double vv_ = 0.0;
+    double l11_ = 0.0;  ///< M = L L^T
+    double l21_ = 0.0;
+    double l22_ = 0.0;
+    Vec2 axis_{};       ///< of the smaller eigenvalue of L^-1 Phi L^-T
+    double low_ = 0.0;  ///< its eigenvalues
+    double high_ = 0.0;
+    double c_low_ = 0.0;  ///< the stretch along its axes, m
+    double c_high_ = 0.0;
+};
 
 /// The steps of a god-object that does not follow the flow: without friction, along an edge, where
 /// the flow has no direction.
-namespace palpate::engine {
-
+///
 /// The step of this length: into the patch, or along its edge.
 [[nodiscard]] SurfaceStep step_of(const Footing& at,
                                   const SurfaceSteps& steps,

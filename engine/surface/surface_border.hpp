@@ -14,6 +14,7 @@ public:
     /// @param side  u first, u last, v first, v last
     SurfaceBorder(const NurbsSurface& surface, std::size_t index, std::uint8_t side);
 
+    /// Index of its surface; and 0 u first, 1 u last, 2 v first, 3 v last.
     [[nodiscard]] std::size_t surface() const noexcept { return surface_; }
     [[nodiscard]] std::uint8_t side() const noexcept { return side_; }
     /// Along it the surface lies to the left, seen from outside.

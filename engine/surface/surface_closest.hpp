@@ -6,6 +6,7 @@
 
 #include "engine/surface/surface_foot.hpp"
 #include "engine/surface/surface_leaf.hpp"
+#include "engine/surface/surface_object.hpp"
 
 namespace palpate::engine {
 
@@ -88,6 +89,7 @@ public:
         return track.certified && in_window(track.window, place);
     }
 
+    /// Whose closest points it finds; and into how many leaves its patches were cut.
     [[nodiscard]] const SurfaceObject& object() const noexcept { return *object_; }
     [[nodiscard]] std::size_t leaves() const noexcept { return leaves_.size(); }
 

@@ -68,6 +68,27 @@ bool edge_between(const SurfaceObject& object,
     return false;
 }
 
+/// Along the edge over the end of its patches, at the same share of the fan; false at a corner.
+bool over_end(SurfaceGround& ground,
+              SurfacePlace& place,
+              SurfaceFan& fan,
+              const SurfaceHeading& edge,
+              SurfaceHeading way,
+              double turn) noexcept {
+    SurfacePlace next = place;
+    const bool on = ground.surface().cross(next, way) && way.in_u != edge.in_u;
+    SurfacePlace beyond = next;
+    SurfaceHeading over = edge;
+    if (!on || next.surface != place.surface || !ground.surface().cross(beyond, over)) {
+        return false;  // a corner
+    }
+    const double share = fan.angle / turn;
+    place = next;
+    fan.beyond = beyond;
+    fan.angle = share * Normals(ground.look(place).normal, ground.look(beyond).normal).turn;
+    return true;
+}
+
 /// One step along the edge, or over the end of a patch of it; false when there is none.
 bool step_along(SurfaceGround& ground,
                 SurfacePlace& place,
@@ -95,19 +116,7 @@ bool step_along(SurfaceGround& ground,
     const bool forward = ahead > 0.0;
     double& t = edge.in_u ? place.v : place.u;
     if (t == (forward ? 1.0 : 0.0)) {
-        SurfacePlace next = place;
-        SurfaceHeading way{!edge.in_u, forward};
-        const bool on = object.cross(next, way) && way.in_u != edge.in_u;
-        SurfacePlace beyond = next;
-        SurfaceHeading over = edge;
-        if (!on || next.surface != place.surface || !object.cross(beyond, over)) {
-            return false;  // a corner
-        }
-        const double share = fan.angle / normals.turn;
-        place = next;
-        fan.beyond = beyond;
-        fan.angle = share * Normals(ground.look(place).normal, ground.look(beyond).normal).turn;
-        return true;
+        return over_end(ground, place, fan, edge, {!edge.in_u, forward}, normals.turn);
     }
     // The second derivative of |r|^2 / 2 along the edge, per m^2, with the friction that comes
     // along.
@@ -132,6 +141,11 @@ bool step_along(SurfaceGround& ground,
     place = spot.place;
     fan.beyond = beyond;
     return true;
+}
+
+/// When what changes linearly from `then` to `now` is 0, as a share of the way.
+double since(double then, double now) noexcept {
+    return then < 0.0 ? then / (then - now) : 0.0;
 }
 
 }  // namespace
@@ -177,9 +191,6 @@ FanTurn turn_in_fan(SurfaceGround& ground,
     // Drive and excess are linear in the share of the tick: what the edge may use begins where both
     // are there.
     const Vec3 before = slew.from - s.jet.point;
-    const auto since = [](double then, double now) {
-        return then < 0.0 ? then / (then - now) : 0.0;
-    };
     const double drive_then = dir * glm::dot(before, way);
     const Stretch<3> then = stretch<3>(before, s.normal);
     const double stretch_then = then.length - std::fabs(drive_then) + drive_then;

@@ -20,6 +20,7 @@ struct SurfaceSlew {
     double used = 0.0;       ///< m
     double direction = 0.0;  ///< in which the fan is turned in this tick: +1, -1, 0 not yet
 
+    /// There is a budget; and it is used up, but for 1e-9 of it.
     [[nodiscard]] bool limited() const noexcept { return budget < 1e299; }
     [[nodiscard]] bool spent() const noexcept { return limited() && used >= budget * (1.0 - 1e-9); }
 };

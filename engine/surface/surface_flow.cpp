@@ -6,12 +6,13 @@
 namespace palpate::engine {
 namespace {
 
-/// Of a step, as a share of the stretch.
+/// Of a step, as a share of the stretch or of the size.
 constexpr double kFlowError = 2e-11;
 /// A flow that asks for steps that are shorter than this, of the size, has no direction to speak
 /// of.
-constexpr double kLeast = 1e-8;
-constexpr Work kStageWork = 150;  ///< besides the evaluation
+constexpr double kMin = 1e-8;
+constexpr double kEndless = 1e300;  ///< m
+constexpr Work kStageWork = 150;    ///< besides the evaluation
 constexpr double kBorder = 8.0 * kEpsilon;
 constexpr double kBeyond = 1.02;  ///< share of a step up to which its quintic is believed
 
@@ -198,133 +199,149 @@ bool SurfaceFlow::into_cone(
     return found;
 }
 
+SurfaceFlow::Arrival SurfaceFlow::end_at(const Vec2& at, double way, Arrival::End end) noexcept {
+    place_.u = std::clamp(at.x, 0.0, 1.0);
+    place_.v = std::clamp(at.y, 0.0, 1.0);
+    return {.spot = ground_.look(place_), .way = way, .end = end};
+}
+
+/// Where no cone to speak of is left the steps of Newton's kind take over: there all ways lead to
+/// the foot.
+bool SurfaceFlow::near_foot() const noexcept {
+    const double aside = std::fabs(at_.load);
+    return (at_.load <= 0.0 && at_.length < 1e-2 * aside) ||
+           (at_.length < 1e-6 * aside && at_.excess > 0.999 * at_.length);
+}
+
+/// The length of the next step to try, m: to the cone, if the bend allows.
+double SurfaceFlow::wanted() const noexcept {
+    const double newton = at_.rate < 0.0 ? (at_.excess + 0.5 * rounding_) / -at_.rate : kEndless;
+    const double first = longest_ < kEndless ? kEndless : 0.2 / at_.measure(at_.bend);
+    const double h = std::min({newton, longest_, max_ - way_, first});
+    // What is beside the way falls as |t| does: a step to a small part of it would not be stable.
+    return std::max(at_.excess > 0.7 * at_.length ? std::min(h, 0.7 * at_.length) : h,
+                    4.0 * noise_);
+}
+
+/// A step of length h, or a shorter one whose error is small enough. False if there is none.
+bool SurfaceFlow::take(double h, Step& step) noexcept {
+    const double slow = h * at_.measure(at_.bend);
+    bool good = slow * slow * slow * h <= 12.0 * tolerance_ && short_step(at_, h, step);
+    for (int k = 0; !good && k < 60 && !tired(); ++k) {
+        good = long_step(at_, h, step);
+        if (!good) {
+            const double fits = std::sqrt(std::sqrt(tolerance_ / step.error));
+            h *= std::clamp(0.9 * fits, 0.1, 0.7);
+            if (h < least_) {
+                return false;
+            }
+        }
+    }
+    const double rest = tolerance_ / (step.error + 1e-300);
+    longest_ =
+        h *
+        (step.count == 2 ? 4.0 : std::clamp(0.9 * std::sqrt(std::sqrt(std::sqrt(rest))), 0.3, 4.0));
+    return good;
+}
+
+/// Where a step leaves its patch first.
+SurfaceFlow::Exit SurfaceFlow::exit_of(const FlowArc& arc, const Step& step) const noexcept {
+    const double bulge_u = 2.0 * std::fabs(step.h * step.h * at_.bend.x) + kBorder;
+    const double bulge_v = 2.0 * std::fabs(step.h * step.h * at_.bend.y) + kBorder;
+    Exit u{.in_u = true};
+    Exit v{.in_u = false};
+    if (!within(at_.at.x, bulge_u) || !within(step.end.x, bulge_u)) {
+        u.x = leaves_at(arc, true, u.border);
+    }
+    if (!within(at_.at.y, bulge_v) || !within(step.end.y, bulge_v)) {
+        v.x = leaves_at(arc, false, v.border);
+    }
+    return u.x <= v.x ? u : v;
+}
+
+/// The first place on a step, before share `out` of it, at which the excess is none.
+bool SurfaceFlow::meets_cone(
+    const FlowArc& arc, const Step& step, double out, SurfaceSpot& spot, double& x) noexcept {
+    for (int i = 0; i + 1 < step.count; ++i) {
+        const Node& low = step.nodes[i];
+        const Node& high = step.nodes[i + 1];
+        if (low.x >= out) {
+            break;
+        }
+        Node to = high;
+        bool maybe = high.excess <= 0.0;
+        if (!maybe && low.rate < 0.0 && high.rate > 0.0) {  // it falls and rises again
+            const Cubic model(low, high);
+            to.x = model.lowest();
+            to.excess = model.value(to.x);
+            to.rate = -1e-300;
+            maybe = to.excess <= 0.0;
+        }
+        // A little further on.
+        const bool last = i + 2 == step.count;
+        maybe = maybe || (last && high.rate < 0.0 && high.excess <= -(kBeyond - 1.0) * high.rate &&
+                          out > 1.9 && way_ + kBeyond * step.h < max_);
+        if (maybe && into_cone(arc, low, to, spot, x) && x <= out) {
+            return true;
+        }
+    }
+    return false;
+}
+
 SurfaceFlow::Arrival SurfaceFlow::follow(const SurfaceSpot& from, double max) noexcept {
     using End = Arrival::End;
+    const double size = ground_.surface().size();
     place_ = from.place;
-    const double reach = std::sqrt(from.r2);
-    tolerance_ = std::max(kFlowError * reach, from.noise);
-    const double least = kLeast * ground_.surface().size();
-    FlowSpot a = flow_spot(from.jet, {from.place.u, from.place.v}, ground_.h(), ground_.mu());
-    Arrival result{.spot = from};
-    double longest = 1e300;
-    const auto end_at = [&](const Vec2& at, double way, End end) {
-        place_.u = std::clamp(at.x, 0.0, 1.0);
-        place_.v = std::clamp(at.y, 0.0, 1.0);
-        result.spot = ground_.look(place_);
-        result.way = way;
-        result.end = end;
-        return result;
-    };
-    double way = 0.0;
+    tolerance_ = std::max(kFlowError * std::min(std::sqrt(from.r2), size), from.noise);
+    least_ = kMin * size;
+    noise_ = from.noise;
+    rounding_ = from.rounding;
+    max_ = max;
+    at_ = flow_spot(from.jet, {from.place.u, from.place.v}, ground_.h(), ground_.mu());
     int last_bits = 0;
-    while (a.regular) {
-        // Where no cone to speak of is left the steps of Newton's kind take over: there all ways
-        // lead to the foot.
-        const double aside = std::fabs(a.load);
-        if ((a.load <= 0.0 && a.length < 1e-2 * aside) ||
-            (a.length < 1e-6 * aside && a.excess > 0.999 * a.length)) {
-            return end_at(a.at, way, End::foot);
+    Step step;
+    while (at_.regular) {
+        if (near_foot()) {
+            return end_at(at_.at, way_, End::foot);
         }
         if (tired()) {
             break;
         }
-        const double newton = a.rate < 0.0 ? (a.excess + 0.5 * from.rounding) / -a.rate : 1e300;
-        if (a.excess <= 2.0 * from.rounding && ++last_bits > 3) {
-            return end_at(a.at, way, End::cone);
+        if (at_.excess <= 2.0 * rounding_ && ++last_bits > 3) {
+            return end_at(at_.at, way_, End::cone);
         }
-        const double bend = a.measure(a.bend);
-        double h = std::min({newton, longest, max - way, longest < 1e299 ? 1e300 : 0.2 / bend});
-        // What is beside the way falls as |t| does: a step to a small part of it would not be
-        // stable.
-        h = a.excess > 0.7 * a.length ? std::min(h, 0.7 * a.length) : h;
-        h = std::max(h, 4.0 * from.noise);
-        Step step;
-        const double slow = h * bend;
-        bool good = slow * slow * slow * h <= 12.0 * tolerance_ && short_step(a, h, step);
-        for (int k = 0; !good && k < 60 && !tired(); ++k) {
-            good = long_step(a, h, step);
-            if (!good) {
-                const double fits = std::sqrt(std::sqrt(tolerance_ / step.error));
-                h *= std::clamp(0.9 * fits, 0.1, 0.7);
-                if (h < least) {
-                    break;
-                }
-            }
-        }
-        if (!good) {
+        if (!take(wanted(), step)) {
             break;
         }
-        const double rest = tolerance_ / (step.error + 1e-300);
-        const double grow = step.count == 2
-                              ? 4.0
-                              : std::clamp(0.9 * std::sqrt(std::sqrt(std::sqrt(rest))), 0.3, 4.0);
-        longest = grow * h;
-        const FlowArc arc(a, step.to, step.end, h);
-        // The edge of the patch.
-        const double bulge_u = 2.0 * std::fabs(h * h * a.bend.x) + kBorder;
-        const double bulge_v = 2.0 * std::fabs(h * h * a.bend.y) + kBorder;
-        double border_u = 0.0;
-        double border_v = 0.0;
-        const double out_u = within(a.at.x, bulge_u) && within(step.end.x, bulge_u)
-                               ? 2.0
-                               : leaves_at(arc, true, border_u);
-        const double out_v = within(a.at.y, bulge_v) && within(step.end.y, bulge_v)
-                               ? 2.0
-                               : leaves_at(arc, false, border_v);
-        const double out = std::min(out_u, out_v);
-        // The cone: the first place at which the excess is none.
+        const FlowArc arc(at_, step.to, step.end, step.h);
+        const Exit out = exit_of(arc, step);
         SurfaceSpot spot;
         double x = 0.0;
-        for (int i = 0; i + 1 < step.count; ++i) {
-            Node& low = step.nodes[i];
-            Node& high = step.nodes[i + 1];
-            if (low.x >= out) {
-                break;
-            }
-            const bool last = i + 2 == step.count;
-            Node to = high;
-            bool maybe = high.excess <= 0.0;
-            if (!maybe && low.rate < 0.0 && high.rate > 0.0) {  // it falls and rises again
-                const Cubic model(low, high);
-                to.x = model.lowest();
-                to.excess = model.value(to.x);
-                to.rate = -1e-300;
-                maybe = to.excess <= 0.0;
-            }
-            // A little further on.
-            maybe =
-                maybe || (last && high.rate < 0.0 && high.excess <= -(kBeyond - 1.0) * high.rate &&
-                          out > 1.9 && way + kBeyond * h < max);
-            if (!maybe) {
-                continue;
-            }
-            if (into_cone(arc, low, to, spot, x) && x <= out) {
-                result.spot = spot;
-                result.way = way + x * h;
-                result.end = End::cone;
-                return result;
-            }
+        if (meets_cone(arc, step, out.x, spot, x)) {
+            return {.spot = spot, .way = way_ + x * step.h, .end = End::cone};
         }
-        if (out < 1.5) {
-            Vec2 at = arc.at(out);
-            (out_u <= out_v ? at.x : at.y) = out_u <= out_v ? border_u : border_v;
-            return end_at(at, way + out * h, End::edge);
+        if (out.x < 1.5) {
+            Vec2 edge = arc.at(out.x);
+            (out.in_u ? edge.x : edge.y) = out.border;
+            return end_at(edge, way_ + out.x * step.h, End::edge);
         }
-        const FlowSpot end = step.count == 2 ? look(step.end) : step.to;
-        if (end.excess < -4.0 * from.rounding && h > 64.0 * least * kLeast) {
-            longest = 0.5 * h;  // somewhere on the way, then
+        if (step.count == 2) {
+            step.to = look(step.end);
+        }
+        if (step.to.excess < -4.0 * rounding_ && step.h > 64.0 * least_ * kMin) {
+            longest_ = 0.5 * step.h;  // somewhere on the way, then
             continue;
         }
-        way += h;
-        a = end;
-        if (way >= max * (1.0 - 1e-12)) {
-            return end_at(a.at, way, End::spent);
+        way_ += step.h;
+        at_ = step.to;
+        if (way_ >= max_ * (1.0 - 1e-12)) {
+            return end_at(at_.at, way_, End::spent);
         }
-        if (a.excess <= 0.0) {  // by rounding
-            return end_at(a.at, way, End::cone);
+        if (at_.excess <= 0.0) {  // by rounding
+            return end_at(at_.at, way_, End::cone);
         }
     }
-    return end_at(a.at, way, End::failed);
+    return end_at(at_.at, way_, End::failed);
 }
 
 }  // namespace palpate::engine

@@ -12,7 +12,8 @@ namespace palpate::engine {
 /// Solving Ordinary Differential Equations I, II.14), its error measured by how far the direction
 /// at its end is from the sum of the bends on the way; a short step by one evaluation and the
 /// corrector y0 + h/2 (f0 + f1) + h^2/12 (g0 - g1) of order 4. The error of a step is below
-/// kFlowError of the stretch. Where the excess over the cone changes sign along a step, at its
+/// kFlowError of the stretch, or of the object's size if that is less: however far a hand is, its
+/// way lies on the surface. Where the excess over the cone changes sign along a step, at its
 /// ends, its stages or between them, the first such place is closed in on the quintic through the
 /// step.
 class SurfaceFlow {
@@ -30,7 +31,7 @@ public:
         End end = End::failed;
     };
 
-    /// @param limit  of ground.work()
+    /// One flow. @param limit  of ground.work()
     SurfaceFlow(SurfaceGround& ground, Work limit) noexcept : ground_(ground), limit_(limit) {}
 
     /// @param from  outside of its cone, whose drive leads into its patch
@@ -52,9 +53,22 @@ private:
         Node nodes[4];
         int count = 0;
     };
+    /// Over an edge of the patch.
+    struct Exit {
+        double x = 2.0;  ///< share of the step; 2: it stays within
+        double border = 0.0;
+        bool in_u = true;
+    };
     [[nodiscard]] FlowSpot look(const Vec2& at) noexcept;
+    [[nodiscard]] Arrival end_at(const Vec2& at, double way, Arrival::End end) noexcept;
+    [[nodiscard]] bool near_foot() const noexcept;
+    [[nodiscard]] double wanted() const noexcept;
+    [[nodiscard]] bool take(double h, Step& step) noexcept;
     [[nodiscard]] bool short_step(const FlowSpot& from, double h, Step& step) noexcept;
     [[nodiscard]] bool long_step(const FlowSpot& from, double h, Step& step) noexcept;
+    [[nodiscard]] Exit exit_of(const FlowArc& arc, const Step& step) const noexcept;
+    [[nodiscard]] bool meets_cone(
+        const FlowArc& arc, const Step& step, double out, SurfaceSpot& spot, double& x) noexcept;
     [[nodiscard]] bool into_cone(
         const FlowArc& arc, Node low, Node high, SurfaceSpot& spot, double& x) noexcept;
     [[nodiscard]] bool tired() const noexcept { return ground_.work() >= limit_; }
@@ -62,7 +76,14 @@ private:
     SurfaceGround& ground_;
     Work limit_;
     SurfacePlace place_{};
-    double tolerance_ = 0.0;
+    FlowSpot at_{};           ///< so far
+    double way_ = 0.0;        ///< m
+    double max_ = 0.0;        ///< m
+    double longest_ = 1e300;  ///< next step, m
+    double tolerance_ = 0.0;  ///< of a step, m
+    double least_ = 0.0;      ///< step, m
+    double noise_ = 0.0;      ///< of the start, m
+    double rounding_ = 0.0;   ///< of the start, m
 };
 
 }  // namespace palpate::engine

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/surface/surface_object.hpp"
+
 namespace palpate::engine {
 namespace {
 

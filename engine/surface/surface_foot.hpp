@@ -1,8 +1,10 @@
 #pragma once
 
-#include "engine/surface/surface_object.hpp"
+#include "engine/surface/nurbs_surface.hpp"
 
 namespace palpate::engine {
+
+class SurfaceObject;
 
 /// A foot of a point h on a surface: where |S - h| is smallest among its neighbours.
 struct SurfaceFoot {
@@ -20,6 +22,7 @@ struct FootSlope {
     double uv = 0.0;
     double vv = 0.0;
 
+    /// @param r  S(u, v) - h, m
     FootSlope(const SurfaceJet& jet, const Vec3& r) noexcept
         : u(glm::dot(r, jet.du)),
           v(glm::dot(r, jet.dv)),

@@ -8,23 +8,9 @@ namespace {
 
 constexpr Work kSpotWork = 450;  ///< besides the evaluation
 
-/// The last bits before an edge belong to it: there the next patch, or the border, takes over.
-double snapped(double t) noexcept {
-    return t < 8.0 * kEpsilon ? 0.0 : t > 1.0 - 8.0 * kEpsilon ? 1.0 : t;
-}
-
-bool at_end(double t) noexcept {
-    return t == 0.0 || t == 1.0;
-}
-
 /// The way into the patch leads off it: what is left is along its edge, if anything.
 bool barred(const Footing& f) noexcept {
     return f.way != Footing::Way::open && f.way != Footing::Way::rests;
-}
-
-/// A way with this part leaves the patch at once.
-bool leaves(double t, double by) noexcept {
-    return (t == 0.0 && by < 0.0) || (t == 1.0 && by > 0.0);
 }
 
 }  // namespace

@@ -42,12 +42,15 @@ public:
     SurfaceGround(const SurfaceObject& surface, const Vec3& h, double mu) noexcept
         : surface_(surface), h_(h), mu_(mu) {}
 
+    /// As they were given.
     [[nodiscard]] const SurfaceObject& surface() const noexcept { return surface_; }
     [[nodiscard]] const Vec3& h() const noexcept { return h_; }
     [[nodiscard]] double mu() const noexcept { return mu_; }
     /// What looking has cost so far.
     [[nodiscard]] Work work() const noexcept { return work_; }
 
+    /// The god-object at `place`: point, derivatives, normal, and how HIP pulls it against its
+    /// cone. Work adds up.
     [[nodiscard]] SurfaceSpot look(SurfacePlace place) noexcept;
     /// Point and derivatives alone; u and v may lie outside of the patch. @param besides work that
     /// it is for

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/surface/surface_object.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -42,14 +44,6 @@ void second_differences(std::size_t n, std::size_t m, int kind, Take take) {
             }
         }
     }
-}
-
-double largest(const std::vector<double>& values) {
-    double largest = 0.0;
-    for (const double v : values) {
-        largest = std::max(largest, std::fabs(v));
-    }
-    return largest;
 }
 
 Range bend_range(const DistanceForm& form, const std::vector<double>& g, int kind) {

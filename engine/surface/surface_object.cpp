@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -15,17 +16,8 @@ namespace {
 /// Borders that are closer than this share of the size were meant to be one.
 constexpr double kNearly = 1e-3;
 
-bool at_end(double t) noexcept {
-    return t == 0.0 || t == 1.0;
-}
-
 std::uint8_t side_of(const SurfaceHeading& way) noexcept {
     return static_cast<std::uint8_t>((way.in_u ? 0 : 2) + (way.forward ? 1 : 0));
-}
-
-/// A parameter within the last bits of an end is that end.
-double snapped(double t) noexcept {
-    return t < 8.0 * kEpsilon ? 0.0 : t > 1.0 - 8.0 * kEpsilon ? 1.0 : t;
 }
 
 bool open(const NurbsSurface& s, int side) noexcept {
@@ -44,6 +36,72 @@ bool runs_along(const SurfaceBorder& a, const SurfaceBorder& b, double near) {
         }
     }
     return false;
+}
+
+/// Their boxes are farther apart than `near` m.
+bool far_apart(const SurfaceBorder& a, const SurfaceBorder& b, double near) {
+    const Vec3 gap =
+        glm::max(glm::max(a.box().low - b.box().high, b.box().low - a.box().high), Vec3{});
+    return glm::dot(gap, gap) > near * near;
+}
+
+/// One is the other within `same` m: as it runs, or reversed (true).
+std::optional<bool> joined_as(const SurfaceBorder& a, const SurfaceBorder& b, double same) {
+    for (const bool reversed : {false, true}) {
+        if (!far_apart(a, b, same) && glm::length(a.at(0.0) - b.at(reversed ? 1.0 : 0.0)) <= same &&
+            same_curve(a, b, reversed, same)) {
+            return reversed;
+        }
+    }
+    return std::nullopt;
+}
+
+bool same_breaks(const SurfaceBorder& a, const SurfaceBorder& b, bool reversed) {
+    std::vector<double> others = b.breaks();
+    if (reversed) {
+        std::reverse(others.begin(), others.end());
+        std::transform(others.begin(), others.end(), others.begin(),
+                       [](double s) { return 1.0 - s; });
+    }
+    return std::equal(a.breaks().begin(), a.breaks().end(), others.begin(), others.end(),
+                      [](double s, double t) { return std::fabs(s - t) < 1e-13; });
+}
+
+/// Two borders that are not joined were not meant to be.
+/// @param same  what joins, m @param near  what is nearer was meant to be one, m
+void check_apart(const SurfaceBorder& a, const SurfaceBorder& b, double same, double near) {
+    const double gap = std::min(sampled_gap(a, b, false), sampled_gap(a, b, true));
+    if (gap <= near) {
+        throw std::invalid_argument(
+            a.name() + " and " + b.name() + " are up to " + number_text(gap) +
+            " m apart: give both the same control points, weights and knots (up to direction), "
+            "within " +
+            number_text(same) + " m, or leave more than " + number_text(near) + " m between them");
+    }
+    if (runs_along(a, b, 10.0 * same)) {
+        throw std::invalid_argument(
+            a.name() + " runs along " + b.name() +
+            ", but not from end to end at the same pace: cut the longer surface where the "
+            "other ends, and give both borders the same weights and knots");
+    }
+}
+
+void check_corners(const SurfaceObject& object) {
+    for (std::size_t k = 0; k < object.count(); ++k) {
+        const NurbsSurface& s = object.surface(k);
+        for (int corner = 0; corner < 4; ++corner) {
+            SurfacePlace p{
+                .u = corner % 2 == 0 ? 0.0 : 1.0, .v = corner < 2 ? 0.0 : 1.0, .surface = k};
+            p.i = corner % 2 == 0 ? 0 : s.rows() - 1;
+            p.j = corner < 2 ? 0 : s.columns() - 1;
+            if (object.around(p).full) {
+                throw std::invalid_argument("more than " +
+                                            std::to_string(SurfaceObject::kMaxAround) +
+                                            " patches meet at a corner of surface " +
+                                            std::to_string(k + 1) + ": give fewer");
+            }
+        }
+    }
 }
 
 }  // namespace
@@ -92,88 +150,42 @@ void SurfaceObject::join_borders() {
     const auto of = [this](const SurfaceBorder& b) -> Join& {
         return joins_[4 * b.surface() + b.side()];
     };
-    const auto apart = [](const SurfaceBorder& a, const SurfaceBorder& b, double near) {
-        const Vec3 gap =
-            glm::max(glm::max(a.box().low - b.box().high, b.box().low - a.box().high), Vec3{});
-        return glm::dot(gap, gap) > near * near;
-    };
     for (std::size_t m = 0; m < borders.size(); ++m) {
         for (std::size_t n = m + 1; n < borders.size(); ++n) {
             const SurfaceBorder& a = borders[m];
             const SurfaceBorder& b = borders[n];
-            if (a.surface() == b.surface()) {
-                continue;  // closed or not, as the surface says
+            // Within a surface: closed or not, as the surface says.
+            const auto reversed = a.surface() == b.surface() ? std::nullopt : joined_as(a, b, same);
+            if (!reversed) {
+                continue;
             }
-            for (const bool reversed : {false, true}) {
-                if (apart(a, b, same) ||
-                    glm::length(a.at(0.0) - b.at(reversed ? 1.0 : 0.0)) > same ||
-                    !same_curve(a, b, reversed, same)) {
-                    continue;
-                }
-                if (of(a).joined || of(b).joined) {
-                    throw std::invalid_argument(
-                        (of(a).joined ? a : b).name() +
-                        " has more than one neighbour: give each border at most one, so that the "
-                        "surface has one outside");
-                }
-                if ((a.counter_clockwise() == b.counter_clockwise()) != reversed) {
-                    throw std::invalid_argument(
-                        a.name() + " and " + b.name() +
-                        " are one, but the outward normals lie on different sides of it: give the "
-                        "rows of points of one surface in the other order");
-                }
-                std::vector<double> others = b.breaks();
-                if (reversed) {
-                    std::reverse(others.begin(), others.end());
-                    std::transform(others.begin(), others.end(), others.begin(),
-                                   [](double s) { return 1.0 - s; });
-                }
-                const bool pieces =
-                    std::equal(a.breaks().begin(), a.breaks().end(), others.begin(), others.end(),
-                               [](double s, double t) { return std::fabs(s - t) < 1e-13; });
-                of(a) = {true, reversed, pieces, b.side(), b.surface()};
-                of(b) = {true, reversed, pieces, a.side(), a.surface()};
-                break;
+            if (of(a).joined || of(b).joined) {
+                throw std::invalid_argument(
+                    (of(a).joined ? a : b).name() +
+                    " has more than one neighbour: give each border at most one, so that the "
+                    "surface has one outside");
             }
+            if ((a.counter_clockwise() == b.counter_clockwise()) != *reversed) {
+                throw std::invalid_argument(
+                    a.name() + " and " + b.name() +
+                    " are one, but the outward normals lie on different sides of it: give the "
+                    "rows of points of one surface in the other order");
+            }
+            const bool pieces = same_breaks(a, b, *reversed);
+            of(a) = {true, *reversed, pieces, b.side(), b.surface()};
+            of(b) = {true, *reversed, pieces, a.side(), a.surface()};
         }
     }
     const double near = kNearly * size_;
     for (const SurfaceBorder& a : borders) {
         for (const SurfaceBorder& b : borders) {
-            if (a.surface() == b.surface() || of(a).joined || of(b).joined || apart(a, b, near)) {
-                continue;
-            }
-            const double gap = std::min(sampled_gap(a, b, false), sampled_gap(a, b, true));
-            if (gap <= near) {
-                throw std::invalid_argument(a.name() + " and " + b.name() + " are up to " +
-                                            number_text(gap) +
-                                            " m apart: give both the same control points, weights "
-                                            "and knots (up to direction), within " +
-                                            number_text(same) + " m, or leave more than " +
-                                            number_text(near) + " m between them");
-            }
-            if (runs_along(a, b, 10.0 * same)) {
-                throw std::invalid_argument(
-                    a.name() + " runs along " + b.name() +
-                    ", but not from end to end at the same pace: cut the longer surface where the "
-                    "other ends, and give both borders the same weights and knots");
+            if (a.surface() != b.surface() && !of(a).joined && !of(b).joined &&
+                !far_apart(a, b, near)) {
+                check_apart(a, b, same, near);
             }
         }
     }
-    for (std::size_t k = 0; k < surfaces_.size(); ++k) {
-        for (int corner = 0; corner < 4; ++corner) {
-            const NurbsSurface& s = *surfaces_[k];
-            SurfacePlace p{
-                .u = corner % 2 == 0 ? 0.0 : 1.0, .v = corner < 2 ? 0.0 : 1.0, .surface = k};
-            p.i = corner % 2 == 0 ? 0 : s.rows() - 1;
-            p.j = corner < 2 ? 0 : s.columns() - 1;
-            if (around(p).full) {
-                throw std::invalid_argument("more than " + std::to_string(kMaxAround) +
-                                            " patches meet at a corner of surface " +
-                                            std::to_string(k + 1) + ": give fewer");
-            }
-        }
-    }
+    check_corners(*this);
 }
 
 bool SurfaceObject::cross(SurfacePlace& p, SurfaceHeading& way) const noexcept {

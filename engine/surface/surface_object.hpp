@@ -9,6 +9,19 @@
 
 namespace palpate::engine {
 
+/// A parameter of a patch on an edge of it.
+[[nodiscard]] constexpr bool at_end(double t) noexcept {
+    return t == 0.0 || t == 1.0;
+}
+/// The last bits before an edge belong to it: there the next patch, or the border, takes over.
+[[nodiscard]] constexpr double snapped(double t) noexcept {
+    return t < 8.0 * kEpsilon ? 0.0 : t > 1.0 - 8.0 * kEpsilon ? 1.0 : t;
+}
+/// A way with this part leaves the patch at once.
+[[nodiscard]] constexpr bool leaves(double t, double by) noexcept {
+    return (t == 0.0 && by < 0.0) || (t == 1.0 && by > 0.0);
+}
+
 /// A way over an edge of a patch: the parameter that changes, and whether it grows.
 struct SurfaceHeading {
     bool in_u = true;
@@ -39,6 +52,7 @@ public:
     ///     to give
     explicit SurfaceObject(std::vector<std::shared_ptr<const NurbsSurface>> surfaces);
 
+    /// Its surfaces by index, and the one of a place. @pre k < count()
     [[nodiscard]] std::size_t count() const noexcept { return surfaces_.size(); }
     [[nodiscard]] const NurbsSurface& surface(std::size_t k) const noexcept {
         return *surfaces_[k];
@@ -51,6 +65,7 @@ public:
     /// Diagonal of the box of all control points, m.
     [[nodiscard]] double size() const noexcept { return size_; }
 
+    /// The patch that a place lies on.
     [[nodiscard]] const BezierPatch& patch(const SurfacePlace& p) const noexcept {
         return surface_of(p).patch(p.i, p.j);
     }
@@ -85,6 +100,7 @@ public:
         bool pole = false;  ///< one of them ends in a pole
         bool full = false;  ///< there are more
     };
+    /// The same point as a place of each patch that meets there; one alone inside a patch.
     [[nodiscard]] Around around(const SurfacePlace& p) const noexcept;
 
     /// A HIP beside an edge or a corner of the object, whose foot it is, lies behind the surface:

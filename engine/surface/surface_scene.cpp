@@ -38,6 +38,22 @@ bool apart(const SurfacePlace& a, const SurfacePlace& b) noexcept {
            std::fabs(a.u - b.u) + std::fabs(a.v - b.v) > 1e-12;
 }
 
+/// Without contact the closest point stands for the GO.
+SurfaceContact nothing_felt(const SurfaceClosest& cp) noexcept {
+    return {.cp = cp,
+            .surface = static_cast<int>(cp.place.surface),
+            .go_u = cp.u,
+            .go_v = cp.v,
+            .go = cp.point};
+}
+
+void end_contact(SurfaceState& state) noexcept {
+    state.touching = false;
+    state.theta = 1.0;
+    state.last_spring = Vec3{};
+    state.fan.on = false;
+}
+
 }  // namespace
 
 SurfaceScene::SurfaceScene(std::shared_ptr<const NurbsSurface> surface,
@@ -52,21 +68,44 @@ SurfaceScene::SurfaceScene(std::vector<std::shared_ptr<const NurbsSurface>> surf
       step_(spec.contact.friction.none() ? &SurfaceScene::step<false> : &SurfaceScene::step<true>) {
 }
 
-/// No contact: the closest point stands for the GO.
 SurfaceContact SurfaceScene::free(SurfaceState& state, const Vec3& hip) const noexcept {
-    state.touching = false;
-    state.theta = 1.0;
-    state.last_spring = Vec3{};
-    state.fan.on = false;
+    end_contact(state);
     const SurfaceClosest& cp = state.seen;
     state.clear_at = hip;
     const double clear = cp.distance * kClearShare;
     state.clear2 = spec_.skip_far && !cp.inside ? clear * clear : 0.0;
-    return {.cp = cp,
-            .surface = static_cast<int>(cp.place.surface),
-            .go_u = cp.u,
-            .go_v = cp.v,
-            .go = cp.point};
+    return nothing_felt(cp);
+}
+
+/// The GO's way of a tick, from where it stands. `looks`: state.seen is of this tick.
+template <bool HasFriction>
+SurfaceSlide SurfaceScene::move(SurfaceState& state,
+                                const Vec3& from_hip,
+                                const Vec3& hip,
+                                double mu,
+                                bool looks,
+                                bool& slipped) const noexcept {
+    // Without friction the GO is the local foot: mostly the closest point, already found.
+    // One that lies outside may be on the other side of a sheet that lies on itself.
+    const Vec3 h = hip - object().origin();
+    const bool slewed = !spec_.contact.slew.none();
+    const bool known = !HasFriction && !slewed && looks && state.seen.inside &&
+                       feet_.same_bowl(state.track, state.place);
+    const SurfacePlace from = known ? state.seen.place : state.place;
+    const SurfaceFan fan = state.fan;
+    const SurfaceSlide slide = !slewed
+                                 ? slide_on_surface<HasFriction>(object(), from, h, mu)
+                                 : slide_on_surface<HasFriction>(
+                                       object(), from, h, mu,
+                                       {.from = from_hip - object().origin(),
+                                        .budget = 2.0 * glm::length(hip - from_hip) +
+                                                  spec_.contact.slew.speed * spec_.contact.period,
+                                        .radius = spec_.contact.slew.radius},
+                                       state.fan);
+    const bool turned = fan.on != state.fan.on || fan.angle != state.fan.angle;  // is no rest
+    slipped = slide.slid > 0.0 || turned || (known && apart(state.place, from));
+    state.place = slide.place;
+    return slide;
 }
 
 template <bool HasFriction>
@@ -74,21 +113,14 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     const Vec3 moved = hip - state.clear_at;
     if (glm::dot(moved, moved) < state.clear2) {  // false for NaN; clear2 is 0 while touching
         ++state.skipped;
-        SurfaceContact contact{.cp = state.seen,
-                               .surface = static_cast<int>(state.seen.place.surface),
-                               .go_u = state.seen.u,
-                               .go_v = state.seen.v,
-                               .go = state.seen.point,
-                               .skipped = true};
+        SurfaceContact contact = nothing_felt(state.seen);
+        contact.skipped = true;
         contact.cp.distance -= glm::length(moved);
         return contact;
     }
     state.clear2 = 0.0;
     if (!usable(hip)) {
-        state.touching = false;
-        state.theta = 1.0;
-        state.last_spring = Vec3{};
-        state.fan.on = false;
+        end_contact(state);
         return {.refused = true};
     }
     const Vec3 from_hip = state.started ? state.last_hip : hip;
@@ -109,26 +141,8 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     }
     const Friction& friction = spec_.contact.friction;
     const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
-    const Vec3 h = hip - object().origin();
-    // Without friction the GO is the local foot: mostly the closest point, already found.
-    // One that lies outside may be on the other side of a sheet that lies on itself.
-    const bool slewed = !spec_.contact.slew.none();
-    const bool known = !HasFriction && !slewed && looks && state.seen.inside &&
-                       feet_.same_bowl(state.track, state.place);
-    const SurfacePlace from = known ? state.seen.place : state.place;
-    const SurfaceFan fan = state.fan;
-    const SurfaceSlide slide = slewed
-                                 ? slide_on_surface<HasFriction>(
-                                       object(), from, h, mu,
-                                       {.from = from_hip - object().origin(),
-                                        .budget = 2.0 * glm::length(hip - from_hip) +
-                                                  spec_.contact.slew.speed * spec_.contact.period,
-                                        .radius = spec_.contact.slew.radius},
-                                       state.fan)
-                                 : slide_on_surface<HasFriction>(object(), from, h, mu);
-    const bool turned = fan.on != state.fan.on || fan.angle != state.fan.angle;  // is no rest
-    const bool slipped = slide.slid > 0.0 || turned || (known && apart(state.place, from));
-    state.place = slide.place;
+    bool slipped = false;
+    const SurfaceSlide slide = move<HasFriction>(state, from_hip, hip, mu, looks, slipped);
     if (!(slide.load > 0.0) && !slide.out_of_budget) {
         if (!looks) {
             state.seen = feet_.track(state.track, hip, kTickWork);
@@ -138,7 +152,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         ended.settled = slide.settled;
         return ended;
     }
-    SurfaceContact contact = render(slide, h, mu);
+    SurfaceContact contact = render(slide, hip - object().origin(), mu);
     if (spec_.contact.damping > 0.0) {
         damp(state, slide, contact);
     }

@@ -13,8 +13,8 @@ namespace palpate::engine {
 
 /// What is to be felt on a surface. SI.
 struct SurfaceSceneSpec {
-    SceneSpec
-        contact{};  ///< as for an outline; edges and corners are vertices. Without compliance and law
+    /// As for an outline; edges and corners are vertices. Without compliance and law.
+    SceneSpec contact{};
 
     /// The closest point is looked for in contact, too; else the last one stays: a third of the
     /// cost of a tick.
@@ -111,6 +111,13 @@ public:
 private:
     template <bool HasFriction>
     SurfaceContact step(SurfaceState& state, const Vec3& hip) const noexcept;
+    template <bool HasFriction>
+    SurfaceSlide move(SurfaceState& state,
+                      const Vec3& from_hip,
+                      const Vec3& hip,
+                      double mu,
+                      bool looks,
+                      bool& slipped) const noexcept;
     [[nodiscard]] SurfaceContact free(SurfaceState& state, const Vec3& hip) const noexcept;
     void damp(SurfaceState& state,
               const SurfaceSlide& slide,

@@ -1,7 +1,6 @@
 #include "protocols/design/acceptance.hpp"
 
 #include <cmath>
-#include <map>
 
 #include "protocols/order/order_count.hpp"
 #include "protocols/order/order_counter.hpp"
@@ -9,19 +8,6 @@
 
 namespace palpate::protocols {
 namespace {
-
-/// The number of orders of the trials as they are, like ones alike.
-Natural orders_of(std::span<const Condition> trials) {
-    std::map<Condition, std::size_t> cells;
-    for (const Condition& condition : trials) {
-        ++cells[condition];
-    }
-    std::vector<std::size_t> counts;
-    for (const auto& [condition, count] : cells) {
-        counts.push_back(count);
-    }
-    return multinomial(counts);
-}
 
 /// Of the proposals of one way, how many keep the limits; and what that makes of all shuffles.
 Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {

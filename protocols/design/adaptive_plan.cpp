@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
-#include "protocols/design/session_plan.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
@@ -98,25 +98,31 @@ double felt_value(const AdaptiveSpec& spec, double stimulus) {
     return spec.stimulus_as == StimulusAs::log10 ? exponential(kLnOf10 * stimulus) : stimulus;
 }
 
+namespace {
+
+/// @param interval  of the comparison, from 0
+PlannedTrial trial_of(const Protocol& protocol, std::size_t run, std::size_t interval) {
+    const RunSpec& of = protocol.runs.at(run);
+    const std::string& standard = of.standard_friction.empty() ? of.friction : of.standard_friction;
+    return {.condition = {index_of(protocol.objects, protocol.procedure->object),
+                          index_of(protocol.frictions, of.friction)},
+            .adaptive = AdaptiveTrial{.run = run,
+                                      .comparison = interval + 1,
+                                      .standard_friction = index_of(protocol.frictions, standard)}};
+}
+
+}  // namespace
+
 std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
                                           const StreamKey& key,
                                           Plan& plan) {
     const AdaptiveSpec& spec = *protocol.procedure;
-    const std::size_t object = index_of(protocol.objects, spec.object);
     std::vector<PlannedTrial> trials;
     const auto add = [&](Phase phase, std::size_t run, std::size_t interval, bool rest) {
-        const RunSpec& of = protocol.runs.at(run);
-        const std::size_t friction = index_of(protocol.frictions, of.friction);
-        const std::string& standard =
-            of.standard_friction.empty() ? of.friction : of.standard_friction;
-        trials.push_back({.position = trials.size(),
-                          .phase = phase,
-                          .condition = {object, friction},
-                          .break_before = rest,
-                          .adaptive = AdaptiveTrial{
-                              .run = run,
-                              .comparison = interval + 1,
-                              .standard_friction = index_of(protocol.frictions, standard)}});
+        trials.push_back(trial_of(protocol, run, interval));
+        trials.back().position = trials.size() - 1;
+        trials.back().phase = phase;
+        trials.back().break_before = rest;
     };
     Pcg32 practice = stream_of(key, purpose::practice_order);
     const std::vector<std::size_t> practised = practice_intervals(protocol, practice);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocols/design/session_plan.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/williams.hpp"
 
 namespace palpate::protocols {

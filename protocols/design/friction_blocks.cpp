@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/session_plan.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/williams.hpp"
 
 namespace palpate::protocols {
@@ -99,6 +99,17 @@ std::string why_not_in_blocks(const Protocol& protocol) {
     return {};
 }
 
+std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random) {
+    std::vector<std::size_t> places(main + catches - 1);
+    std::iota(places.begin(), places.end(), std::size_t{1});
+    shuffle(std::span(places), random);
+    std::vector<bool> is_catch(main + catches, false);
+    for (std::size_t i = 0; i < catches; ++i) {
+        is_catch[places[i]] = true;
+    }
+    return is_catch;
+}
+
 std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
                                          std::size_t of_block,
                                          std::span<const std::size_t> frictions,
@@ -121,16 +132,9 @@ std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
     }
     std::vector<MainTrial> trials;
     for (std::size_t block = 0; block < of.size(); ++block) {
-        std::vector<std::size_t> places(of_block + of[block].size() - 1);
-        std::iota(places.begin(), places.end(), std::size_t{1});
-        shuffle(std::span(places), random);
-        std::vector<bool> is_catch(of_block + of[block].size(), false);
-        for (std::size_t i = 0; i < of[block].size(); ++i) {
-            is_catch[places[i]] = true;
-        }
         std::size_t next_main = block * of_block;
         std::size_t next_catch = 0;
-        for (const bool a_catch : is_catch) {
+        for (const bool a_catch : catch_places(of_block, of[block].size(), random)) {
             trials.push_back(a_catch ? MainTrial{Phase::catch_trial, of[block][next_catch++], block}
                                      : MainTrial{Phase::main, main[next_main++], block});
         }

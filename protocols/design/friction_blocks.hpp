@@ -17,6 +17,7 @@
 /// line over the session then weighs alike on both.
 namespace palpate::protocols {
 
+/// Whether the design has such blocks: "abba" or "blocked", not "interleaved".
 [[nodiscard]] bool in_friction_blocks(const DesignSpec& design) noexcept;
 
 /// Blocks of the main phase: `blocks`, or as many for every friction.
@@ -56,6 +57,9 @@ struct MainTrial {
 
     friend bool operator==(const MainTrial&, const MainTrial&) = default;
 };
+
+/// For every place of so many trials, whether a catch trial goes there. Never the first.
+[[nodiscard]] std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random);
 
 /// Puts catch trials among the main ones of their own friction. The catch trials of a friction are
 /// dealt round its blocks in a random order, so that these hold equally many or one more; within a

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/surface/nurbs_surface.hpp"
+
 namespace palpate::protocols {
 
 stimuli::TwoCurve object_of(const Protocol& protocol, const ObjectSpec& spec) {

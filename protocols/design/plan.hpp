@@ -14,6 +14,7 @@ namespace palpate::protocols {
 
 enum class Phase : std::uint8_t { practice, main, catch_trial };
 
+/// "practice", "main" or "catch", as the database has it.
 [[nodiscard]] std::string_view to_string(Phase phase) noexcept;
 
 /// What is planned of a trial whose stimulus a rule chooses.
@@ -25,6 +26,7 @@ struct AdaptiveTrial {
     friend bool operator==(const AdaptiveTrial&, const AdaptiveTrial&) = default;
 };
 
+/// One trial of a session, as it is planned before the first one.
 struct PlannedTrial {
     std::size_t position = 0;  ///< 0, 1, 2, ... through the whole session
     Phase phase = Phase::main;
@@ -52,7 +54,10 @@ struct Plan {
         picture_order;           ///< place on the screen -> index into Protocol::objects
     std::uint64_t attempts = 1;  ///< orders proposed for the main phase until its limits were kept
     OrderWay way = OrderWay::shuffles;  ///< how they were
-    std::string hash;  ///< SHA-256 (hex) of the canonical text of all the above trials
+    /// SHA-256, hex, of the trials and pictures and of what they were drawn from: protocol,
+    /// participant, session number, seed, secret, and of an adaptive study the rule and its
+    /// streams. How many orders were proposed is not in it.
+    std::string hash;
 
     friend bool operator==(const Plan&, const Plan&) = default;
 };

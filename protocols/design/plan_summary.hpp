@@ -17,6 +17,7 @@ struct PlanPart {
     friend auto operator<=>(const PlanPart&, const PlanPart&) = default;
 };
 
+/// What can be counted in a plan.
 struct PlanSummary {
     std::map<PlanPart, std::map<Condition, std::size_t>> counts;
     /// Longest runs among the main trials of a block, catch trials left out, as the limits count
@@ -27,6 +28,7 @@ struct PlanSummary {
     std::vector<std::size_t> breaks;  ///< positions that a break comes before
 };
 
+/// Counts a plan. A run ends with its block; a step goes on from a block into the next.
 [[nodiscard]] PlanSummary summarise(const Plan& plan);
 
 }  // namespace palpate::protocols

@@ -11,6 +11,7 @@
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/order/eulerian_order.hpp"
@@ -40,18 +41,7 @@ std::vector<Condition> catch_conditions(const Protocol& protocol,
     return conditions;
 }
 
-/// For every place of the main phase, whether a catch trial goes there. Never the first.
-std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random) {
-    std::vector<std::size_t> places(main + catches - 1);
-    std::iota(places.begin(), places.end(), std::size_t{1});
-    shuffle(std::span(places), random);
-    std::vector<bool> is_catch(main + catches, false);
-    for (std::size_t i = 0; i < catches; ++i) {
-        is_catch[places[i]] = true;
-    }
-    return is_catch;
-}
-
+/// What Plan::hash is of. Texts carry their length, so that no two plans can be written alike.
 std::string canonical_text(const Plan& plan,
                            std::string_view protocol_hash,
                            const SessionKey& key,
@@ -219,38 +209,56 @@ std::string_view to_string(Phase phase) noexcept {
     return "?";
 }
 
-std::vector<std::size_t> objects_of(const Protocol& protocol, bool pictured) {
-    std::vector<std::size_t> objects;
-    for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
-        if (protocol.objects[i].pictured == pictured) {
-            objects.push_back(i);
-        }
-    }
-    return objects;
-}
-
-std::vector<Condition> factorial(const Protocol& protocol, std::size_t repetitions) {
-    std::vector<Condition> conditions;
-    for (const std::size_t object : objects_of(protocol, true)) {
-        for (std::size_t friction = 0; friction < protocol.frictions.size(); ++friction) {
-            conditions.insert(conditions.end(), repetitions, Condition{object, friction});
-        }
-    }
-    return conditions;
-}
-
 namespace {
 
+/// One of the streams of a session. Session 0: one for all sessions of the participant.
+Pcg32 stream_for(StreamKey key, std::string_view purpose, std::size_t block = 0) {
+    key.block = block;
+    key.purpose = purpose;
+    return stream(key);
+}
+Pcg32 stream_for_all(StreamKey key, std::string_view purpose) {
+    key.session = 0;
+    return stream_for(std::move(key), purpose);
+}
+
 void choose_pictures(const Protocol& protocol,
-                     StreamKey key,
+                     const StreamKey& of_session,
                      const RowHistory& pictures,
                      Plan& plan) {
-    key.session = 0;
-    key.block = 0;
-    key.purpose = purpose::pictures;
     const auto rows = picture_rows(protocol);
-    Pcg32 picture_stream = stream(key);
+    Pcg32 picture_stream = stream_for_all(of_session, purpose::pictures);
     plan.picture_order = rows[choose_row(rows.size(), pictures, picture_stream)];
+}
+
+/// The main trials with the catch trials between them.
+void add_main_trials(const Protocol& protocol,
+                     const StreamKey& of_session,
+                     const RowHistory& frictions,
+                     bool practised,
+                     Plan& plan,
+                     Writer& writer) {
+    const DesignSpec& design = protocol.design;
+    std::vector<std::size_t> friction_of;
+    if (in_friction_blocks(design)) {
+        const auto rows = friction_rows(protocol);
+        Pcg32 random = stream_for_all(of_session, purpose::friction_blocks);
+        friction_of = friction_of_blocks(design, rows[choose_row(rows.size(), frictions, random)]);
+    }
+    const MainTrials main = main_trials(protocol, friction_of, [&](std::size_t block) {
+        return stream_for(of_session, purpose::main_order, block);
+    });
+    plan.attempts = main.attempts;
+    plan.way = main.way;
+    Pcg32 catch_stream = stream_for(of_session, purpose::catch_trials);
+    const std::vector<Condition> catches =
+        catch_conditions(protocol, design.catch_trials, catch_stream);
+    const std::size_t blocks = block_count(protocol);
+    write_main(writer, main.lead_in,
+               friction_of.empty() ? with_catch_trials(main.order, blocks, catches, catch_stream)
+                                   : with_catch_trials(main.order, main.order.size() / blocks,
+                                                       friction_of, catches, catch_stream),
+               practised);
 }
 
 Plan adaptive_plan(const Protocol& protocol,
@@ -290,49 +298,18 @@ Plan make_plan(const Protocol& protocol,
         return adaptive_plan(protocol, protocol_hash, key, seed, pictures);
     }
     refuse(protocol);
-    const auto stream_for = [&](std::size_t session, std::string_view purpose,
-                                std::size_t block = 0) {
-        StreamKey one = session_stream(protocol_hash, key, seed);
-        one.session = session;
-        one.block = block;
-        one.purpose = purpose;
-        return stream(one);
-    };
-    const DesignSpec& design = protocol.design;
+    const StreamKey of_session = session_stream(protocol_hash, key, seed);
     Plan plan;
-    Writer writer(plan, design.break_every);
+    Writer writer(plan, protocol.design.break_every);
 
-    std::vector<Condition> practice = factorial(protocol, design.practice_repetitions);
-    Pcg32 practice_stream = stream_for(key.session, purpose::practice_order);
+    std::vector<Condition> practice = factorial(protocol, protocol.design.practice_repetitions);
+    Pcg32 practice_stream = stream_for(of_session, purpose::practice_order);
     shuffle(std::span(practice), practice_stream);
     for (const Condition& condition : practice) {
         writer.practice(condition);
     }
-
-    std::vector<std::size_t> friction_of;
-    if (in_friction_blocks(design)) {
-        const auto rows = friction_rows(protocol);
-        Pcg32 random = stream_for(0, purpose::friction_blocks);
-        friction_of = friction_of_blocks(design, rows[choose_row(rows.size(), frictions, random)]);
-    }
-    const MainTrials main = main_trials(protocol, friction_of, [&](std::size_t block) {
-        return stream_for(key.session, purpose::main_order, block);
-    });
-    plan.attempts = main.attempts;
-    plan.way = main.way;
-    Pcg32 catch_stream = stream_for(key.session, purpose::catch_trials);
-    const std::vector<Condition> catches =
-        catch_conditions(protocol, design.catch_trials, catch_stream);
-    const std::size_t blocks = block_count(protocol);
-    write_main(writer, main.lead_in,
-               friction_of.empty() ? with_catch_trials(main.order, blocks, catches, catch_stream)
-                                   : with_catch_trials(main.order, main.order.size() / blocks,
-                                                       friction_of, catches, catch_stream),
-               !practice.empty());
-
-    const auto rows = picture_rows(protocol);
-    Pcg32 picture_stream = stream_for(0, purpose::pictures);
-    plan.picture_order = rows[choose_row(rows.size(), pictures, picture_stream)];
+    add_main_trials(protocol, of_session, frictions, !practice.empty(), plan, writer);
+    choose_pictures(protocol, of_session, pictures, plan);
     plan.hash = sha256_hex(canonical_text(plan, protocol_hash, key, seed));
     return plan;
 }

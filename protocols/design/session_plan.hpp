@@ -12,13 +12,6 @@
 
 namespace palpate::protocols {
 
-/// Indices of the objects that are pictured, or of those that are not (catch objects), in file
-/// order.
-[[nodiscard]] std::vector<std::size_t> objects_of(const Protocol& protocol, bool pictured);
-
-/// Every pictured object with every friction, `repetitions` times, in file order.
-[[nodiscard]] std::vector<Condition> factorial(const Protocol& protocol, std::size_t repetitions);
-
 /// The key of a session's streams; purpose and block are to be set.
 [[nodiscard]] StreamKey session_stream(std::string_view protocol_hash,
                                        const SessionKey& key,

@@ -169,6 +169,27 @@ private:
         }
     }
 
+    /// Why there can be no object of this curvature, 1/m; empty: there can.
+    [[nodiscard]] std::string why_not(double curvature) const {
+        const stimuli::TwoCurve curves{.a = protocol_.outline.a,
+                                       .vertex = protocol_.outline.vertex,
+                                       .b = protocol_.outline.b,
+                                       .curvature = curvature};
+        const double chord =
+            std::max(glm::length(curves.vertex - curves.a), glm::length(curves.b - curves.vertex));
+        if (!(std::fabs(curvature) * chord / 2.0 < kMaxHalfSine)) {
+            return fmt::format("stay below {:.1f} either way", 2.0 * kMaxHalfSine / chord);
+        }
+        try {
+            const auto outline = stimuli::make_outline(curves);
+            const bool inside =
+                engine::OutlineFeet(*outline).closest(protocol_.apparatus.start).inside;
+            return inside ? "start_mm is inside of it" : "";
+        } catch (const std::invalid_argument& error) {
+            return error.what();
+        }
+    }
+
     void curvatures() {
         if (protocol_.surface) {
             return;  // said with the objects
@@ -181,26 +202,7 @@ private:
             return;
         }
         for (const ObjectSpec& object : extreme_objects(protocol_)) {
-            const stimuli::TwoCurve curves{.a = protocol_.outline.a,
-                                           .vertex = protocol_.outline.vertex,
-                                           .b = protocol_.outline.b,
-                                           .curvature = object.curvature};
-            const double chord = std::max(glm::length(curves.vertex - curves.a),
-                                          glm::length(curves.b - curves.vertex));
-            std::string why;
-            if (!(std::fabs(object.curvature) * chord / 2.0 < kMaxHalfSine)) {
-                why = fmt::format("stay below {:.1f} either way", 2.0 * kMaxHalfSine / chord);
-            } else {
-                try {
-                    const auto outline = stimuli::make_outline(curves);
-                    if (engine::OutlineFeet(*outline).closest(protocol_.apparatus.start).inside) {
-                        why = "start_mm is inside of it";
-                    }
-                } catch (const std::invalid_argument& error) {
-                    why = error.what();
-                }
-            }
-            if (!why.empty()) {
+            if (const std::string why = why_not(object.curvature); !why.empty()) {
                 add(object.curvature == felt_value(spec_, spec_.lowest) ? lowest() : highest(),
                     fmt::format("the rule may choose a curvature of {} 1/m, and there is no such "
                                 "object: {}; narrow the stimuli, or lowest and highest",
@@ -266,6 +268,31 @@ private:
     Problems& problems_;
 };
 
+/// [procedure] holds keys of the study, keys of the rule and tables of the rule.
+struct ProcedureParts {
+    Table own, of_rule, file;
+};
+
+ProcedureParts procedure_parts(const Table& given) {
+    ProcedureParts parts;
+    for (const Entry& one : given) {
+        const bool table = std::find(kTablesOfRules.begin(), kTablesOfRules.end(), one.key) !=
+                           kTablesOfRules.end();
+        (table ? parts.file : of_the_rule(one.key) ? parts.of_rule : parts.own).push_back(one);
+    }
+    return parts;
+}
+
+void set_facts(const RuleFacts& facts, AdaptiveSpec& spec) {
+    spec.trials = facts.trials;
+    spec.lowest = facts.lowest;
+    spec.highest = facts.highest;
+    spec.outcomes = facts.outcomes;
+    spec.lowest_key = facts.lowest_key;
+    spec.highest_key = facts.highest_key;
+    spec.one_sided = facts.one_sided;
+}
+
 }  // namespace
 
 void read_adaptive(const Entry& entry, Problems& problems, Places& places, Protocol& protocol) {
@@ -275,14 +302,7 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
                                            shown(entry.value)));
         return;
     }
-    Table own;
-    Table of_rule;
-    Table file;
-    for (const Entry& one : *given) {
-        const bool table = std::find(kTablesOfRules.begin(), kTablesOfRules.end(), one.key) !=
-                           kTablesOfRules.end();
-        (table ? file : of_the_rule(one.key) ? of_rule : own).push_back(one);
-    }
+    auto [own, of_rule, file] = procedure_parts(*given);
     AdaptiveSpec& spec = protocol.procedure.emplace();
     note_places(*given, "procedure", places);
     TableReader reader(own, "procedure", entry.at, problems, places);
@@ -298,15 +318,8 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
         return;
     }
     try {
-        const RuleFacts facts = facts_of(*rule);
+        set_facts(facts_of(*rule), spec);
         spec.rule = {procedure_text(file), std::make_shared<const ProcedureSpec>(*std::move(rule))};
-        spec.trials = facts.trials;
-        spec.lowest = facts.lowest;
-        spec.highest = facts.highest;
-        spec.outcomes = facts.outcomes;
-        spec.lowest_key = facts.lowest_key;
-        spec.highest_key = facts.highest_key;
-        spec.one_sided = facts.one_sided;
     } catch (const std::invalid_argument& error) {
         problems.add(spoken_of(*given, error.what(), entry.at), error.what());
     }
@@ -316,13 +329,23 @@ void check_adaptive(const Protocol& protocol, const Places& places, Problems& pr
     AdaptiveRules(protocol, places, problems).check();
 }
 
+namespace {
+
+/// What the standard interval has of what the rule varies, in the rule's unit.
+double standard_of(Varies varies, const FrictionSpec& friction, const ObjectSpec& object) {
+    return varies == Varies::mu         ? friction.mu_s
+         : varies == Varies::compliance ? 1e3 * object.compliance
+                                        : object.curvature;
+}
+
+}  // namespace
+
 void check_standards(const Protocol& protocol, const Places& places, Problems& problems) {
     const AdaptiveSpec& spec = *protocol.procedure;
     if (intervals_of(protocol) != 2 || !spec.one_sided) {
         return;
     }
     const bool of_mu = spec.varies == Varies::mu;
-    const bool soft = spec.varies == Varies::compliance;
     const double least = felt_value(spec, spec.lowest);
     for (const RunSpec& run : protocol.runs) {
         const bool same = run.standard_friction.empty() || run.standard_friction == run.friction;
@@ -332,18 +355,16 @@ void check_standards(const Protocol& protocol, const Places& places, Problems& p
         if (friction == nullptr || object == nullptr || !(of_mu || same)) {
             continue;  // said already; or another friction may move what is felt as equal
         }
-        const double standard = of_mu ? friction->mu_s
-                              : soft  ? 1e3 * object->compliance
-                                      : object->curvature;
+        const double standard = standard_of(spec.varies, *friction, *object);
         if (!(least > standard)) {
             problems.add(
                 places.of("procedure." + spec.lowest_key),
                 fmt::format("the rule may choose a {} of {}, and that of the standard is {}: "
                             "it would take a right answer for a wrong one; keep it above the "
                             "standard, by lowest",
-                            of_mu  ? "mu_s"
-                            : soft ? "compliance"
-                                   : "curvature",
+                            of_mu                               ? "mu_s"
+                            : spec.varies == Varies::compliance ? "compliance"
+                                                                : "curvature",
                             least, standard));
             return;
         }

@@ -10,6 +10,7 @@
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/calibration_keys.hpp"
+#include "protocols/file/document.hpp"
 #include "protocols/library/shipped.hpp"
 
 namespace palpate::protocols {
@@ -77,28 +78,29 @@ private:
 Calibration read_gantry(TableReader& table) {
     Calibration calibration;
     GantrySpec& machine = calibration.gantry.emplace();
-    table.read(gantry_keys(), &machine);
+    table.read(kCalibrationKeys.gantry, &machine);
     check_name(table, machine.name);
     Parts part(table, "gantry", machine.name);
-    part("axis_x", true, straight_axis_keys(), [&] { return &machine.axes[0]; });
-    part("axis_y", true, straight_axis_keys(), [&] { return &machine.axes[1]; });
-    part("axis_z", true, straight_axis_keys(), [&] { return &machine.axes[2]; });
-    part("board", true, gantry_board_keys(), [&] { return &calibration.board.emplace(); });
+    part("axis_x", true, kCalibrationKeys.straight_axis, [&] { return &machine.axes[0]; });
+    part("axis_y", true, kCalibrationKeys.straight_axis, [&] { return &machine.axes[1]; });
+    part("axis_z", true, kCalibrationKeys.straight_axis, [&] { return &machine.axes[2]; });
+    part("board", true, kCalibrationKeys.gantry_board,
+         [&] { return &calibration.board.emplace(); });
     return part.checked(calibration);
 }
 
 Calibration read_pantograph(TableReader& table) {
     Machine calibration;
     PantographSpec& machine = calibration.pantograph;
-    table.read(pantograph_keys(), &calibration);
+    table.read(kCalibrationKeys.pantograph, &calibration);
     check_name(table, machine.name);
     Parts part(table, "pantograph", machine.name);
-    part("linkage", true, linkage_keys(), [&] { return &machine.linkage; });
-    part("axis_1", true, axis_keys(), [&] { return &machine.axes[0]; });
-    part("axis_2", true, axis_keys(), [&] { return &machine.axes[1]; });
-    part("haply", false, haply_keys(), [&] { return &calibration.haply.emplace(); });
-    part("board", false, board_keys(), [&] { return &calibration.board.emplace(); });
-    part("comedi", false, comedi_keys(), [&] { return &calibration.comedi.emplace(); });
+    part("linkage", true, kCalibrationKeys.linkage, [&] { return &machine.linkage; });
+    part("axis_1", true, kCalibrationKeys.axis, [&] { return &machine.axes[0]; });
+    part("axis_2", true, kCalibrationKeys.axis, [&] { return &machine.axes[1]; });
+    part("haply", false, kCalibrationKeys.haply, [&] { return &calibration.haply.emplace(); });
+    part("board", false, kCalibrationKeys.board, [&] { return &calibration.board.emplace(); });
+    part("comedi", false, kCalibrationKeys.comedi, [&] { return &calibration.comedi.emplace(); });
     return part.checked(calibration);
 }
 
@@ -107,10 +109,10 @@ constexpr std::array<const char*, 3> kAxisNames{"axis_x", "axis_y", "axis_z"};
 /// @param straight  of three straight axes, each of which has a table
 RigRecord read_record(TableReader& table, bool straight) {
     RigRecord record;
-    table.read(record_keys(), &record);
+    table.read(kCalibrationKeys.record, &record);
     if (!straight) {
         LinkageRecord linkage;
-        table.read(linkage_record_keys(), &linkage);
+        table.read(kCalibrationKeys.linkage_record, &linkage);
         record.dynamics = linkage.dynamics;
         if (linkage.mark) {
             record.mark = engine::Vec3(*linkage.mark, 0.0);
@@ -119,7 +121,7 @@ RigRecord read_record(TableReader& table, bool straight) {
     for (std::size_t i = 0; i < kAxisNames.size() && straight; ++i) {
         AxisRecord axis;
         if (auto reader = table.table(kAxisNames[i])) {
-            reader->read(axis_record_keys(), &axis);
+            reader->read(kCalibrationKeys.axis_record, &axis);
             reader->refuse_unknown();
         } else {
             table.refuse(kAxisNames[i], fmt::format("there is no table [commissioning.{}]: run "
@@ -134,6 +136,16 @@ RigRecord read_record(TableReader& table, bool straight) {
     return record;
 }
 
+void keep(TableReader& table, Calibration calibration, std::vector<Calibration>& found) {
+    const std::string& name = calibration.name();
+    if (std::any_of(found.begin(), found.end(),
+                    [&](const Calibration& other) { return other.name() == name; })) {
+        table.refuse(
+            "name", fmt::format("two machines are called {}: give each its own name", shown(name)));
+    }
+    found.push_back(std::move(calibration));
+}
+
 /// Every machine of a file, and its record, if it has one.
 std::vector<Calibration> parse_rig(std::string_view text,
                                    std::string_view file_name,
@@ -144,20 +156,11 @@ std::vector<Calibration> parse_rig(std::string_view text,
     TableReader top(file, "", {}, problems, places, "the calibration file");
     top.check_format(kCalibrationFormat);
     std::vector<Calibration> found;
-    const auto keep = [&](TableReader& table, Calibration calibration) {
-        const std::string& name = calibration.name();
-        if (std::any_of(found.begin(), found.end(),
-                        [&](const Calibration& other) { return other.name() == name; })) {
-            table.refuse("name", fmt::format("two machines are called {}: give each its own name",
-                                             shown(name)));
-        }
-        found.push_back(std::move(calibration));
-    };
     for (TableReader& table : top.tables("pantograph")) {
-        keep(table, read_pantograph(table));
+        keep(table, read_pantograph(table), found);
     }
     for (TableReader& table : top.tables("gantry")) {
-        keep(table, read_gantry(table));
+        keep(table, read_gantry(table), found);
     }
     if (auto reader = top.table("commissioning")) {
         record = read_record(*reader, !found.empty() && found.front().gantry);
@@ -201,7 +204,6 @@ RigFile load_rig(const std::string& name_or_file) {
         rig.calibration = std::move(found.front());
         return rig;
     }
-    std::string names;
     std::vector<std::string> known;
     for (const Calibration& shipped :
          parse_calibrations(shipped_pantographs(), "pantographs.toml")) {
@@ -209,11 +211,10 @@ RigFile load_rig(const std::string& name_or_file) {
             return {.calibration = shipped};
         }
         known.push_back(shipped.name());
-        names += (names.empty() ? "" : ", ") + shipped.name();
     }
     throw ProtocolError(
         fmt::format("{}:1:1: there is no such calibration: give a file, or one of {}{}",
-                    name_or_file, names, suggestion(name_or_file, known, "")));
+                    name_or_file, fmt::join(known, ", "), suggestion(name_or_file, known, "")));
 }
 
 std::string to_toml(const Calibration& calibration) {
@@ -222,29 +223,29 @@ std::string to_toml(const Calibration& calibration) {
         text += fmt::format("\n{}\n{}", heading, toml_lines(keys, record));
     };
     if (calibration.gantry) {
-        append("[[gantry]]", gantry_keys(), &*calibration.gantry);
-        append("[gantry.axis_x]", straight_axis_keys(), &calibration.gantry->axes[0]);
-        append("[gantry.axis_y]", straight_axis_keys(), &calibration.gantry->axes[1]);
-        append("[gantry.axis_z]", straight_axis_keys(), &calibration.gantry->axes[2]);
+        append("[[gantry]]", kCalibrationKeys.gantry, &*calibration.gantry);
+        append("[gantry.axis_x]", kCalibrationKeys.straight_axis, &calibration.gantry->axes[0]);
+        append("[gantry.axis_y]", kCalibrationKeys.straight_axis, &calibration.gantry->axes[1]);
+        append("[gantry.axis_z]", kCalibrationKeys.straight_axis, &calibration.gantry->axes[2]);
         if (calibration.board) {
-            append("[gantry.board]", gantry_board_keys(), &*calibration.board);
+            append("[gantry.board]", kCalibrationKeys.gantry_board, &*calibration.board);
         }
         return text;
     }
     const Machine whole(calibration);
     const PantographSpec& machine = calibration.pantograph;
-    append("[[pantograph]]", pantograph_keys(), &whole);
-    append("[pantograph.linkage]", linkage_keys(), &machine.linkage);
-    append("[pantograph.axis_1]", axis_keys(), &machine.axes[0]);
-    append("[pantograph.axis_2]", axis_keys(), &machine.axes[1]);
+    append("[[pantograph]]", kCalibrationKeys.pantograph, &whole);
+    append("[pantograph.linkage]", kCalibrationKeys.linkage, &machine.linkage);
+    append("[pantograph.axis_1]", kCalibrationKeys.axis, &machine.axes[0]);
+    append("[pantograph.axis_2]", kCalibrationKeys.axis, &machine.axes[1]);
     if (calibration.haply) {
-        append("[pantograph.haply]", haply_keys(), &*calibration.haply);
+        append("[pantograph.haply]", kCalibrationKeys.haply, &*calibration.haply);
     }
     if (calibration.board) {
-        append("[pantograph.board]", board_keys(), &*calibration.board);
+        append("[pantograph.board]", kCalibrationKeys.board, &*calibration.board);
     }
     if (calibration.comedi) {
-        append("[pantograph.comedi]", comedi_keys(), &*calibration.comedi);
+        append("[pantograph.comedi]", kCalibrationKeys.comedi, &*calibration.comedi);
     }
     return text;
 }
@@ -255,18 +256,18 @@ std::string calibration_id(const Calibration& calibration) {
 
 std::string to_toml(const Calibration& calibration, const RigRecord& record) {
     std::string text = fmt::format("{}\n[commissioning]\n{}", to_toml(calibration),
-                                   toml_lines(record_keys(), &record));
+                                   toml_lines(kCalibrationKeys.record, &record));
     if (!calibration.gantry) {
         const LinkageRecord linkage{
             .dynamics = record.dynamics,
             .mark = record.mark ? std::optional(engine::Vec2(*record.mark)) : std::nullopt};
-        return sealed(text + toml_lines(linkage_record_keys(), &linkage));
+        return sealed(text + toml_lines(kCalibrationKeys.linkage_record, &linkage));
     }
     for (std::size_t i = 0; i < kAxisNames.size(); ++i) {
         const AxisRecord axis{.dynamics = record.axes[i],
                               .mark = record.mark.value_or(engine::Vec3{})[static_cast<int>(i)]};
         text += fmt::format("\n[commissioning.{}]\n{}", kAxisNames[i],
-                            toml_lines(axis_record_keys(), &axis));
+                            toml_lines(kCalibrationKeys.axis_record, &axis));
     }
     return sealed(text);
 }

@@ -44,9 +44,6 @@ struct RigFile {
 /// pi, and are written as the nearest one that is.
 [[nodiscard]] std::string to_toml(const engine::Calibration& calibration);
 
-/// What a calibration file may say.
-[[nodiscard]] std::vector<TableText> calibration_reference();
-
 /// SHA-256 of the canonical text, 64 hexadecimal digits: comments and spelling do not matter.
 [[nodiscard]] std::string calibration_id(const engine::Calibration& calibration);
 

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "engine/commissioning/rig_record.hpp"
-#include "protocols/file/calibration_file.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -79,7 +78,7 @@ constexpr Key kLinkage[]{
 };
 
 constexpr Key kAxis[]{
-    {.name = "counts_per_turn", .slot = at<&engine::Axis::counts_per_turn>, .need = required, .range = {0, 1e9, true},
+    {.name = "counts_per_turn", .slot = at<&engine::Axis::counts_per_turn>, .need = required, .range = {100, 1e9},
      .meaning = "of the encoder, at the joint"},
     {.name = "zero_deg", .slot = at<&engine::Axis::zero>, .need = required, .range = {-720, 720}, .per_si = kDegrees,
      .meaning = "angle at count 0"},
@@ -143,7 +142,7 @@ constexpr Key kGantry[]{
 constexpr Key kStraightAxis[]{
     {.name = "radius_mm", .slot = at<&StraightAxis::radius>, .need = required, .range = {0, 200, true}, .per_si = kMilli,
      .meaning = "of the drum or pinion: mm of way by rad of the motor"},
-    {.name = "counts_per_turn", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.counts_per_turn; }>, .need = required, .range = {0, 1e9, true},
+    {.name = "counts_per_turn", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.counts_per_turn; }>, .need = required, .range = {100, 1e9},
      .meaning = "of the encoder, at the drum"},
     {.name = "torque_limit_mn_m", .slot = in<StraightAxis, [](auto& r) -> auto& { return r.motor.torque_limit; }>, .need = required, .range = kTorque, .per_si = kMilli,
      .meaning = "the most that the motor gives, at the drum; by the radius it is a force"},
@@ -274,53 +273,18 @@ constexpr Key kAxisRecord[]{
 
 }  // namespace
 
-Keys pantograph_keys() noexcept {
-    return kPantograph;
-}
-
-Keys linkage_keys() noexcept {
-    return kLinkage;
-}
-
-Keys axis_keys() noexcept {
-    return kAxis;
-}
-
-Keys haply_keys() noexcept {
-    return kHaply;
-}
-
-Keys board_keys() noexcept {
-    return kBoard;
-}
-
-Keys gantry_keys() noexcept {
-    return kGantry;
-}
-
-Keys straight_axis_keys() noexcept {
-    return kStraightAxis;
-}
-
-Keys gantry_board_keys() noexcept {
-    return kGantryBoard;
-}
-
-Keys comedi_keys() noexcept {
-    return kComedi;
-}
-
-Keys record_keys() noexcept {
-    return kRecord;
-}
-
-Keys linkage_record_keys() noexcept {
-    return kLinkageRecord;
-}
-
-Keys axis_record_keys() noexcept {
-    return kAxisRecord;
-}
+constinit const CalibrationKeys kCalibrationKeys{.pantograph = kPantograph,
+                                                 .linkage = kLinkage,
+                                                 .axis = kAxis,
+                                                 .haply = kHaply,
+                                                 .board = kBoard,
+                                                 .comedi = kComedi,
+                                                 .gantry = kGantry,
+                                                 .straight_axis = kStraightAxis,
+                                                 .gantry_board = kGantryBoard,
+                                                 .record = kRecord,
+                                                 .linkage_record = kLinkageRecord,
+                                                 .axis_record = kAxisRecord};
 
 std::vector<TableText> calibration_reference() {
     return {{"[[pantograph]]", "once for each machine", kPantograph},

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/calibration.hpp"
 #include "protocols/file/schema.hpp"
@@ -9,24 +11,10 @@ namespace palpate::protocols {
 
 /// As a file begins: its frame is the linkage's.
 struct Machine : engine::Calibration {
+    /// All defaults, but an origin of 0; or what a calibration has.
     Machine() { pantograph.origin = {}; }
     explicit Machine(const engine::Calibration& from) : engine::Calibration(from) {}
 };
-
-/// Of Machine.
-[[nodiscard]] Keys pantograph_keys() noexcept;
-/// Of engine::FiveBar, Axis, HaplyWiring, OpenWiring, ComediWiring.
-[[nodiscard]] Keys linkage_keys() noexcept;
-[[nodiscard]] Keys axis_keys() noexcept;
-[[nodiscard]] Keys haply_keys() noexcept;
-[[nodiscard]] Keys board_keys() noexcept;
-[[nodiscard]] Keys comedi_keys() noexcept;
-/// Of engine::GantrySpec, StraightAxis, and OpenWiring again.
-[[nodiscard]] Keys gantry_keys() noexcept;
-[[nodiscard]] Keys straight_axis_keys() noexcept;
-[[nodiscard]] Keys gantry_board_keys() noexcept;
-/// Of engine::RigRecord.
-[[nodiscard]] Keys record_keys() noexcept;
 
 /// What a record says of a pantograph alone.
 struct LinkageRecord {
@@ -38,7 +26,25 @@ struct AxisRecord {
     engine::AxisDynamics dynamics{};
     double mark = 0.0;
 };
-[[nodiscard]] Keys linkage_record_keys() noexcept;
-[[nodiscard]] Keys axis_record_keys() noexcept;
+
+/// The tables by name, each with the record that it fills.
+struct CalibrationKeys {
+    Keys pantograph;      ///< Machine
+    Keys linkage;         ///< engine::FiveBar
+    Keys axis;            ///< engine::Axis
+    Keys haply;           ///< engine::HaplyWiring
+    Keys board;           ///< engine::OpenWiring
+    Keys comedi;          ///< engine::ComediWiring
+    Keys gantry;          ///< engine::GantrySpec
+    Keys straight_axis;   ///< engine::StraightAxis
+    Keys gantry_board;    ///< engine::OpenWiring
+    Keys record;          ///< engine::RigRecord
+    Keys linkage_record;  ///< LinkageRecord
+    Keys axis_record;     ///< AxisRecord
+};
+extern const CalibrationKeys kCalibrationKeys;
+
+/// What a calibration file may say, for people.
+[[nodiscard]] std::vector<TableText> calibration_reference();
 
 }  // namespace palpate::protocols

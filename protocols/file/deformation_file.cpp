@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/file/document.hpp"
+
 namespace palpate::protocols {
 namespace {
 
@@ -63,16 +65,8 @@ constexpr Key kCase[]{
 };
 // clang-format on
 
-}  // namespace
-
-DeformationCase parse_deformation(std::string_view text, std::string_view file_name) {
-    const Table file = parse_document(text, file_name);
-    Problems problems;
-    Places places;
-    TableReader top(file, "", {}, problems, places, "the case");
-    CaseTable read;
-    top.read(kCase, &read);
-    top.refuse_unknown();
+/// What no key says alone; `fixed` becomes the curve's.
+void check(TableReader& top, CaseTable& read) {
     if (read.free_weights) {
         top.refuse("free_weights",
                    "free_weights is true: weights cannot be coordinates of the motion, because all "
@@ -96,6 +90,19 @@ DeformationCase parse_deformation(std::string_view text, std::string_view file_n
             read.curve.fixed.push_back(static_cast<std::size_t>(index));
         }
     }
+}
+
+}  // namespace
+
+DeformationCase parse_deformation(std::string_view text, std::string_view file_name) {
+    const Table file = parse_document(text, file_name);
+    Problems problems;
+    Places places;
+    TableReader top(file, "", {}, problems, places, "the case");
+    CaseTable read;
+    top.read(kCase, &read);
+    top.refuse_unknown();
+    check(top, read);
     std::optional<DeformationCase> found;
     top.attempt([&] {
         read.curve.points = read.points.plane();

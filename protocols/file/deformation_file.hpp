@@ -11,6 +11,7 @@
 /// reported like those of a protocol.
 namespace palpate::protocols {
 
+/// A curve, and what pulls at it.
 struct DeformationCase {
     engine::Dnurbs curve;
     engine::Vec2 force{};  ///< N, on the curve, from time 0 on

@@ -37,11 +37,13 @@ using Table = std::vector<Entry>;  ///< in the order of the file
 /// A date or time: no key of ours takes one.
 struct Moment {};
 
+/// A value of a file and where it begins.
 struct Value {
     Position at{};
     std::variant<bool, std::int64_t, double, std::string, Moment, Array, Table> data;
 };
 
+/// A key of a table and its value.
 struct Entry {
     std::string key;
     Position at{};  ///< of the key
@@ -69,11 +71,30 @@ inline constexpr std::size_t kMaxText = std::size_t{1} << 30U;
 
 /// The whole text of a file, a pipe or a terminal. No name makes it wait for ever or fill the
 /// memory: a pipe has to give something every 10 s.
-/// @param most  bytes; a longer text is refused
+/// @param max  bytes; a longer text is refused
 /// @throws ProtocolError "file:1:1: cannot be read: why; check the path"
 [[nodiscard]] std::string read_text(const std::filesystem::path& file, std::size_t max = kMaxText);
 
 /// Of toml++, which this program was compiled with.
 [[nodiscard]] std::string toml_version();
+
+/// read_text() piece by piece: no more of it is held than one.
+class TextPieces {
+public:
+    /// @throws as read_text(), as next() does
+    explicit TextPieces(const std::filesystem::path& file, std::size_t max = kMaxText);
+    TextPieces(const TextPieces&) = delete;
+    TextPieces& operator=(const TextPieces&) = delete;
+    ~TextPieces();
+
+    /// The next piece, appended to `text`. @return false at the end
+    [[nodiscard]] bool next(std::string& text);
+
+private:
+    std::string file_;
+    std::size_t max_;
+    std::size_t read_ = 0;  ///< bytes
+    int fd_ = -1;
+};
 
 }  // namespace palpate::protocols

@@ -102,9 +102,7 @@ bool has(WordList words, std::string_view word) {
 }  // namespace
 
 template <>
-Keys keys_of<FrictionSpec>() {
-    return kFriction;
-}
+constinit const Keys KeysOf<FrictionSpec>::value = kFriction;
 
 bool LawKeys::needs(std::string_view key) const {
     return has(required, key);

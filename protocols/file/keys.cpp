@@ -267,72 +267,38 @@ constexpr Key kInstructions[]{
 }  // namespace
 
 template <>
-Keys keys_of<Protocol>() {
-    return kStudy;
-}
+constinit const Keys KeysOf<Protocol>::value = kStudy;
 template <>
-Keys keys_of<ApparatusSpec>() {
-    return kApparatus;
-}
+constinit const Keys KeysOf<ApparatusSpec>::value = kApparatus;
 template <>
-Keys keys_of<OutlineSpec>() {
-    return kOutline;
-}
+constinit const Keys KeysOf<OutlineSpec>::value = kOutline;
 template <>
-Keys keys_of<SurfaceSpec>() {
-    return kSurface;
-}
+constinit const Keys KeysOf<SurfaceSpec>::value = kSurface;
 template <>
-Keys keys_of<ObjectSpec>() {
-    return kObject;
-}
+constinit const Keys KeysOf<ObjectSpec>::value = kObject;
 template <>
-Keys keys_of<SafetySpec>() {
-    return kSafety;
-}
+constinit const Keys KeysOf<SafetySpec>::value = kSafety;
 template <>
-Keys keys_of<InvalidSpec>() {
-    return kInvalid;
-}
+constinit const Keys KeysOf<InvalidSpec>::value = kInvalid;
 template <>
-Keys keys_of<ExclusionSpec>() {
-    return kExclusion;
-}
+constinit const Keys KeysOf<ExclusionSpec>::value = kExclusion;
 template <>
-Keys keys_of<AnalysisSpec>() {
-    return kAnalysis;
-}
+constinit const Keys KeysOf<AnalysisSpec>::value = kAnalysis;
 template <>
-Keys keys_of<DesignSpec>() {
-    return kDesign;
-}
+constinit const Keys KeysOf<DesignSpec>::value = kDesign;
 template <>
-Keys keys_of<TimingSpec>() {
-    return kTiming;
-}
+constinit const Keys KeysOf<TimingSpec>::value = kTiming;
 template <>
-Keys keys_of<ResponseSpec>() {
-    return kResponse;
-}
+constinit const Keys KeysOf<ResponseSpec>::value = kResponse;
 template <>
-Keys keys_of<AdaptiveSpec>() {
-    return kAdaptive;
-}
+constinit const Keys KeysOf<AdaptiveSpec>::value = kAdaptive;
 template <>
-Keys keys_of<RunSpec>() {
-    return kRun;
-}
+constinit const Keys KeysOf<RunSpec>::value = kRun;
 template <>
-Keys keys_of<ObserverSpec>() {
-    return kObserver;
-}
+constinit const Keys KeysOf<ObserverSpec>::value = kObserver;
 template <>
-Keys keys_of<MaskingSpec>() {
-    return kMasking;
-}
+constinit const Keys KeysOf<MaskingSpec>::value = kMasking;
 template <>
-Keys keys_of<InstructionTexts>() {
-    return kInstructions;
-}
+constinit const Keys KeysOf<InstructionTexts>::value = kInstructions;
 
 }  // namespace palpate::protocols

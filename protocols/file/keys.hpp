@@ -28,6 +28,8 @@ inline constexpr std::array<std::string_view, 3> kVaries{"curvature_per_m", "mu"
                                                          "compliance_mm_per_n"};
 inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 
+/// The words of an enumeration as files have them, in the order of its values: what a key's slot
+/// looks up by the type of its member. The argument's value is not read.
 [[nodiscard]] constexpr WordList words_of(OrderRule) {
     return kOrderRules;
 }
@@ -70,41 +72,41 @@ template <class Enumeration>
 
 // Rows of [study], [[object]], ... by the struct that they fill. [study] fills Protocol itself.
 template <>
-Keys keys_of<Protocol>();
+const Keys KeysOf<Protocol>::value;
 template <>
-Keys keys_of<ApparatusSpec>();
+const Keys KeysOf<ApparatusSpec>::value;
 template <>
-Keys keys_of<OutlineSpec>();
+const Keys KeysOf<OutlineSpec>::value;
 template <>
-Keys keys_of<SurfaceSpec>();
+const Keys KeysOf<SurfaceSpec>::value;
 template <>
-Keys keys_of<ObjectSpec>();
+const Keys KeysOf<ObjectSpec>::value;
 template <>
-Keys keys_of<FrictionSpec>();
+const Keys KeysOf<FrictionSpec>::value;
 template <>
-Keys keys_of<SafetySpec>();
+const Keys KeysOf<SafetySpec>::value;
 template <>
-Keys keys_of<InvalidSpec>();
+const Keys KeysOf<InvalidSpec>::value;
 template <>
-Keys keys_of<ExclusionSpec>();
+const Keys KeysOf<ExclusionSpec>::value;
 template <>
-Keys keys_of<AnalysisSpec>();
+const Keys KeysOf<AnalysisSpec>::value;
 template <>
-Keys keys_of<DesignSpec>();
+const Keys KeysOf<DesignSpec>::value;
 template <>
-Keys keys_of<TimingSpec>();
+const Keys KeysOf<TimingSpec>::value;
 template <>
-Keys keys_of<ResponseSpec>();
+const Keys KeysOf<ResponseSpec>::value;
 template <>
-Keys keys_of<AdaptiveSpec>();
+const Keys KeysOf<AdaptiveSpec>::value;
 template <>
-Keys keys_of<RunSpec>();
+const Keys KeysOf<RunSpec>::value;
 template <>
-Keys keys_of<ObserverSpec>();
+const Keys KeysOf<ObserverSpec>::value;
 template <>
-Keys keys_of<MaskingSpec>();
+const Keys KeysOf<MaskingSpec>::value;
 template <>
-Keys keys_of<InstructionTexts>();
+const Keys KeysOf<InstructionTexts>::value;
 
 /// A law of [[friction]] and the keys that it reads beside name and law.
 struct LawKeys {
@@ -112,6 +114,7 @@ struct LawKeys {
     WordList required{};
     WordList optional{};
 
+    /// Whether a friction of this law must have the key.
     [[nodiscard]] bool needs(std::string_view key) const;
     /// Whether a friction of this law may have the key.
     [[nodiscard]] bool reads(const Key& key) const;

@@ -7,6 +7,7 @@
 
 #include "engine/contact/closest_point.hpp"
 #include "engine/surface/surface_scene.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/outline_shape.hpp"
@@ -134,6 +135,25 @@ private:
         return known;
     }
 
+    bool bears_contact(const std::shared_ptr<const engine::NurbsSurface>& surface,
+                       const std::string& name) {
+        const ApparatusSpec& apparatus = protocol_.apparatus;
+        try {
+            static_cast<void>(engine::SurfaceScene(
+                surface, engine::SceneSpec{.stiffness = apparatus.stiffness,
+                                           .damping = apparatus.damping,
+                                           .period = 1.0 / apparatus.rate_hz,
+                                           .slew = {.speed = apparatus.vertex_slew,
+                                                    .radius = apparatus.vertex_radius}}));
+            return true;
+        } catch (const std::invalid_argument& error) {
+            add(apparatus.vertex_slew > 0.0 ? "apparatus.vertex_slew_mm_per_s"
+                                            : "apparatus.damping_n_s_per_m",
+                fmt::format("the object {} is a surface, and {}", name, error.what()));
+            return false;
+        }
+    }
+
     /// @return false where one object says it for all
     bool surface(std::size_t index) {
         const ObjectSpec& object = protocol_.objects[index];
@@ -153,18 +173,7 @@ private:
                 fmt::format("the object {} cannot be built: {}", object.name, error.what()));
             return true;
         }
-        try {
-            const ApparatusSpec& apparatus = protocol_.apparatus;
-            static_cast<void>(engine::SurfaceScene(
-                built, engine::SceneSpec{.stiffness = apparatus.stiffness,
-                                         .damping = apparatus.damping,
-                                         .period = 1.0 / apparatus.rate_hz,
-                                         .slew = {.speed = apparatus.vertex_slew,
-                                                  .radius = apparatus.vertex_radius}}));
-        } catch (const std::invalid_argument& error) {
-            add(protocol_.apparatus.vertex_slew > 0.0 ? "apparatus.vertex_slew_mm_per_s"
-                                                      : "apparatus.damping_n_s_per_m",
-                fmt::format("the object {} is a surface, and {}", object.name, error.what()));
+        if (!bears_contact(built, object.name)) {
             return false;
         }
         const engine::Vec3 start(protocol_.apparatus.start, protocol_.surface->start_height);
@@ -200,6 +209,11 @@ private:
         const std::string what =
             varied ? std::string("the rule varies a compliance")
                    : fmt::format("the object {} has a compliance", protocol_.objects[soft].name);
+        soft_contact(what);
+    }
+
+    /// @param what  yields
+    void soft_contact(const std::string& what) {
         const ApparatusSpec& apparatus = protocol_.apparatus;
         if (apparatus.vertex_slew > 0.0) {
             add("apparatus.vertex_slew_mm_per_s",

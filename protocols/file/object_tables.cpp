@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "engine/geometry/outline.hpp"
 #include "protocols/file/keys.hpp"
 
 namespace palpate::protocols {
@@ -113,6 +114,22 @@ std::vector<double> curvatures_of(const SetTable& set) {
     return curvatures;
 }
 
+void read_ladder(TableReader& table, SetTable& set) {
+    const bool ladder = set.set == SetTable::Set::curvature_ladder;
+    table.read(kLadder, &set, ladder);
+    for (const Key& key : kLadder) {
+        if (!ladder && table.has(key.name)) {
+            table.refuse(key.name, fmt::format("{} is given, but set is not \"curvature_ladder\": "
+                                               "delete it",
+                                               key.name));
+        }
+    }
+    if (ladder && !table.broken() && !(set.from < set.to)) {
+        table.refuse("to_per_m", fmt::format("to_per_m is {}, and from_per_m is {}: give more",
+                                             set.to, set.from));
+    }
+}
+
 SetTable read_set_table(TableReader& table) {
     SetTable set;
     table.read(kSet, &set);
@@ -131,20 +148,31 @@ SetTable read_set_table(TableReader& table) {
                                           key));
         }
     }
-    const bool ladder = set.set == SetTable::Set::curvature_ladder;
-    table.read(kLadder, &set, ladder);
-    for (const Key& key : kLadder) {
-        if (!ladder && table.has(key.name)) {
-            table.refuse(key.name, fmt::format("{} is given, but set is not \"curvature_ladder\": "
-                                               "delete it",
-                                               key.name));
-        }
-    }
-    if (ladder && !table.broken() && !(set.from < set.to)) {
-        table.refuse("to_per_m", fmt::format("to_per_m is {}, and from_per_m is {}: give more",
-                                             set.to, set.from));
-    }
+    read_ladder(table, set);
     return set;
+}
+
+/// @param called  "1 of [[object]] 2"
+void read_segment_of(const Value& value,
+                     const std::string& path,
+                     const std::string& called,
+                     Problems& problems,
+                     Places& places,
+                     ObjectSpec& object) {
+    const auto* table = std::get_if<Table>(&value.data);
+    if (table == nullptr) {
+        problems.add(value.at,
+                     fmt::format("segment {} is {}: write it as a table [[object.segment]]", called,
+                                 shown(value)));
+        return;
+    }
+    TableReader reader(*table, path, value.at, problems, places, "[[object.segment]] " + called);
+    const SegmentTable read = read_segment_table(reader);
+    stimuli::Segment& segment = object.segments.emplace_back();
+    reader.attempt([&] {
+        segment = plane_segment(read);
+        static_cast<void>(curve_of(segment));
+    });
 }
 
 void read_segments(const Entry& entry,
@@ -161,23 +189,9 @@ void read_segments(const Entry& entry,
         return;
     }
     for (std::size_t i = 0; i < array->size(); ++i) {
-        const Value& value = (*array)[i];
-        const auto* table = std::get_if<Table>(&value.data);
-        if (table == nullptr) {
-            problems.add(value.at, fmt::format("segment {} of [[object]] {} is {}: write it as a "
-                                               "table [[object.segment]]",
-                                               i + 1, number, shown(value)));
-            continue;
-        }
-        TableReader reader(*table, fmt::format("{}.segment.{}", path, i + 1), value.at, problems,
-                           places,
-                           fmt::format("[[object.segment]] {} of [[object]] {}", i + 1, number));
-        const SegmentTable read = read_segment_table(reader);
-        stimuli::Segment& segment = object.segments.emplace_back();
-        reader.attempt([&] {
-            segment = plane_segment(read);
-            static_cast<void>(curve_of(segment));
-        });
+        read_segment_of((*array)[i], fmt::format("{}.segment.{}", path, i + 1),
+                        fmt::format("{} of [[object]] {}", i + 1, number), problems, places,
+                        object);
     }
 }
 
@@ -218,6 +232,51 @@ stimuli::Segment plane_segment(const SegmentTable& table) {
             .curvature = table.curvature};
 }
 
+namespace {
+
+/// An object for every curvature of the set; what else the table says is said of each.
+void read_set(TableReader& reader,
+              const ObjectSpec& object,
+              const Position& at,
+              Places& places,
+              std::vector<ObjectSpec>& objects) {
+    const SetTable set = read_set_table(reader);
+    for (const double curvature : reader.broken() ? std::vector<double>{} : curvatures_of(set)) {
+        ObjectSpec& one = objects.emplace_back(object);
+        one.name = set.prefix + name_of(curvature);
+        one.curvature = curvature;
+        one.pictured =
+            reader.has("pictured") ? object.pictured : set.set != SetTable::Set::catch_pair;
+        places.note(fmt::format("object.{}", objects.size()), at);
+    }
+}
+
+/// Two curves, or segments: one of both.
+void read_form(TableReader& reader,
+               const Position& at,
+               std::size_t number,
+               Problems& problems,
+               Places& places,
+               ObjectSpec& object) {
+    const bool curved = reader.has("curvature_per_m");
+    if (const Entry* segments = find(reader.table(), "segment")) {
+        if (curved) {
+            problems.add(places.of(reader.path() + ".curvature_per_m"),
+                         fmt::format("[[object]] {} has curvature_per_m and [[object.segment]] "
+                                     "tables: delete one of them",
+                                     number));
+        }
+        read_segments(*segments, reader.path(), number, problems, places, object);
+    } else if (!curved) {
+        problems.add(at, fmt::format("[[object]] {} lacks the key curvature_per_m: add it (two "
+                                     "curves), or [[object.segment]] tables (a free form), or set "
+                                     "(several objects)",
+                                     number));
+    }
+}
+
+}  // namespace
+
 void read_object(const Table& table,
                  const Position& at,
                  Problems& problems,
@@ -233,16 +292,7 @@ void read_object(const Table& table,
     reader.know(kMore);
     reader.refuse_unknown();
     if (reader.has("set")) {
-        const SetTable set = read_set_table(reader);
-        for (const double curvature :
-             reader.broken() ? std::vector<double>{} : curvatures_of(set)) {
-            ObjectSpec& one = objects.emplace_back(object);
-            one.name = set.prefix + name_of(curvature);
-            one.curvature = curvature;
-            one.pictured =
-                reader.has("pictured") ? object.pictured : set.set != SetTable::Set::catch_pair;
-            places.note(fmt::format("object.{}", objects.size()), at);
-        }
+        read_set(reader, object, at, places, objects);
         return;
     }
     for (const std::string_view key : WordList(kMore).subspan(2)) {
@@ -252,21 +302,7 @@ void read_object(const Table& table,
                                      key, number));
         }
     }
-    const bool curved = reader.has("curvature_per_m");
-    if (const Entry* segments = find(table, "segment")) {
-        if (curved) {
-            problems.add(places.of(path + ".curvature_per_m"),
-                         fmt::format("[[object]] {} has curvature_per_m and [[object.segment]] "
-                                     "tables: delete one of them",
-                                     number));
-        }
-        read_segments(*segments, path, number, problems, places, object);
-    } else if (!curved) {
-        problems.add(at, fmt::format("[[object]] {} lacks the key curvature_per_m: add it (two "
-                                     "curves), or [[object.segment]] tables (a free form), or set "
-                                     "(several objects)",
-                                     number));
-    }
+    read_form(reader, at, number, problems, places, object);
     objects.push_back(std::move(object));
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/file/document.hpp"
 #include "protocols/file/keys.hpp"
 
 namespace palpate::protocols {

@@ -28,6 +28,7 @@ namespace palpate::protocols {
 /// Its text, what each key means beside it.
 [[nodiscard]] std::string observer_example();
 
+/// What such a file may say, key by key: for --keys and docs.
 [[nodiscard]] std::vector<TableText> observer_reference();
 
 }  // namespace palpate::protocols

@@ -36,9 +36,15 @@ std::string gap_text(std::string_view what, double gap) {
         what, 1e3 * gap);
 }
 
-std::optional<std::string> crossing_text(std::string_view what, const engine::Outline& outline) {
+std::optional<std::string> crossing_text(std::string_view what,
+                                         const engine::Outline& outline,
+                                         bool closed) {
     const double tolerance = std::min(kFlatness, kFlatShare * size_of(outline));
-    const auto meeting = stimuli::self_crossing(stimuli::silhouette(outline, tolerance));
+    std::vector<engine::Vec2> line = stimuli::silhouette(outline, tolerance);
+    if (closed && !outline.closed()) {
+        line.pop_back();  // where it begins
+    }
+    const auto meeting = stimuli::self_crossing(line, closed);
     if (!meeting) {
         return std::nullopt;
     }
@@ -56,19 +62,19 @@ void check_ends_and_crossings(const std::vector<engine::NurbsCurve<2>>& curves,
                               const Places& places,
                               Problems& problems) {
     const double gap = closing_gap(curves);
+    const bool ends = gap <= kSameEnd;
     std::optional<engine::Outline> outline;
     try {
-        outline.emplace(curves, gap <= kSameEnd);
+        outline.emplace(curves, false);  // whichever way round it runs
     } catch (const std::invalid_argument&) {
         return;
     }
     const double near = kNearlyClosed * size_of(*outline);
-    if (!outline->closed() && gap <= near) {
+    if (!ends && gap <= near) {
         problems.add(places.of(fmt::format("segment.{}", curves.size())),
                      gap_text("the outline", gap) +
                          fmt::format(", or leave more than {:.6g} mm between them", 1e3 * near));
-    } else if (const auto meeting =
-                   outline->closed() ? crossing_text("the outline", *outline) : std::nullopt) {
+    } else if (const auto meeting = crossing_text("the outline", *outline, ends)) {
         problems.add(places.of("segment.1"), *meeting);
     }
 }

@@ -18,17 +18,19 @@ inline constexpr double kSameEnd = 1e-9;
 /// @param gap m
 [[nodiscard]] std::string gap_text(std::string_view what, double gap);
 
-/// That a closed outline crosses or touches itself, as a sentence with the place and the remedy;
+/// That an outline crosses or touches itself, as a sentence with the place and the remedy;
 /// nothing if it does neither by its polyline (stimuli::silhouette), at most 20 um and 1/5000 of
 /// the size away from it.
-/// @param what  "the outline of dome"
+/// @param what    "the outline of dome"
+/// @param closed  it ends where it begins, whichever way round it runs
 [[nodiscard]] std::optional<std::string> crossing_text(std::string_view what,
-                                                       const engine::Outline& outline);
+                                                       const engine::Outline& outline,
+                                                       bool closed = true);
 
 /// From the end of the last curve to the start of the first, m. @pre at least one
 [[nodiscard]] double closing_gap(const std::vector<engine::NurbsCurve<2>>& curves);
 
-/// A scene's chain of curves is closed or clearly open, and a closed one does not meet itself; else
+/// A scene's chain of curves is closed or clearly open, and does not meet itself; else
 /// a problem of the [[segment]]. Curves that are no chain may still be asked for the closest point:
 /// nothing is said of them.
 void check_ends_and_crossings(const std::vector<engine::NurbsCurve<2>>& curves,

@@ -9,6 +9,7 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/design/streams.hpp"
+#include "protocols/file/document.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -230,6 +231,19 @@ private:
         return spec;
     }
 
+    std::optional<OutcomeModel> read_identification(TableReader& table, ModelTable& read) {
+        if (rule_.kind == RuleKind::psi) {
+            table.refuse("kind",
+                         "psi has two outcomes: give model kind \"psychometric\", or "
+                         "procedure kind \"quest_plus\"");
+        }
+        table.read(procedure_keys("model").last(1), &read);
+        table.refuse_unknown();
+        std::optional<OutcomeModel> model;
+        table.attempt([&] { model = identification_model(read.alternatives); });
+        return model;
+    }
+
     std::optional<OutcomeModel> read_model() {
         TableReader table = section("model");
         const Keys keys = procedure_keys("model");
@@ -238,19 +252,10 @@ private:
         if (table.broken()) {
             return std::nullopt;
         }
-        const bool psi = rule_.kind == RuleKind::psi;
-        std::optional<OutcomeModel> model;
         if (read.kind == ModelKind::identification) {
-            if (psi) {
-                table.refuse("kind",
-                             "psi has two outcomes: give model kind \"psychometric\", or "
-                             "procedure kind \"quest_plus\"");
-            }
-            table.read(keys.last(1), &read);
-            table.refuse_unknown();
-            table.attempt([&] { model = identification_model(read.alternatives); });
-            return model;
+            return read_identification(table, read);
         }
+        const bool psi = rule_.kind == RuleKind::psi;
         if (psi) {
             read.slope_as = SlopeAs::log10_slope;
         }
@@ -263,6 +268,7 @@ private:
                 "psi has a psychometric model with slope_as \"log10_slope\": give that, or "
                 "procedure kind \"quest_plus\"");
         }
+        std::optional<OutcomeModel> model;
         table.attempt([&] {
             const auto make =
                 read.kind == ModelKind::covariate ? covariate_model : psychometric_model;

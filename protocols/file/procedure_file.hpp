@@ -16,6 +16,7 @@
 /// say, key by key: procedure_key_reference(). Problems are reported like those of a protocol.
 namespace palpate::protocols {
 
+/// What a file says, and the rule as it begins.
 struct ProcedureFile {
     /// Purpose "procedure"; empty texts unless a recorded run is replayed.
     ProcedureSpec spec;
@@ -45,6 +46,7 @@ enum class ModelKind : std::uint8_t { psychometric, covariate, identification };
 inline constexpr std::array<std::string_view, 3> kModelKinds{"psychometric", "covariate",
                                                              "identification"};
 
+/// As words_of() of keys.hpp, for the keys of these files.
 [[nodiscard]] constexpr WordList words_of(RuleKind) {
     return kRuleKinds;
 }
@@ -99,11 +101,13 @@ struct ModelTable {
 /// [stimuli] and [parameters]: values of an axis in the order of their rows.
 using AxesTable = std::array<std::vector<double>, 9>;
 
+/// A table that such files may have.
 struct ProcedureTable {
     std::string_view name;
     Keys keys;
 };
 
+/// All of them, in the order of the reference.
 [[nodiscard]] std::span<const ProcedureTable> procedure_tables() noexcept;
 /// Of this table; of [prior] those of [parameters].
 [[nodiscard]] Keys procedure_keys(std::string_view table);

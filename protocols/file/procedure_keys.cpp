@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/file/calibration_keys.hpp"
 #include "protocols/file/deformation_file.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
@@ -178,25 +179,13 @@ constexpr std::string_view kAxisText =
     "\nAn axis is a number, an increasing list, { from = ..., to = ..., count = ... } or\n"
     "{ from = ..., to = ..., step = ... }, the ends included.\n";
 
-std::vector<TableText> protocol_reference() {
+namespace {
+
+std::vector<TableText> tables_after_objects() {
     const auto of_hash = [](std::string_view of) {
         return fmt::format("{}left out of the study's hash as long as all are default", of);
     };
-    std::vector<TableText> all{
-        {"[study]", "", keys_of<Protocol>()},
-        {"[apparatus]", "", keys_of<ApparatusSpec>()},
-        {"[outline]", "", keys_of<OutlineSpec>()},
-        {"[surface]",
-         "instead of [outline]: every object is a patch of a surface in space, for a machine of "
-         "three axes",
-         keys_of<SurfaceSpec>()},
-        {"[[object]]",
-         fmt::format("once each, {} to {} of them pictured", kMinPictures, kMaxPictures),
-         keys_of<ObjectSpec>()}};
-    for (TableText& table : object_reference()) {
-        all.push_back(std::move(table));
-    }
-    const TableText rest[]{
+    return {
         {"[[friction]]", fmt::format("once each, 1 to {}", kMaxFrictions), keys_of<FrictionSpec>()},
         {"[safety]", of_hash(""), keys_of<SafetySpec>()},
         {"[invalid]", of_hash(""), keys_of<InvalidSpec>()},
@@ -219,7 +208,28 @@ std::vector<TableText> protocol_reference() {
          "shown instead of the screen's own sentences; left out of the hash where they are not "
          "given",
          keys_of<InstructionTexts>()}};
-    all.insert(all.end(), std::begin(rest), std::end(rest));
+}
+
+}  // namespace
+
+std::vector<TableText> protocol_reference() {
+    std::vector<TableText> all{
+        {"[study]", "", keys_of<Protocol>()},
+        {"[apparatus]", "", keys_of<ApparatusSpec>()},
+        {"[outline]", "", keys_of<OutlineSpec>()},
+        {"[surface]",
+         "instead of [outline]: every object is a patch of a surface in space, for a machine of "
+         "three axes",
+         keys_of<SurfaceSpec>()},
+        {"[[object]]",
+         fmt::format("once each, {} to {} of them pictured", kMinPictures, kMaxPictures),
+         keys_of<ObjectSpec>()}};
+    for (TableText& table : object_reference()) {
+        all.push_back(std::move(table));
+    }
+    for (TableText& table : tables_after_objects()) {
+        all.push_back(std::move(table));
+    }
     return all;
 }
 

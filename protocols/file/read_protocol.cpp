@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "protocols/file/document.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
 #include "protocols/file/protocol_file.hpp"
@@ -25,13 +26,7 @@ public:
 
     Protocol read() {
         Protocol protocol;
-        for (const Entry& entry : file_) {
-            if (std::find(kTablesOfProtocols.begin(), kTablesOfProtocols.end(), entry.key) ==
-                kTablesOfProtocols.end()) {
-                problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
-                                                    suggestion(entry.key, kTablesOfProtocols)));
-            }
-        }
+        refuse_unknown();
         TableReader(file_, "", {}, problems_, places_, "the file").check_format(kFormat);
         table("study", protocol, true);
         table("apparatus", protocol.apparatus, false);
@@ -42,17 +37,23 @@ public:
         tables("object", [&](const Table& found, const Position& at) {
             read_object(found, at, problems_, places_, protocol.objects);
         });
-        tables("friction", [&](const Table& found, const Position& at) {
-            const std::string path = fmt::format("friction.{}", protocol.frictions.size() + 1);
-            fill(found, path, at, protocol.frictions.emplace_back());
-        });
-        for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
-            law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
-        }
+        frictions(protocol);
         table("safety", protocol.safety, false);
         table("invalid", protocol.invalid, false);
         table("exclusion", protocol.exclusion, false);
         table("analysis", protocol.analysis, false);
+        design(protocol);
+        table("timing", protocol.timing, false);
+        table("response", protocol.response, false);
+        table("observer", protocol.observer, false);
+        table("masking", protocol.masking, false);
+        instructions(protocol);
+        return protocol;
+    }
+
+private:
+    /// [design] alone, or [procedure] with [[run]] and the breaks of [design].
+    void design(Protocol& protocol) {
         const Entry* procedure = find("procedure");
         table("design", protocol.design, procedure == nullptr);
         if (procedure != nullptr) {
@@ -65,15 +66,28 @@ public:
         } else {
             factorial();
         }
-        table("timing", protocol.timing, false);
-        table("response", protocol.response, false);
-        table("observer", protocol.observer, false);
-        table("masking", protocol.masking, false);
-        instructions(protocol);
-        return protocol;
     }
 
-private:
+    void refuse_unknown() {
+        for (const Entry& entry : file_) {
+            if (std::find(kTablesOfProtocols.begin(), kTablesOfProtocols.end(), entry.key) ==
+                kTablesOfProtocols.end()) {
+                problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
+                                                    suggestion(entry.key, kTablesOfProtocols)));
+            }
+        }
+    }
+
+    void frictions(Protocol& protocol) {
+        tables("friction", [&](const Table& found, const Position& at) {
+            const std::string path = fmt::format("friction.{}", protocol.frictions.size() + 1);
+            fill(found, path, at, protocol.frictions.emplace_back());
+        });
+        for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
+            law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
+        }
+    }
+
     [[nodiscard]] const Entry* find(std::string_view key) const {
         return protocols::find(file_, key);
     }
@@ -137,6 +151,27 @@ private:
         }
     }
 
+    void texts(const Entry& language, Protocol& protocol) {
+        const auto known = std::find(kLanguages.begin(), kLanguages.end(), language.key);
+        const auto* texts = std::get_if<Table>(&language.value.data);
+        if (texts == nullptr) {
+            problems_.add(language.at,
+                          fmt::format("{} stands in [instructions]: put it into a table of "
+                                      "its language, [instructions.en]",
+                                      shown(language.key)));
+        } else if (known == kLanguages.end()) {
+            problems_.add(language.at,
+                          fmt::format("[instructions.{}]: the screen knows the languages {} "
+                                      "only{}",
+                                      shown(language.key), fmt::join(kLanguages, " and "),
+                                      suggestion(language.key, kLanguages)));
+        } else {
+            const auto index = static_cast<std::size_t>(known - kLanguages.begin());
+            fill(*texts, "instructions." + language.key, language.at,
+                 protocol.instructions.at(index));
+        }
+    }
+
     /// One table a language.
     void instructions(Protocol& protocol) {
         const Entry* entry = find("instructions");
@@ -151,24 +186,7 @@ private:
             return;
         }
         for (const Entry& language : *languages) {
-            const auto known = std::find(kLanguages.begin(), kLanguages.end(), language.key);
-            const auto* texts = std::get_if<Table>(&language.value.data);
-            if (texts == nullptr) {
-                problems_.add(language.at,
-                              fmt::format("{} stands in [instructions]: put it into a table of "
-                                          "its language, [instructions.en]",
-                                          shown(language.key)));
-            } else if (known == kLanguages.end()) {
-                problems_.add(language.at,
-                              fmt::format("[instructions.{}]: the screen knows the languages {} "
-                                          "only{}",
-                                          shown(language.key), fmt::join(kLanguages, " and "),
-                                          suggestion(language.key, kLanguages)));
-            } else {
-                const auto index = static_cast<std::size_t>(known - kLanguages.begin());
-                fill(*texts, "instructions." + language.key, language.at,
-                     protocol.instructions.at(index));
-            }
+            texts(language, protocol);
         }
     }
 

@@ -313,6 +313,7 @@ private:
     }
 
     [[nodiscard]] std::vector<double> spread(const Table& table) const;
+    void check_ends(double from, double to) const;
 
     const Key& key_;
     const Value& value_;
@@ -348,13 +349,17 @@ std::vector<double> Cell::spread(const Table& table) const {
                         key_.name, all.from, all.to, all.step));
     }
     std::vector<double> values = evenly(all.from, all.to, static_cast<std::size_t>(steps) + 1);
-    for (const double end : {all.from, all.to}) {
+    check_ends(all.from, all.to);
+    return values;
+}
+
+void Cell::check_ends(double from, double to) const {
+    for (const double end : {from, to}) {
         if (!key_.range.has(end)) {
             say(fmt::format("{} holds {}: give numbers {}", key_.name, end, range_of(key_.range)));
-            break;
+            return;
         }
     }
-    return values;
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "engine/friction/laws/law.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
@@ -96,17 +98,23 @@ private:
                             spec.mu_d, spec.mu_s / 3.0));
         }
         if (spec.law == "lugre_euler") {
-            const double stiffness =
-                spec.own.stiffness > 0.0 ? spec.own.stiffness : apparatus.stiffness;
-            const double speed = protocol_.safety.speed_limit;
-            const double load =
-                speed / engine::euler_limit(stiffness, 1.0, spec.mu_d, 1.0 / apparatus.rate_hz);
-            add(path("friction", index, "law"),
-                fmt::format("law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d "
-                            "F_N) > 2: at {:g} m/s below a load of {:.3g} N, and every contact "
-                            "begins with none; give \"lugre\", the same law by an exact step",
-                            speed, load));
+            refuse_euler(index);
         }
+    }
+
+    void refuse_euler(std::size_t index) {
+        const FrictionSpec& spec = protocol_.frictions[index];
+        const ApparatusSpec& apparatus = protocol_.apparatus;
+        const double stiffness =
+            spec.own.stiffness > 0.0 ? spec.own.stiffness : apparatus.stiffness;
+        const double speed = protocol_.safety.speed_limit;
+        const double load =
+            speed / engine::euler_limit(stiffness, 1.0, spec.mu_d, 1.0 / apparatus.rate_hz);
+        add(path("friction", index, "law"),
+            fmt::format("law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d "
+                        "F_N) > 2: at {:g} m/s below a load of {:.3g} N, and every contact "
+                        "begins with none; give \"lugre\", the same law by an exact step",
+                        speed, load));
     }
 
     void timing() {
@@ -140,13 +148,7 @@ private:
                 fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
             return;
         }
-        if (design.catch_trials > 0 && objects_of(protocol_, false).empty()) {
-            add("design.catch_trials",
-                fmt::format(
-                    "catch_trials is {}, but every object is pictured: add an [[object]] with "
-                    "pictured = false, or give 0",
-                    design.catch_trials));
-        }
+        catch_trials();
         if (const std::string why = why_not_in_blocks(protocol_); !why.empty()) {
             add("design.friction_blocks",
                 fmt::format("friction_blocks is \"{}\": {}", word_of(design.friction_blocks), why));
@@ -163,6 +165,22 @@ private:
                     design.blocks, counted(design.repetitions, "repetition")));
             return;
         }
+        run_limits();
+    }
+
+    void catch_trials() {
+        const DesignSpec& design = protocol_.design;
+        if (design.catch_trials > 0 && objects_of(protocol_, false).empty()) {
+            add("design.catch_trials",
+                fmt::format(
+                    "catch_trials is {}, but every object is pictured: add an [[object]] with "
+                    "pictured = false, or give 0",
+                    design.catch_trials));
+        }
+    }
+
+    void run_limits() {
+        const DesignSpec& design = protocol_.design;
         if (const auto why = why_infeasible(block_trials(protocol_, 0), block_limits(design))) {
             const bool of_object = why->factor == Infeasible::Factor::object;
             const std::string key = of_object ? "max_run_object" : "max_run_friction";
@@ -219,17 +237,14 @@ private:
     Problems& problems_;
 };
 
-/// What [response] needs of itself: which keys its kind has, and when an answer can be right.
-void check_response(const Protocol& protocol, const Places& places, Problems& problems) {
-    const ResponseSpec& response = protocol.response;
-    const ResponseKind kind = response.kind;
-    const auto add = [&](std::string_view key, std::string what) {
-        problems.add(places.of(fmt::format("response.{}", key)), std::move(what));
-    };
+/// Keys of [response] that only some kinds have.
+void check_labels(ResponseKind kind, const Places& places, Problems& problems) {
     const auto only_for = [&](std::string_view key, bool has_it, std::string_view kinds) {
-        if (!has_it && places.has(fmt::format("response.{}", key))) {
-            add(key, fmt::format("{} is given, but kind is \"{}\": delete it, or give kind {}", key,
-                                 word_of(kind), kinds));
+        const std::string path = fmt::format("response.{}", key);
+        if (!has_it && places.has(path)) {
+            problems.add(places.of(path),
+                         fmt::format("{} is given, but kind is \"{}\": delete it, or give kind {}",
+                                     key, word_of(kind), kinds));
         }
     };
     const bool rating = kind == ResponseKind::rating;
@@ -237,6 +252,17 @@ void check_response(const Protocol& protocol, const Places& places, Problems& pr
     only_for("levels", rating, "\"rating\"");
     only_for("low", labelled, "\"yes_no\" or \"rating\"");
     only_for("high", labelled, "\"yes_no\" or \"rating\"");
+}
+
+/// What [response] needs of itself: which keys its kind has, and when an answer can be right.
+void check_response(const Protocol& protocol, const Places& places, Problems& problems) {
+    const ResponseSpec& response = protocol.response;
+    const ResponseKind kind = response.kind;
+    const auto add = [&](std::string_view key, std::string what) {
+        problems.add(places.of(fmt::format("response.{}", key)), std::move(what));
+    };
+    const bool labelled = kind == ResponseKind::rating || kind == ResponseKind::yes_no;
+    check_labels(kind, places, problems);
     if (kind == ResponseKind::two_interval && !protocol.procedure) {
         add("kind",
             "kind is \"two_interval\", but nothing says what the two intervals hold: add the "

@@ -10,14 +10,12 @@
 
 #include "engine/surface/surface_object.hpp"
 #include "engine/surface/surface_trim.hpp"
+#include "protocols/file/document.hpp"
 #include "protocols/file/object_tables.hpp"
 #include "protocols/file/outline_shape.hpp"
 
 namespace palpate::protocols {
 namespace {
-
-constexpr std::array<std::string_view, 6> kTrackers{
-    "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
 
 /// What [friction] says, as it stands.
 struct FrictionTable {
@@ -43,32 +41,9 @@ struct SurfaceTable {
     NumberGrid trims{};
 };
 
-/// The first word is no tracker of the thesis; the others are in the order of TrackerKind.
-Slot tracker(void* record) {
-    auto& r = record_at<SceneRenderer>(record);
-    return OneOf{kTrackers,
-                 {&r,
-                  [](const void* p) {
-                      const auto& one = *static_cast<const SceneRenderer*>(p);
-                      return std::optional<std::int64_t>(
-                          one.certified ? 0 : 1 + static_cast<std::int64_t>(one.tracker.kind));
-                  },
-                  [](void* p, std::int64_t word) {
-                      auto& one = *static_cast<SceneRenderer*>(p);
-                      one.certified = word == 0;
-                      if (word > 0) {
-                          one.tracker.kind = static_cast<engine::TrackerKind>(word - 1);
-                      }
-                  }}};
-}
-
 constexpr Range kFromZero{.min = 0.0};
 constexpr Range kFew{.min = 0.0, .max = 10.0};
 
-template <auto Get>
-Slot of_renderer(void* record) {
-    return slot_of(Get(record_at<SceneRenderer>(record)));
-}
 template <auto Get>
 Slot of_friction(void* record) {
     return slot_of(Get(record_at<FrictionTable>(record)));
@@ -90,17 +65,17 @@ constexpr Key kRenderer[]{
      .meaning = "damper of the contact beside its spring"},
     {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMaxCompliance},
      .meaning = "of two curves that yield, the first two of a closed outline of three: how far their vertex gives way to a force that rests on it; 0: rigid"},
-    {.name = "tracker", .slot = tracker,
+    {.name = "tracker", .slot = at<&SceneRenderer::tracker>,
      .meaning = "how the closest point is found; all but the first are the thesis' trackers"},
-    {.name = "sub_steps", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.sub_steps; }>, .range = {1, 1000},
+    {.name = "sub_steps", .slot = at<&SceneRenderer::sub_steps>, .range = {1, 1000},
      .meaning = "of a tracker with a gain: explicit Euler steps a tick"},
-    {.name = "rate_hz", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.rate_hz; }>, .range = kPositive,
+    {.name = "rate_hz", .slot = at<&SceneRenderer::rate_hz>, .range = kPositive,
      .meaning = "of tangent_plane: refreshes a second"},
-    {.name = "iterations", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.iterations; }>, .range = {1, 100},
+    {.name = "iterations", .slot = at<&SceneRenderer::iterations>, .range = {1, 100},
      .meaning = "of newton: steps a tick"},
 };
 constexpr Key kGain[]{
-    {.name = "gain", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.gain; }>, .need = required, .range = kPositive,
+    {.name = "gain", .slot = at<&SceneRenderer::gain>, .need = required, .range = kPositive,
      .meaning = "of feedback and feed_forward: 1/(m^2 s); of feedback_linearised: 1/s"},
 };
 
@@ -171,10 +146,7 @@ constexpr Key kSurface[]{
 SceneRenderer read_renderer(TableReader table) {
     SceneRenderer r;
     table.read(kRenderer, &r);
-    using engine::TrackerKind;
-    const bool gain = !r.certified && r.tracker.kind != TrackerKind::tangent_plane &&
-                      r.tracker.kind != TrackerKind::newton;
-    if (gain) {
+    if (!r.certified() && r.tracker != Tracker::tangent_plane && r.tracker != Tracker::newton) {
         table.read(kGain, &r);
     }
     table.refuse_unknown();
@@ -270,8 +242,7 @@ void check_softness(const SceneFile& scene, const Position& at, Problems& proble
         problems.add(at, "compliance_m_per_n is for plane curves: leave it out");
         return;
     }
-    if (!scene.renderer.certified || scene.friction.law == Law::thesis_literal ||
-        scene.friction.law == Law::thesis_latched) {
+    if (!scene.renderer.certified() || is_thesis_law(scene.friction.law)) {
         problems.add(at,
                      "compliance_m_per_n is given, and the thesis' trackers and laws are for rigid "
                      "curves: give tracker \"certified\" and law \"gos\", \"coulomb\" or "
@@ -306,8 +277,7 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
         }
     }
     if (!scene.surfaces.empty() &&
-        (!scene.renderer.certified || scene.friction.law == Law::thesis_literal ||
-         scene.friction.law == Law::thesis_latched ||
+        (!scene.renderer.certified() || is_thesis_law(scene.friction.law) ||
          scene.friction.own.kind != engine::LawKind::none)) {
         problems.add(
             at,

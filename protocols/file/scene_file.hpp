@@ -10,7 +10,6 @@
 #include "engine/geometry/outline.hpp"
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/nurbs_surface.hpp"
-#include "engine/thesis/curve_tracker.hpp"
 #include "protocols/file/schema.hpp"
 
 /// Scene files of the offline tools (`palpate render`, `palpate closest`): TOML text -> curves or a
@@ -46,8 +45,26 @@ inline constexpr std::array<std::string_view, 18> kLaws{
     "stribeck",         "karnopp",      "dahl",        "bristle",
     "reset_integrator", "lugre",        "lugre_euler", "hayward_armstrong",
     "friction_cone",    "snags"};
+/// As words_of() of keys.hpp: in the order of Law.
 [[nodiscard]] constexpr WordList words_of(Law) {
     return kLaws;
+}
+
+/// How the closest point is found: proved the nearest, or followed in one of the thesis' ways.
+enum class Tracker : std::uint8_t {
+    certified,
+    feedback,
+    feed_forward,
+    feedback_linearised,
+    tangent_plane,
+    newton,
+};
+
+inline constexpr std::array<std::string_view, 6> kTrackers{
+    "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
+/// As words_of() of keys.hpp: in the order of Tracker.
+[[nodiscard]] constexpr WordList words_of(Tracker) {
+    return kTrackers;
 }
 
 /// The largest coordinate, m: the squares of distances to farther places would overflow or round
@@ -56,11 +73,17 @@ inline constexpr double kFarthest = 1e6;
 
 /// How the contact of a scene is computed.
 struct SceneRenderer {
-    double stiffness = 1000.0;      ///< N/m
-    double damping = 0.0;           ///< N s/m, of the virtual coupling
-    double compliance = 0.0;        ///< m/N, of two curves on a base line; 0: rigid
-    bool certified = true;          ///< else by `tracker`
-    engine::TrackerSpec tracker{};  ///< the thesis' trackers
+    double stiffness = 1000.0;  ///< N/m
+    double damping = 0.0;       ///< N s/m, of the virtual coupling
+    double compliance = 0.0;    ///< m/N, of two curves on a base line; 0: rigid
+    Tracker tracker = Tracker::certified;
+    double gain = 1e5;       ///< feedback, feed_forward: 1/(m^2 s); feedback_linearised: 1/s
+    int sub_steps = 1;       ///< of these three: explicit Euler steps a tick
+    double rate_hz = 100.0;  ///< tangent_plane: refreshes a second
+    int iterations = 1;      ///< newton: steps a tick
+
+    /// The scene is the one of experiments; the other trackers are the thesis', for comparison.
+    [[nodiscard]] bool certified() const noexcept { return tracker == Tracker::certified; }
 };
 
 /// How friction is computed.
@@ -104,6 +127,11 @@ enum class Crossings : std::uint8_t { refused, taken };
 /// The chain of a scene's plane curves: closed if the last ends where the first starts.
 /// @throws std::invalid_argument if consecutive curves share no end point
 [[nodiscard]] engine::Outline outline_of(const SceneFile& scene);
+
+/// Whether the contact force follows one of the thesis' laws.
+[[nodiscard]] constexpr bool is_thesis_law(Law law) noexcept {
+    return law == Law::thesis_literal || law == Law::thesis_latched;
+}
 
 /// What the engine needs of a scene whose law is none of the thesis'.
 /// @param period  tick period, s

@@ -30,6 +30,7 @@ struct Range {
     double max = std::numeric_limits<double>::infinity();
     bool above = false;  ///< `min` itself is refused
 
+    /// Whether a key may have this value; NaN and infinities never.
     [[nodiscard]] bool has(double value) const noexcept {
         return std::isfinite(value) && value <= max && (above ? value > min : value >= min);
     }
@@ -71,6 +72,7 @@ struct PointList {
     int dimension = 2;
     std::vector<engine::Vec3> values{};  ///< z = 0 in the plane
 
+    /// x and y of each.
     [[nodiscard]] std::vector<engine::Vec2> plane() const;
 };
 using PointGrid = std::vector<std::vector<engine::Vec3>>;
@@ -105,6 +107,8 @@ using Slot = std::variant<double*,
                           PointGrid*,
                           NumberGrid*>;
 
+/// A member that is a whole number of any width, as a slot reads and writes it: by its address and
+/// two functions. @pre what is written fits; the key's range has been checked
 template <class T>
 [[nodiscard]] Whole whole_of(T& value) {
     return {&value,
@@ -115,6 +119,7 @@ template <class T>
                 *static_cast<T*>(p) = static_cast<T>(v);
             }};
 }
+/// The same of a member that may be absent.
 template <std::integral T>
 [[nodiscard]] Whole whole_of(std::optional<T>& value) {
     return {&value,
@@ -147,9 +152,10 @@ template <class Record>
 }
 
 namespace detail {
+/// Never defined: decltype finds the struct that a member belongs to.
 template <class Record, class Member>
 Record owner_of(Member Record::*);
-}
+}  // namespace detail
 
 /// The slot of a member of a record.
 template <auto Member>
@@ -173,7 +179,14 @@ using Keys = std::span<const Key>;
 
 /// Rows of a table by the struct that it fills.
 template <class Record>
-[[nodiscard]] Keys keys_of();
+struct KeysOf {
+    static const Keys value;
+};
+/// The rows of the table that fills this struct.
+template <class Record>
+[[nodiscard]] Keys keys_of() {
+    return KeysOf<Record>::value;
+}
 
 /// "0 to 50", "above 0, at most 50", "0 or more", ...
 [[nodiscard]] std::string range_of(const Range& range);
@@ -185,6 +198,8 @@ template <class Record>
 /// Everything that is wrong with one file.
 class Problems {
 public:
+    /// A problem at a place, a sentence with the value and the remedy; or all of another
+    /// collection.
     void add(const Position& at, std::string what);
     void take(Problems&& others);
     [[nodiscard]] bool none() const noexcept { return found_.empty(); }
@@ -198,7 +213,9 @@ private:
 /// Where every key and table stands, by a path such as "design.break_every" or "object.3.name".
 class Places {
 public:
+    /// That `path` stands at `at`; of a path that stands twice the later place.
     void note(const std::string& path, const Position& at);
+    /// Whether the file has this key or table.
     [[nodiscard]] bool has(const std::string& path) const;
     /// The place of `path`, else of the table around it, else the start of the file.
     [[nodiscard]] Position of(std::string path) const;
@@ -207,6 +224,7 @@ private:
     std::map<std::string, Position> places_;
 };
 
+/// The entry of this key; null if there is none.
 [[nodiscard]] const Entry* find(const Table& table, std::string_view key);
 
 /// The place of the value that a sentence such as "min is 3: ..." begins with, else `otherwise`.
@@ -242,8 +260,11 @@ public:
     /// The key format has to be there, with this number.
     void check_format(std::int64_t wanted);
 
+    /// The table has the key, read or not.
     [[nodiscard]] bool has(std::string_view key) const { return find(*table_, key) != nullptr; }
+    /// The table as it was parsed.
     [[nodiscard]] const Table& table() const noexcept { return *table_; }
+    /// Its path in the file, as Places has it: "design", "object.3".
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
     /// A table in this one, if it is there.
     [[nodiscard]] std::optional<TableReader> table(std::string_view key);

@@ -168,40 +168,42 @@ std::string default_of(const Key& key) {
     return text == "\"\"" ? "-" : text;
 }
 
+/// How the name of a key ends, and its unit; the first that fits.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 31> kUnits{
+    {{"mu_s", ""},  // s for static: a coefficient
+     {"_mn_m_s", "mN m s"},
+     {"_mm_per_n", "mm/N"},
+     {"_m_per_n", "m/N"},
+     {"_n_s_per_m", "N s/m"},
+     {"_n_per_ms", "N/ms"},
+     {"_n_per_m", "N/m"},
+     {"volts_per_n_m_1", "V/(N m)"},
+     {"volts_per_n_m_2", "V/(N m)"},
+     {"_mm_per_s", "mm/s"},
+     {"_m_per_s", "m/s"},
+     {"_per_m_per_mu", "1/m"},
+     {"_per_m", "1/m"},
+     {"_mn_m", "mN m"},
+     {"_mm", "mm"},
+     {"points_m", "m"},
+     {"from_m", "m"},
+     {"to_m", "m"},
+     {"radius_m", "m"},
+     {"spacing_m", "m"},
+     {"_deg", "degrees"},
+     {"_ms", "ms"},
+     {"_hz", "Hz"},
+     {"_db", "dB"},
+     {"_bits", "bit"},
+     {"_g_cm2", "g cm^2"},
+     {"handle_g", "g"},
+     {"_adc", "ADC value"},
+     {"_j", "J"},
+     {"_n", "N"},
+     {"_s", "s"}}};
+
 /// By the end of the key's name.
 std::string_view unit_of(std::string_view name) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 31> kUnits{
-        {{"mu_s", ""},  // s for static: a coefficient
-         {"_mn_m_s", "mN m s"},
-         {"_mm_per_n", "mm/N"},
-         {"_m_per_n", "m/N"},
-         {"_n_s_per_m", "N s/m"},
-         {"_n_per_ms", "N/ms"},
-         {"_n_per_m", "N/m"},
-         {"volts_per_n_m_1", "V/(N m)"},
-         {"volts_per_n_m_2", "V/(N m)"},
-         {"_mm_per_s", "mm/s"},
-         {"_m_per_s", "m/s"},
-         {"_per_m_per_mu", "1/m"},
-         {"_per_m", "1/m"},
-         {"_mn_m", "mN m"},
-         {"_mm", "mm"},
-         {"points_m", "m"},
-         {"from_m", "m"},
-         {"to_m", "m"},
-         {"radius_m", "m"},
-         {"spacing_m", "m"},
-         {"_deg", "degrees"},
-         {"_ms", "ms"},
-         {"_hz", "Hz"},
-         {"_db", "dB"},
-         {"_bits", "bit"},
-         {"_g_cm2", "g cm^2"},
-         {"handle_g", "g"},
-         {"_adc", "ADC value"},
-         {"_j", "J"},
-         {"_n", "N"},
-         {"_s", "s"}}};
     for (const auto& [end, unit] : kUnits) {
         if (name.ends_with(end)) {
             return unit;

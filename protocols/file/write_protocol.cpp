@@ -17,6 +17,15 @@ void append(std::string& text, std::string_view heading, const Record& record) {
     text += fmt::format("\n{}\n{}", heading, toml_lines(keys_of<Record>(), &record));
 }
 
+/// A table of which all is as it is without it is not written: studies are older than some tables,
+/// and keep their hashes.
+template <class Record>
+void append_changed(std::string& text, std::string_view heading, const Record& record) {
+    if (record != Record{}) {
+        append(text, heading, record);
+    }
+}
+
 /// Without the keys that only another kind of object has.
 void append_undescribed(std::string& text, const ObjectSpec& object) {
     text += "\n[[object]]\n";
@@ -129,10 +138,10 @@ std::string procedure_text(const Table& file) {
     return text;
 }
 
-std::string to_toml(const Protocol& protocol) {
-    std::string text = fmt::format("format = {}\n", kFormat);
-    append(text, "[study]", protocol);
-    append(text, "[apparatus]", protocol.apparatus);
+namespace {
+
+/// What is felt: the outline or surface, the objects and the frictions.
+void append_objects(std::string& text, const Protocol& protocol) {
     if (protocol.surface) {
         append(text, "[surface]", *protocol.surface);
     } else {
@@ -149,27 +158,26 @@ std::string to_toml(const Protocol& protocol) {
     for (const FrictionSpec& friction : protocol.frictions) {
         append_friction(text, friction);
     }
-    if (protocol.safety != SafetySpec{}) {  // studies are older than this table: their hashes stay
-        append(text, "[safety]", protocol.safety);
-    }
-    if (protocol.invalid != InvalidSpec{}) {
-        append(text, "[invalid]", protocol.invalid);
-    }
-    if (protocol.exclusion != ExclusionSpec{}) {
-        append(text, "[exclusion]", protocol.exclusion);
-    }
-    if (protocol.analysis != AnalysisSpec{}) {
-        append(text, "[analysis]", protocol.analysis);
-    }
+}
+
+}  // namespace
+
+std::string to_toml(const Protocol& protocol) {
+    std::string text = fmt::format("format = {}\n", kFormat);
+    append(text, "[study]", protocol);
+    append(text, "[apparatus]", protocol.apparatus);
+    append_objects(text, protocol);
+    append_changed(text, "[safety]", protocol.safety);
+    append_changed(text, "[invalid]", protocol.invalid);
+    append_changed(text, "[exclusion]", protocol.exclusion);
+    append_changed(text, "[analysis]", protocol.analysis);
     if (protocol.procedure) {  // which decides all but the breaks
         text += fmt::format("\n[design]\nbreak_every = {}\n", protocol.design.break_every);
     } else {
         append(text, "[design]", protocol.design);
     }
     append(text, "[timing]", protocol.timing);
-    if (protocol.response != ResponseSpec{}) {
-        append(text, "[response]", protocol.response);
-    }
+    append_changed(text, "[response]", protocol.response);
     if (protocol.procedure) {
         append(text, "[procedure]", *protocol.procedure);
         text += nested_in_protocol(protocol.procedure->rule.text);
@@ -178,13 +186,10 @@ std::string to_toml(const Protocol& protocol) {
         }
     }
     append(text, "[observer]", protocol.observer);
-    if (protocol.masking != MaskingSpec{}) {
-        append(text, "[masking]", protocol.masking);
-    }
+    append_changed(text, "[masking]", protocol.masking);
     for (std::size_t i = 0; i < kLanguageCount; ++i) {
-        if (protocol.instructions[i] != InstructionTexts{}) {
-            append(text, fmt::format("[instructions.{}]", kLanguages[i]), protocol.instructions[i]);
-        }
+        append_changed(text, fmt::format("[instructions.{}]", kLanguages[i]),
+                       protocol.instructions[i]);
     }
     return text;
 }

@@ -46,18 +46,16 @@ std::string id_of(std::string_view name) {
 }
 
 const ShippedProtocol& shipped_protocol(std::string_view name) {
-    std::string known;
     std::vector<std::string_view> names;
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         if (shipped.name == name) {
             return shipped;
         }
         names.push_back(shipped.name);
-        known += fmt::format("{}{}", known.empty() ? "" : ", ", shipped.name);
     }
     throw std::invalid_argument(
-        fmt::format("no protocol \"{}\" ships with palpate: give one of {}{}", name, known,
-                    suggestion(name, names, "")));
+        fmt::format("no protocol \"{}\" ships with palpate: give one of {}{}", name,
+                    fmt::join(names, ", "), suggestion(name, names, "")));
 }
 
 std::string new_protocol(const ShippedProtocol& from, const std::string& id) {

@@ -12,6 +12,7 @@ struct ShippedProtocol {
     std::string_view text;
 };
 
+/// All that ship, by name.
 [[nodiscard]] std::span<const ShippedProtocol> shipped_protocols() noexcept;
 
 /// The calibration file with the machines that ship, protocols/library/pantographs.toml.

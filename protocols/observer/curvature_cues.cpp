@@ -9,10 +9,10 @@ namespace {
 
 using engine::Vec2;
 
-constexpr double kMiddle = 0.8;       ///< share of a chord: ends and vertex are felt as corners
-constexpr double kSettled = 0.003;    ///< m; after a turn friction still points the old way
-constexpr double kSmoothing = 0.2;    ///< per tick: 5 ms, above the quantum of the encoders
-constexpr double kLeastSpread = 5.0;  ///< sum of squares of x; a tenth of a second of a full stroke
+constexpr double kMiddle = 0.8;     ///< share of a chord: ends and vertex are felt as corners
+constexpr double kSettled = 0.003;  ///< m; after a turn friction still points the old way
+constexpr double kSmoothing = 0.2;  ///< per tick: 5 ms, above the quantum of the encoders
+constexpr double kMinSpread = 5.0;  ///< sum of squares of x; a tenth of a second of a full stroke
 
 double spread(double n, double x, double x2) {
     return n > 0.0 ? x2 - x * x / n : 0.0;
@@ -109,7 +109,7 @@ Cues CurvatureCues::cues() const noexcept {
         const double half = chords_[i].half;
         for (const Strokes& s : strokes_[i]) {
             const double xx = spread(s.n, s.x, s.x2);
-            if (xx < kLeastSpread) {
+            if (xx < kMinSpread) {
                 continue;
             }
             const double xq = s.x3 - s.x * s.x2 / s.n;  // q = x^2

@@ -42,9 +42,13 @@ struct Cues {
 /// |curvature| <= 10 1/m.
 class CurvatureCues {
 public:
+    /// @param outline  two curves on a base line, whose chords are read; their curvature is not
     explicit CurvatureCues(const OutlineSpec& outline);
 
+    /// The next ticks of the exploration, in their order. Without contact, below kFeltForce and off
+    /// the middle of a chord nothing is learnt.
     void add(std::span<const engine::TickRecord> ticks) noexcept;
+    /// Both estimates from all that was added, 1/m.
     [[nodiscard]] Cues cues() const noexcept;
 
 private:

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/observer/draws.hpp"
@@ -35,6 +36,34 @@ void require_judged(const Protocol& protocol) {
     }
 }
 
+namespace {
+
+/// Between which percepts, 1/m, an object is the nearest of those pictured.
+std::pair<double, double> bounds_of(const Protocol& protocol,
+                                    const std::vector<std::size_t>& pictured,
+                                    std::size_t object) {
+    const double own = protocol.objects[object].curvature;
+    std::pair<double, double> bounds{-kInfinity, kInfinity};
+    for (const std::size_t other : pictured) {
+        const double middle = 0.5 * (own + protocol.objects[other].curvature);
+        bounds.first = middle < own ? std::max(bounds.first, middle) : bounds.first;
+        bounds.second = middle > own ? std::min(bounds.second, middle) : bounds.second;
+    }
+    return bounds;
+}
+
+/// Of learned() over a session of so many trials.
+double mean_learned(const ObserverModel& model, std::size_t trials) {
+    const Person typical{.spec = model.typical, .learning = model.learning};
+    double mean = 0.0;
+    for (std::size_t i = 0; i < trials; ++i) {
+        mean += learned(typical, i) / static_cast<double>(trials);
+    }
+    return mean;
+}
+
+}  // namespace
+
 JudgedPeople::JudgedPeople(const Protocol& protocol,
                            const ObserverModel& model,
                            std::vector<FeltTrial> hands,
@@ -44,13 +73,8 @@ JudgedPeople::JudgedPeople(const Protocol& protocol,
     require_judged(protocol);
     const std::vector<std::size_t> pictured = objects_of(protocol, true);
     for (const std::size_t object : pictured) {
-        const double own = protocol.objects[object].curvature;
-        Condition condition{.low = -kInfinity, .high = kInfinity};
-        for (const std::size_t other : pictured) {
-            const double middle = 0.5 * (own + protocol.objects[other].curvature);
-            condition.low = middle < own ? std::max(condition.low, middle) : condition.low;
-            condition.high = middle > own ? std::min(condition.high, middle) : condition.high;
-        }
+        const auto [low, high] = bounds_of(protocol, pictured, object);
+        const Condition condition{.hands = {}, .low = low, .high = high};
         without_.push_back(condition);
         with_.push_back(condition);
     }
@@ -68,12 +92,7 @@ JudgedPeople::JudgedPeople(const Protocol& protocol,
         }
     }
     guess_ = 1.0 / static_cast<double>(pictured.size());
-    const std::size_t trials = 2 * pictured.size() * repetitions_;
-    const Person typical{.spec = model.typical, .learning = model.learning};
-    learned_ = 0.0;
-    for (std::size_t i = 0; i < trials; ++i) {
-        learned_ += learned(typical, i) / static_cast<double>(trials);
-    }
+    learned_ = mean_learned(model, 2 * pictured.size() * repetitions_);
 }
 
 /// Of right answers over all hands, with what is learned over a session taken at its mean.
@@ -113,6 +132,21 @@ double JudgedPeople::share_under_effect(double share, double normal) const {
     return share * factor / (1.0 - share + share * factor);
 }
 
+/// One answer. @param done  trials of the session before it
+bool JudgedPeople::is_right(const Person& who,
+                            const Condition& condition,
+                            const Cues& felt,
+                            std::size_t done,
+                            Pcg32& random) const {
+    const std::optional<double> mean = percept_mean(who, felt);
+    if (!mean || uniform_draw(random) < who.spec.lapse) {
+        return uniform_draw(random) < guess_;
+    }
+    const double noise = percept_noise(who, felt.friction, done);
+    const double percept = *mean + noise * normal_draw(random);
+    return percept > condition.low && percept < condition.high;
+}
+
 JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::size_t number) const {
     const Person who = drawn_person(model_, {.protocol_hash = "power",
                                              .participant = fmt::format("{}:{}", study, number),
@@ -143,15 +177,7 @@ JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::si
             (with ? with_ : without_)[order[done] % made.trials / repetitions_];
         const Cues& felt =
             condition.hands[random.bounded(static_cast<std::uint32_t>(condition.hands.size()))];
-        const std::optional<double> mean = percept_mean(who, felt);
-        bool right = false;
-        if (!mean || uniform_draw(random) < who.spec.lapse) {
-            right = uniform_draw(random) < guess_;
-        } else {
-            const double noise = percept_noise(who, felt.friction, done);
-            const double percept = *mean + noise * normal_draw(random);
-            right = percept > condition.low && percept < condition.high;
-        }
+        bool right = is_right(who, condition, felt, done, random);
         if (with && effect_) {
             right = right ? uniform_draw(random) >= lost : uniform_draw(random) < won;
         }

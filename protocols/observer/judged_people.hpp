@@ -80,6 +80,11 @@ private:
     };
     using Conditions = std::vector<Condition>;  ///< by object
 
+    [[nodiscard]] bool is_right(const Person& who,
+                                const Condition& condition,
+                                const Cues& felt,
+                                std::size_t done,
+                                Pcg32& random) const;
     [[nodiscard]] double share(const Person& person, const Conditions& conditions) const;
     [[nodiscard]] double share_under_effect(double share, double normal) const;
 

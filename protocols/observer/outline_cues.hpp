@@ -32,9 +32,12 @@ public:
     /// @param pictures  place -> index into Protocol::objects
     OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures);
 
+    /// The next ticks, in their order: every kEach-th one above kFeltForce is a point of the
+    /// surface.
     void add(std::span<const engine::TickRecord> ticks) noexcept;
     void forget() noexcept;  ///< what was felt so far
 
+    /// At least one point was felt since the start or forget().
     [[nodiscard]] bool felt() const noexcept { return points_ > 0.0; }
     /// By place, m; all 0 if nothing was felt.
     [[nodiscard]] std::vector<double> misfits() const;

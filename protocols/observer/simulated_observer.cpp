@@ -55,6 +55,11 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
                                : glm::length(protocol.outline.vertex - protocol.outline.a);
         blur_ = person_.spec.noise * chord * chord / 8.0;
     }
+    know_range(protocol);
+}
+
+/// Between what the percepts of a rating lie.
+void SimulatedObserver::know_range(const Protocol& protocol) {
     switch (asked_) {
         case Varies::curvature:
             for (const ObjectSpec& object : protocol.objects) {
@@ -94,7 +99,7 @@ Signal SimulatedObserver::ready(const TrialView& trial) {
     return Signal::go_on;
 }
 
-Exploring SimulatedObserver::explore(const TrialView& trial, double elapsed_s) {
+ExplorationStep SimulatedObserver::explore(const TrialView& trial, double elapsed_s) {
     const bool done = elapsed_s >= trial.explore_min_s && hand_is_done_();
     explored_s_ = elapsed_s;
     return {.signal = done ? Signal::done : Signal::go_on, .at_s = elapsed_s};

@@ -66,7 +66,7 @@ public:
 
     [[nodiscard]] Signal welcome(const SessionView& session) override;
     [[nodiscard]] Signal ready(const TrialView& trial) override;
-    [[nodiscard]] Exploring explore(const TrialView& trial, double elapsed_s) override;
+    [[nodiscard]] ExplorationStep explore(const TrialView& trial, double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] Choice choose(const TrialView& trial, const Question& question) override;
     [[nodiscard]] Signal gap(double seconds) override;
@@ -80,6 +80,7 @@ public:
     [[nodiscard]] double time_s() const noexcept { return time_s_; }
 
 private:
+    void know_range(const Protocol& protocol);
     [[nodiscard]] std::optional<double> percept_of(std::size_t interval, double noise) noexcept;
     [[nodiscard]] std::optional<std::size_t> answer(const Question& question,
                                                     double noise,

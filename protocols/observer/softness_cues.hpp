@@ -29,6 +29,7 @@ public:
     /// @pre the protocol has a rule
     explicit SoftnessCues(const Protocol& protocol);
 
+    /// The next ticks, in their order: of every kEach-th one force and depth, where HIP is inside.
     void add(std::span<const engine::TickRecord> ticks) noexcept;
     /// m/N; nothing if nothing was pressed.
     [[nodiscard]] std::optional<double> softness() const noexcept;

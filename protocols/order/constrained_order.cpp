@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/order/order_sampler.hpp"
 #include "protocols/protocol/run.hpp"
 
 namespace palpate::protocols {
@@ -95,12 +94,6 @@ std::string_view to_string(OrderWay way) noexcept {
             return "objects and frictions counted apart";
     }
     return "?";
-}
-
-ConstrainedOrder constrained_order(std::vector<Condition> trials,
-                                   const RunLimits& limits,
-                                   Pcg32& random) {
-    return OrderSampler(std::move(trials), limits).draw(random);
 }
 
 }  // namespace palpate::protocols

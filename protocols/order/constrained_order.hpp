@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/base/pcg32.hpp"
 #include "protocols/protocol/condition.hpp"
 
 namespace palpate::protocols {
@@ -22,6 +21,7 @@ struct RunLimits {
     friend bool operator==(const RunLimits&, const RunLimits&) = default;
 };
 
+/// Whether no level of a factor comes more often in a row than its limit. Linear in the trials.
 [[nodiscard]] bool within_limits(std::span<const Condition> order,
                                  const RunLimits& limits) noexcept;
 
@@ -41,6 +41,7 @@ struct Infeasible {
     enum class Factor : std::uint8_t { object, friction } factor = Factor::object;
     std::string reason;
 };
+/// @return none if no such reason was found: an order may still not exist
 [[nodiscard]] std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
                                                        const RunLimits& limits);
 
@@ -53,20 +54,14 @@ enum class OrderWay : std::uint8_t {
     apart,             ///< both drawn by counting, each by itself, until the conditions are right
 };
 
+/// In words for people, such as "frictions counted, objects dealt".
 [[nodiscard]] std::string_view to_string(OrderWay way) noexcept;
 
+/// An order that keeps the limits, and how it was found.
 struct ConstrainedOrder {
     std::vector<Condition> order;
     std::uint64_t attempts = 1;  ///< proposals drawn, with those of ways that were left
     OrderWay way = OrderWay::shuffles;
 };
-
-/// `trials` in an order that keeps the run limits, uniform over all such orders: OrderSampler draws
-/// it. Repairing a bad shuffle by swaps would not give that.
-///
-/// @throws OrderError if the limits cannot be kept (why_infeasible), or no way finds an order
-[[nodiscard]] ConstrainedOrder constrained_order(std::vector<Condition> trials,
-                                                 const RunLimits& limits,
-                                                 Pcg32& random);
 
 }  // namespace palpate::protocols

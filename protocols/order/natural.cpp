@@ -13,14 +13,14 @@ std::size_t words_of(const Natural& n) {
 }
 
 /// The highest three words of a number as a double, and the power of 2 to multiply it with.
-struct Scaled {
+struct ScaledNumber {
     double leading = 0.0;
     int exponent = 0;
 };
 
-Scaled scaled(const Natural& n) {
+ScaledNumber scaled(const Natural& n) {
     const std::size_t words = words_of(n);
-    Scaled result;
+    ScaledNumber result;
     std::size_t below = words * kWord;
     for (std::size_t i = 0; i < 3 && below > 0; ++i) {
         below -= kWord;
@@ -38,8 +38,8 @@ std::size_t bits_of(const Natural& n) {
 }
 
 double share_of(const Natural& part, const Natural& whole) {
-    const Scaled some = scaled(part);
-    const Scaled all = scaled(whole);
+    const ScaledNumber some = scaled(part);
+    const ScaledNumber all = scaled(whole);
     return std::ldexp(some.leading / all.leading, some.exponent - all.exponent);
 }
 

@@ -1,7 +1,6 @@
 #include "protocols/order/order_count.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 
 namespace palpate::protocols {
@@ -49,6 +48,22 @@ std::vector<Natural> mixed(const std::vector<Natural>& before, const std::vector
 }
 
 }  // namespace
+
+std::map<Condition, std::size_t> cells_of(std::span<const Condition> trials) {
+    std::map<Condition, std::size_t> cells;
+    for (const Condition& condition : trials) {
+        ++cells[condition];
+    }
+    return cells;
+}
+
+Natural orders_of(std::span<const Condition> trials) {
+    std::vector<std::size_t> counts;
+    for (const auto& [condition, count] : cells_of(trials)) {
+        counts.push_back(count);
+    }
+    return multinomial(counts);
+}
 
 std::vector<std::size_t> counts_of(std::span<const Condition> trials,
                                    std::size_t Condition::*factor) {

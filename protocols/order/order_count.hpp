@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,10 @@
 
 namespace palpate::protocols {
 
+/// How often each condition comes.
+[[nodiscard]] std::map<Condition, std::size_t> cells_of(std::span<const Condition> trials);
+/// The number of orders of the trials as they are, like ones alike.
+[[nodiscard]] Natural orders_of(std::span<const Condition> trials);
 /// How often each level of a factor comes, from the lowest level that does.
 [[nodiscard]] std::vector<std::size_t> counts_of(std::span<const Condition> trials,
                                                  std::size_t Condition::*factor);

@@ -33,7 +33,7 @@ namespace palpate::protocols {
 class OrderCounter {
 public:
     /// @param limits       0: no limit. Both may bind.
-    /// @param most_states  give up beyond
+    /// @param max_states   give up beyond
     /// @returns nothing if there are more states than that
     [[nodiscard]] static std::optional<OrderCounter> build(std::span<const Condition> trials,
                                                            const RunLimits& limits,

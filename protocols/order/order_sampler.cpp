@@ -26,17 +26,9 @@ std::size_t limit_of(const RunLimits& limits, Level factor) {
 /// Bits of one over the share of pairs that have the asked table, object and friction each in any
 /// order.
 std::size_t rarity_of_table(std::span<const Condition> trials) {
-    std::map<Condition, std::size_t> cells;
-    for (const Condition& condition : trials) {
-        ++cells[condition];
-    }
-    std::vector<std::size_t> counts;
-    for (const auto& [condition, count] : cells) {
-        counts.push_back(count);
-    }
     return bits_of(multinomial(counts_of(trials, &Condition::object))) +
            bits_of(multinomial(counts_of(trials, &Condition::friction))) -
-           bits_of(multinomial(counts));
+           bits_of(orders_of(trials));
 }
 
 std::shared_ptr<const OrderCounter> counter_or_none(std::optional<OrderCounter> built) {
@@ -45,12 +37,8 @@ std::shared_ptr<const OrderCounter> counter_or_none(std::optional<OrderCounter> 
 
 /// No fewer than the states of a counter of both factors.
 double max_places(std::span<const Condition> trials, const RunLimits& limits) {
-    std::map<Condition, std::size_t> cells;
-    for (const Condition& condition : trials) {
-        ++cells[condition];
-    }
     std::map<std::size_t, double> rows;  // how many remainders the row of an object can have
-    for (const auto& [condition, count] : cells) {
+    for (const auto& [condition, count] : cells_of(trials)) {
         double& row = rows.try_emplace(condition.object, 1.0).first->second;
         row *= static_cast<double>(count) + 1.0;
     }
@@ -264,10 +252,7 @@ OrderSampler::Proposal OrderSampler::deal_beside(Level counted, Pcg32& random) {
 }
 
 OrderSampler::Proposal OrderSampler::count_apart(Pcg32& random) {
-    std::map<Condition, std::size_t> left;
-    for (const Condition& condition : trials_) {
-        ++left[condition];
-    }
+    std::map<Condition, std::size_t> left = cells_of(trials_);
     std::vector<Condition> order;
     OrderWalk object(*counter_of(&Condition::object));
     OrderWalk friction(*counter_of(&Condition::friction));

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/pcg32.hpp"
 #include "protocols/order/constrained_order.hpp"
 
 namespace palpate::protocols {

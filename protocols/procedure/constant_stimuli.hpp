@@ -10,6 +10,7 @@
 
 namespace palpate::protocols {
 
+/// Values that are shown equally often, whatever is answered.
 struct ConstantStimuliSpec {
     std::vector<double> values;    ///< finite; a value that stands twice is shown twice as often
     std::size_t repetitions = 10;  ///< of the whole list
@@ -34,6 +35,7 @@ public:
     /// end
     void update(std::span<const double> shown, std::size_t outcome);
 
+    /// As Procedure's; there is nothing to estimate.
     [[nodiscard]] bool finished() const noexcept { return trials_ >= order_.size(); }
     [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
     [[nodiscard]] std::size_t outcomes() const noexcept { return outcomes_; }
@@ -41,6 +43,7 @@ public:
     [[nodiscard]] std::vector<Estimate> estimates() const { return {}; }
     [[nodiscard]] std::string state_hash() const;
 
+    /// All values as they will be shown, drawn once at the start.
     [[nodiscard]] std::span<const double> order() const noexcept { return order_; }
 
 private:

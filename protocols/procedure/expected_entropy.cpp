@@ -39,10 +39,7 @@ double dot(std::span<const double> a, std::span<const double> b) noexcept {
 
 std::vector<double> expected_entropies(const LikelihoodTable& table,
                                        std::span<const double> weights) {
-    double now = 0.0;
-    for (const double w : weights) {
-        now -= p_log_p(w);
-    }
+    const double now = entropy_of(weights);
     std::vector<double> expected(table.stimuli().size());
     for (std::size_t x = 0; x < expected.size(); ++x) {
         double predicted = 0.0;  // H(R|x)

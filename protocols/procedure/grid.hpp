@@ -23,8 +23,10 @@ public:
     ///         not increase, or for more than kMaxCells cells
     explicit Grid(std::vector<Axis> axes);
 
+    /// Axes, and cells: the product of the axes' lengths.
     [[nodiscard]] std::size_t dimensions() const noexcept { return axes_.size(); }
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    /// @throws std::out_of_range for k >= dimensions()
     [[nodiscard]] const Axis& axis(std::size_t k) const { return axes_.at(k); }
     [[nodiscard]] std::span<const Axis> axes() const noexcept { return axes_; }
     /// Which value of axis k cell `cell` has. @pre cell < size()

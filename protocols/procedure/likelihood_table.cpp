@@ -45,6 +45,18 @@ LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid p
     fill(model);
 }
 
+namespace {
+
+[[noreturn]] void no_chances(const std::vector<double>& stimulus,
+                             const std::vector<double>& parameters) {
+    throw std::invalid_argument(
+        fmt::format("the model gives no chances that add up to 1 at stimulus {} and parameters {}: "
+                    "give parameters in their ranges",
+                    fmt::join(stimulus, ", "), fmt::join(parameters, ", ")));
+}
+
+}  // namespace
+
 void LikelihoodTable::fill(const OutcomeModel& model) {
     std::vector<std::vector<double>> points(stimuli_.size());
     for (std::size_t x = 0; x < points.size(); ++x) {
@@ -69,10 +81,7 @@ void LikelihoodTable::fill(const OutcomeModel& model) {
                 }
             }
             if (!(std::fabs(sum - 1.0) <= kSumSlack)) {
-                throw std::invalid_argument(fmt::format(
-                    "the model gives no chances that add up to 1 at stimulus {} and parameters {}: "
-                    "give parameters in their ranges",
-                    fmt::join(points[x], ", "), fmt::join(s, ", ")));
+                no_chances(points[x], s);
             }
             column[outcomes_ * cells] = entropy;
         }

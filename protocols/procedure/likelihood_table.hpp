@@ -21,6 +21,7 @@ public:
     ///         than kMaxBytes
     LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid parameters);
 
+    /// What it was made of; `outcomes` is the model's.
     [[nodiscard]] const Grid& stimuli() const noexcept { return stimuli_; }
     [[nodiscard]] const Grid& parameters() const noexcept { return parameters_; }
     [[nodiscard]] std::size_t outcomes() const noexcept { return outcomes_; }

@@ -90,7 +90,10 @@ OutcomeModel covariate_model(Family family, LapseForm form, SlopeAs slope_as) {
     return two_outcomes(family, form, slope_as, true);
 }
 
-OutcomeModel identification_model(std::vector<double> alternatives) {
+namespace {
+
+/// Half-way between neighbours.
+std::vector<double> criteria_between(const std::vector<double>& alternatives) {
     const std::size_t m = alternatives.size();
     std::vector<double> criteria;
     for (std::size_t j = 0; j + 1 < m; ++j) {
@@ -103,10 +106,17 @@ OutcomeModel identification_model(std::vector<double> alternatives) {
         throw std::invalid_argument(
             "the alternatives are no list of at least two increasing finite numbers: give one");
     }
+    return criteria;
+}
+
+}  // namespace
+
+OutcomeModel identification_model(const std::vector<double>& alternatives) {
+    std::vector<double> criteria = criteria_between(alternatives);
     OutcomeModel model;
     model.stimulus = {"stimulus"};
     model.parameters = {"noise", "bias", "lapse"};
-    model.outcomes = m;
+    model.outcomes = criteria.size() + 1;
     model.chances = [criteria = std::move(criteria)](std::span<const double> x,
                                                      std::span<const double> s,
                                                      std::span<double> chances) {

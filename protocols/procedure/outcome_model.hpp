@@ -24,6 +24,7 @@ enum class SlopeAs : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 3> kSlopeWords{"slope", "log10_slope", "sd"};
 
+/// P(outcome | x, s): how an answer depends on the stimulus and on the parameters to estimate.
 struct OutcomeModel {
     std::vector<std::string> stimulus;    ///< names of the dimensions of x, in order
     std::vector<std::string> parameters;  ///< names of s, in order
@@ -70,6 +71,6 @@ struct OutcomeModel {
 /// Thurstone's law of categorical judgement with fixed criteria.
 /// @param alternatives  v, increasing, at least 2
 /// @throws std::invalid_argument for other alternatives
-[[nodiscard]] OutcomeModel identification_model(std::vector<double> alternatives);
+[[nodiscard]] OutcomeModel identification_model(const std::vector<double>& alternatives);
 
 }  // namespace palpate::protocols

@@ -78,11 +78,7 @@ void Posterior::update(std::span<const double> likelihood) {
 }
 
 double Posterior::entropy() const noexcept {
-    double entropy = 0.0;
-    for (const double w : weights_) {
-        entropy -= p_log_p(w);
-    }
-    return entropy;
+    return entropy_of(weights_);
 }
 
 std::vector<double> Posterior::marginal(const Grid& grid, std::size_t k) const {

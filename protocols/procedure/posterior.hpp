@@ -19,6 +19,7 @@ public:
     ///         finite weights, or only zeros
     Posterior(const Grid& grid, std::span<const std::vector<double>> axis_weights);
 
+    /// One a cell of the grid, >= 0; they sum to 1 but for rounding.
     [[nodiscard]] std::span<const double> weights() const noexcept { return weights_; }
 
     /// Bayes: multiplies by the likelihood of each cell and normalises. Which of two responses came

@@ -10,10 +10,9 @@
 
 #include "engine/base/pcg32.hpp"
 #include "protocols/procedure/constant_stimuli.hpp"
-#include "protocols/procedure/psi.hpp"
 #include "protocols/procedure/quest.hpp"
 #include "protocols/procedure/quest_plus.hpp"
-#include "protocols/procedure/staircases.hpp"
+#include "protocols/procedure/staircase.hpp"
 
 namespace palpate::protocols {
 
@@ -54,8 +53,10 @@ public:
     /// @throws std::invalid_argument with the value and the remedy; the state is then as it was
     void update(std::span<const double> shown, std::size_t outcome);
 
+    /// The rule asks for no more trials; next() goes on naming a stimulus.
     [[nodiscard]] bool finished() const;
     [[nodiscard]] std::size_t trials() const;  ///< updates so far
+    /// How many outcomes update() tells apart.
     [[nodiscard]] std::size_t outcomes() const;
     /// Names of the dimensions; the first is "stimulus".
     [[nodiscard]] std::vector<std::string> stimulus_names() const;

@@ -190,11 +190,7 @@ std::vector<Estimate> Quest::estimates() const {
 }
 
 double Quest::entropy() const noexcept {
-    double entropy = 0.0;
-    for (const double w : weights_) {
-        entropy -= p_log_p(w);
-    }
-    return entropy;
+    return entropy_of(weights_);
 }
 
 std::string Quest::state_hash() const {

@@ -62,11 +62,14 @@ public:
     ///         does not reach, or a table of more than 200,000 cells
     explicit Quest(const QuestSpec& spec);
 
+    /// What the spec's rule takes of the posterior, its mean, mode or quantile, within the spec's
+    /// lowest and highest.
     [[nodiscard]] std::vector<double> next() const;
     /// @throws std::invalid_argument for a stimulus that is not one finite number, for another
     ///         outcome than 0 and 1
     void update(std::span<const double> shown, std::size_t outcome);
 
+    /// As Procedure's; the estimate is the threshold.
     [[nodiscard]] bool finished() const noexcept { return trials_ >= spec_.trials; }
     [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
     [[nodiscard]] std::size_t outcomes() const noexcept { return 2; }
@@ -75,6 +78,7 @@ public:
     [[nodiscard]] double entropy() const noexcept;  ///< of the table's weights, bits
     [[nodiscard]] std::string state_hash() const;
 
+    /// Of the posterior of the threshold, in the stimulus' unit.
     [[nodiscard]] double mean() const noexcept;
     [[nodiscard]] double mode() const noexcept;  ///< the first of the largest weights
     [[nodiscard]] double sd() const noexcept;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/state_bytes.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
 
@@ -101,6 +103,20 @@ std::string QuestPlus::state_hash() const {
     bytes.add(std::uint64_t{trials_});
     bytes.add(posterior_.weights());
     return bytes.hash();
+}
+
+QuestPlusSpec quest_plus_spec(const PsiSpec& psi) {
+    std::vector<Axis> parameters{{"threshold", psi.thresholds}, {"log10_slope", psi.log10_slopes}};
+    if (psi.form != LapseForm::two_sided) {
+        parameters.push_back({"guess", psi.guesses});
+    }
+    parameters.push_back({"lapse", psi.lapses});
+    return {.model = psychometric_model(psi.family, psi.form, SlopeAs::log10_slope),
+            .stimuli = Grid({{"stimulus", psi.stimuli}}),
+            .parameters = Grid(std::move(parameters)),
+            .prior = psi.prior,
+            .nuisance = psi.nuisance,
+            .trials = psi.trials};
 }
 
 }  // namespace palpate::protocols

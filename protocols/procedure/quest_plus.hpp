@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "protocols/procedure/estimate.hpp"
-#include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/likelihood_table.hpp"
 #include "protocols/procedure/posterior.hpp"
 
 namespace palpate::protocols {
 
+struct CellGroups;
+
+/// What QUEST+ may show, what it estimates, and by which model.
 struct QuestPlusSpec {
     OutcomeModel model;
     Grid stimuli{};
@@ -49,6 +51,7 @@ public:
     /// impossible
     void update(std::span<const double> shown, std::size_t outcome);
 
+    /// As Procedure's.
     [[nodiscard]] bool finished() const noexcept;
     [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
     [[nodiscard]] std::size_t outcomes() const noexcept { return table_->outcomes(); }
@@ -66,6 +69,7 @@ public:
     [[nodiscard]] double entropy() const noexcept { return posterior_.entropy(); }
     [[nodiscard]] std::string state_hash() const;
 
+    /// What is known of the parameters now, and the likelihoods that it is multiplied with.
     [[nodiscard]] const Posterior& posterior() const noexcept { return posterior_; }
     [[nodiscard]] const LikelihoodTable& table() const noexcept { return *table_; }
     /// Expected entropy after the next trial for every stimulus of the grid, bits.
@@ -80,5 +84,28 @@ private:
     double entropy_bits_;
     std::size_t trials_ = 0;
 };
+
+/// The psi method (L. L. Kontsevich and C. W. Tyler, "Bayesian adaptive estimation of psychometric
+/// slope and threshold", Vision Research 39, 2729-2737, 1999) and its marginal form (N. Prins, "The
+/// psi-marginal adaptive method", Journal of Vision 13(7):3, 2013).
+struct PsiSpec {
+    Family family = Family::normal;
+    LapseForm form = LapseForm::upper;
+    std::vector<double> stimuli;
+    std::vector<double> thresholds;
+    std::vector<double> log10_slopes;
+    std::vector<double> guesses{0.5};
+    std::vector<double> lapses{0.02};
+    std::vector<std::vector<double>> prior{};  ///< threshold, log10_slope, guess, lapse
+    std::vector<std::string>
+        nuisance{};  ///< psi-marginal: e.g. lapse; empty: as Kontsevich & Tyler
+    std::size_t trials = 64;
+};
+
+/// QUEST+ with one stimulus dimension and two outcomes is the psi method: both show the stimulus of
+/// least expected entropy. What psi adds is its grid: the slope by its decadic logarithm, so that
+/// the estimate is the posterior mean of log10 slope. Kontsevich & Tyler fix the lapse rate;
+/// psi-marginal has it in the grid as a nuisance.
+[[nodiscard]] QuestPlusSpec quest_plus_spec(const PsiSpec& psi);
 
 }  // namespace palpate::protocols

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/base/pcg32.hpp"
 #include "protocols/procedure/estimate.hpp"
 
 namespace palpate::protocols {
@@ -68,12 +70,15 @@ public:
     /// @throws std::invalid_argument for a spec that makes no sense, with the member and the remedy
     explicit Staircase(StaircaseSpec spec);
 
+    /// The stimulus to show next.
     [[nodiscard]] double level() const noexcept { return level_; }
     /// @param shown   what was shown; the rule goes on from there
     /// @param right   1: right, 0: wrong
     void update(double shown, bool right);
     [[nodiscard]] bool finished() const noexcept;
 
+    /// As it was given; trials so far; and of the reversals so far the stimulus and the trial, from
+    /// 0.
     [[nodiscard]] const StaircaseSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
     [[nodiscard]] const std::vector<double>& reversals() const noexcept { return reversals_; }
@@ -99,6 +104,41 @@ private:
     std::size_t trials_ = 0;
     std::vector<double> reversals_;
     std::vector<std::size_t> reversal_trials_;  ///< from 0
+};
+
+/// One staircase, or several interleaved: before each trial one of those that are not finished is
+/// drawn, each equally likely, so that the participant cannot follow a track. A single one draws
+/// nothing.
+class Staircases {
+public:
+    /// @throws std::invalid_argument without a staircase, for equal names, or as Staircase
+    Staircases(const std::vector<StaircaseSpec>& specs, Pcg32 random);
+
+    /// The level of the track that was drawn for the next trial.
+    [[nodiscard]] std::vector<double> next() const { return {tracks_[track_].level()}; }
+    /// @throws std::invalid_argument for a stimulus that is not one finite number, for another
+    ///         outcome than 0 (wrong) and 1 (right), or when all are finished
+    void update(std::span<const double> shown, std::size_t outcome);
+
+    /// As Procedure's: each staircase has finished; an estimate a staircase.
+    [[nodiscard]] bool finished() const noexcept;
+    [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
+    [[nodiscard]] std::size_t outcomes() const noexcept { return 2; }
+    [[nodiscard]] std::vector<std::string> stimulus_names() const { return {"stimulus"}; }
+    [[nodiscard]] std::vector<Estimate> estimates() const;
+    [[nodiscard]] std::string state_hash() const;
+
+    /// Which staircase the next trial belongs to.
+    [[nodiscard]] std::size_t track() const noexcept { return track_; }
+    [[nodiscard]] std::span<const Staircase> tracks() const noexcept { return tracks_; }
+
+private:
+    void draw();
+
+    std::vector<Staircase> tracks_;
+    Pcg32 random_;
+    std::size_t track_ = 0;
+    std::size_t trials_ = 0;
 };
 
 }  // namespace palpate::protocols

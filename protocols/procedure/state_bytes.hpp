@@ -17,8 +17,10 @@ namespace palpate::protocols {
 /// for another.
 class StateBytes {
 public:
+    /// @param kind  of rule: two rules never share a state
     explicit StateBytes(std::string_view kind) { add(kind); }
 
+    /// 8 bytes, the lowest first; of a double its bits; of a text or a list first its length.
     void add(std::uint64_t word) {
         for (unsigned shift = 0; shift < 64; shift += 8) {
             bytes_.push_back(static_cast<std::byte>((word >> shift) & 0xFFU));

@@ -59,6 +59,7 @@ struct HandSpec {
     friend bool operator==(const HandSpec&, const HandSpec&) = default;
 };
 
+/// A population of simulated participants, and how each of them answers.
 struct ObserverModel {
     ObserverSpec typical{};
     FrictionEffectSpec friction{};

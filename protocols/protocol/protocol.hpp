@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/friction/laws/law.hpp"
+#include "engine/friction/laws/law_spec.hpp"
 #include "engine/geometry/vec.hpp"
 #include "stimuli/free_outline.hpp"
 
@@ -32,6 +32,7 @@ struct ObjectSpec {
     /// Of a study of surfaces: 1/m along y, where `curvature` is that along x; > 0 bulges up.
     double cross_curvature = 0.0;
 
+    /// Where and how large its outline stands, m and rad.
     [[nodiscard]] stimuli::Pose pose() const noexcept { return {size, offset, turn}; }
 
     friend bool operator==(const ObjectSpec&, const ObjectSpec&) = default;
@@ -153,6 +154,7 @@ enum class FrictionBlocks : std::uint8_t {
     blocked,      ///< one a block, always in the same order: A B, A B
 };
 
+/// [design]: how often what comes, and in which order.
 struct DesignSpec {
     std::size_t repetitions = 10;          ///< of each condition in the main phase, >= 1
     std::size_t max_run_object = 2;        ///< same object in a row, 0: no limit
@@ -167,6 +169,7 @@ struct DesignSpec {
     friend bool operator==(const DesignSpec&, const DesignSpec&) = default;
 };
 
+/// [timing]: how long a trial's steps may take.
 struct TimingSpec {
     double explore_min = 2.0;       ///< s, done is ignored before
     double explore_prompt = 30.0;   ///< s, then the screen asks for an answer
@@ -191,6 +194,7 @@ enum class ResponseKind : std::uint8_t {
 /// When the participant learns whether an answer was right.
 enum class Feedback : std::uint8_t { none, practice, all };
 
+/// [response]: what is asked after the exploration.
 struct ResponseSpec {
     ResponseKind kind = ResponseKind::identification;
     std::string question;    ///< empty: the screen's own sentence
@@ -277,6 +281,7 @@ struct ObserverSpec {
 /// Noise on the headphones, so that nobody hears the motors.
 enum class Noise : std::uint8_t { none, pink };
 
+/// [masking]: what is heard meanwhile.
 struct MaskingSpec {
     Noise noise = Noise::none;
     double level_db = -30.0;  ///< root mean square against full scale, -60 to 0
@@ -305,6 +310,7 @@ struct InstructionTexts {
 /// Of the participants that are asked for.
 enum class Handedness : std::uint8_t { right, left, any };
 
+/// An experiment as its file describes it, SI.
 struct Protocol {
     std::string id = "shape_friction";  ///< [a-z0-9_]+, names the study in the database
     std::string title;

@@ -134,4 +134,12 @@ double normal_quantile(double p) noexcept {
     return p <= 0.5 ? lower_quantile(p) : -lower_quantile(1.0 - p);
 }
 
+double entropy_of(std::span<const double> shares) noexcept {
+    double entropy = 0.0;
+    for (const double p : shares) {
+        entropy -= p_log_p(p);
+    }
+    return entropy;
+}
+
 }  // namespace palpate::protocols

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 /// Exponential and normal distribution from + - * / and exact scaling only, beside the logarithm of
 /// engine/math/elementary.hpp: the same to the bit on every IEEE-754 machine built with
 /// -ffp-contract=off. An adaptive procedure picks the stimulus of least expected entropy; with
@@ -22,6 +24,8 @@ inline constexpr double kLn10 = 2.302585092994045684017991454684364208;
 
 /// p log2 p, and 0 for p <= 0: a term of an entropy, in bits.
 [[nodiscard]] double p_log_p(double p) noexcept;
+/// Entropy of shares that sum to 1, bits.
+[[nodiscard]] double entropy_of(std::span<const double> shares) noexcept;
 
 /// Phi(z), the share of a standard normal distribution below z. Relative error below 1e-14 in both
 /// tails, 0 below -38.5. |z| < 1.5: Abramowitz & Stegun 26.2.11, a series of positive terms;

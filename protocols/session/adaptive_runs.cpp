@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/factorial.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/recorder.hpp"
 

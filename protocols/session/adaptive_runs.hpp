@@ -11,30 +11,11 @@
 #include "protocols/design/streams.hpp"
 #include "protocols/procedure/procedure.hpp"
 #include "protocols/protocol/protocol.hpp"
+#include "protocols/session/recorder.hpp"
 #include "protocols/trial/presentation.hpp"
 
 /// The rules of a session on their way.
 namespace palpate::protocols {
-
-struct Response;
-
-/// An answer that a rule takes in.
-struct RuleAnswer {
-    std::size_t run = 0;
-    double stimulus = 0.0;    ///< what was shown, as the rule counts
-    std::size_t outcome = 0;  ///< 0 ... Procedure::outcomes() - 1
-
-    friend bool operator==(const RuleAnswer&, const RuleAnswer&) = default;
-};
-
-/// The same with what the rule says afterwards.
-struct AdaptiveStep {
-    RuleAnswer answer{};
-    std::vector<Estimate> estimates{};
-    std::string state_hash;  ///< Procedure::state_hash() with this answer
-
-    friend bool operator==(const AdaptiveStep&, const AdaptiveStep&) = default;
-};
 
 /// One procedure for every [[run]] of a protocol, each with a stream of its own (run_key). A value.
 class AdaptiveRuns {

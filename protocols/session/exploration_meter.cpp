@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/outline.hpp"
+#include "engine/realtime/felt_scene.hpp"
+
 namespace palpate::protocols {
 namespace {
 

@@ -6,19 +6,11 @@
 #include <variant>
 #include <vector>
 
-#include "engine/geometry/outline.hpp"
-#include "engine/realtime/felt_scene.hpp"
+#include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
+#include "protocols/session/deciles.hpp"
 
 namespace palpate::protocols {
-
-/// Three of a sample's values: so large that a tenth, a half, nine tenths of all are no larger. 0
-/// of none.
-struct Deciles {
-    double p10 = 0.0;
-    double p50 = 0.0;
-    double p90 = 0.0;
-};
 
 /// The ceil(q n)-th smallest of n values, q = .1, .5, .9. @param values  left in another order
 [[nodiscard]] Deciles deciles_of(std::vector<double>& values) noexcept;
@@ -31,6 +23,7 @@ class OutlineCover {
 public:
     static constexpr double kCell = 1e-3;  ///< m; a hand goes 0.1 to 0.3 mm a tick of 1 kHz
 
+    /// Cuts each segment into cells of kCell or less, by chords of 1/64 of a span.
     explicit OutlineCover(const engine::Outline& outline);
 
     /// The next tick of the same object.
@@ -57,6 +50,7 @@ class PatchCover {
 public:
     static constexpr std::size_t kSide = 12;  ///< 5 mm of a patch of 60 mm: a finger's breadth
 
+    /// The next tick of the same patch; and the share of cells visited so far, 0 to 1.
     void add(const engine::TickRecord& tick) noexcept;
     [[nodiscard]] double share() const noexcept;
     /// The i-th cell along u, the j-th along v, both from 0 and below kSide.
@@ -74,12 +68,14 @@ class ExplorationMeter {
 public:
     static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
 
+    /// Of one interval; an outline's cells are measured, a surface's are those of PatchCover.
     explicit ExplorationMeter(const engine::Outline& outline) : cover_(OutlineCover(outline)) {}
     explicit ExplorationMeter(const engine::SceneView& scene);
 
     /// The next tick of the interval.
     void add(const engine::TickRecord& tick);
 
+    /// Ticks on a vertex; times that a contact came to stick; share of the object visited, 0 to 1.
     [[nodiscard]] std::int64_t vertex_ticks() const noexcept { return vertex_ticks_; }
     [[nodiscard]] std::int64_t stick_events() const noexcept { return stick_events_; }
     [[nodiscard]] double covered_share() const noexcept {

@@ -11,11 +11,13 @@
 /// Before the first trial: can this device render this protocol?
 namespace palpate::protocols {
 
+/// What a finding means for the session.
 enum class Verdict : std::uint8_t {
     warn,    ///< it can be run, and this should be known
     refuse,  ///< nobody should hold that handle
 };
 
+/// One thing that stands against device and protocol.
 struct Finding {
     Verdict verdict = Verdict::warn;
     std::string text;  ///< a sentence with numbers and the remedy, without a full stop
@@ -48,6 +50,7 @@ struct Margins {
     double resting_friction = 0.0;  ///< N, dry friction of the device that promises rest
     double creep = 0.0;             ///< m/s rms, the most without it; infinity: no bound is known
 };
+/// By the same places as check_feasibility.
 [[nodiscard]] Margins margins_of(const Protocol& protocol, const engine::Device& device);
 
 /// When a contact comes to rest (engine/safety/passivity.hpp), as a sentence without a full stop;

@@ -15,7 +15,8 @@ inline constexpr double kLetGo = 3.0;
 
 /// While a participant rests, the free handle is proved on a thread of its own, until it is right
 /// or the break is over: its place, where encoders that slipped show, then its motors by weak
-/// pulses, since none that became stronger or weaker shows while somebody holds the handle. Nobody else uses the apparatus until this is over().
+/// pulses, since none that became stronger or weaker shows while somebody holds the handle. Nobody
+/// else uses the apparatus until this is over().
 class HandleCheck {
 public:
     /// @param apparatus  outlives this; one that has nothing to prove is left alone

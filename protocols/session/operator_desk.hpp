@@ -39,11 +39,15 @@ public:
     /// No trial begins while this stands. @param why  a sentence, a literal; none: nothing any more
     void bar(const char* why) noexcept { barred_.store(why); }
 
+    /// Something was asked for that a session stops for between trials.
     [[nodiscard]] bool wants() const noexcept { return mark_ || pause_ || wants_stop(); }
+    /// Force is not wanted: stop() or bar().
     [[nodiscard]] bool wants_stop() const noexcept {
         return stop_.load() != nullptr || barred() != nullptr;
     }
+    /// Why no trial may begin; null: it may.
     [[nodiscard]] const char* barred() const noexcept { return barred_.load(); }
+    /// The way of the stop, which is forgotten then; null: there was none.
     [[nodiscard]] const char* take_stop() noexcept { return stop_.exchange(nullptr); }
     /// What became of the mark, for the screen to say.
     void reply(const MarkReply& reply) noexcept { reply_ = reply; }

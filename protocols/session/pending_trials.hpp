@@ -43,6 +43,7 @@ struct TrialNumber {
 class PendingTrials {
 public:
     PendingTrials() = default;
+    /// Every trial of the plan, in its order, none tried yet.
     explicit PendingTrials(const Plan& plan, RequeueRule rule = {});
 
     /// The next thing that became of an attempt. Positions that are not pending are ignored.
@@ -56,6 +57,7 @@ public:
         return part_[position];
     }
 
+    /// Nothing is left to run.
     [[nodiscard]] bool empty() const noexcept { return order_.empty(); }
     /// The position to run now; the number of trials when nothing is left.
     [[nodiscard]] std::size_t next() const noexcept {

@@ -21,6 +21,7 @@ struct Progress {
     TrialNumber number{};          ///< as its screens said
     const SessionProgress& known;  ///< what the session knows now
 
+    /// Trials still to run, those set back counted; and whether this one is among them.
     [[nodiscard]] std::size_t left() const { return known.pending().order().size(); }
     [[nodiscard]] bool runs_again() const { return known.pending().has(planned.position); }
 };
@@ -32,9 +33,11 @@ struct Ports {
     Recorder& recorder;
     std::vector<Event>
         opening{};  ///< what was found of the rig when it was opened, to be kept first
+    /// Asked before each trial and while one runs: true ends the session.
     std::function<bool()> interrupted = [] {
         return false;
     };  ///< e.g. a signal arrived
+    /// Hears of every attempt when it is stored.
     std::function<void(const Progress&)> progress = [](const Progress&) {
     };
     /// What is wrong, each time that it becomes another sentence: whoever could mend it is to hear

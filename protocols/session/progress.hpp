@@ -39,6 +39,7 @@ public:
     /// Before the first trial. @param session  the session's key; purpose and block are set here
     SessionProgress(const Protocol& protocol, const Plan& plan, const StreamKey& session);
 
+    /// What is left to run, and what the rules of adaptive runs know.
     [[nodiscard]] const PendingTrials& pending() const noexcept { return pending_; }
     [[nodiscard]] const AdaptiveRuns& runs() const noexcept { return runs_; }
     /// How many attempts there were at each position that had any.

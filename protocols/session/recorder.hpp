@@ -11,8 +11,8 @@
 #include "engine/realtime/tick_record.hpp"
 #include "engine/safety/trip.hpp"
 #include "protocols/design/plan.hpp"
-#include "protocols/session/adaptive_runs.hpp"
-#include "protocols/session/exploration_meter.hpp"
+#include "protocols/procedure/estimate.hpp"
+#include "protocols/session/deciles.hpp"
 #include "protocols/trial/observer.hpp"
 #include "protocols/trial/presentation.hpp"
 
@@ -20,6 +20,7 @@
 /// throws.
 namespace palpate::protocols {
 
+/// What became of an attempt. The database has the words of to_string().
 enum class Outcome : std::uint8_t {
     complete,     ///< felt and answered
     timed_out,    ///< exploration reached the time-out, then answered
@@ -29,6 +30,7 @@ enum class Outcome : std::uint8_t {
     unanswered,   ///< felt, and nobody answered in time; run again later in its block
 };
 
+/// "complete", "timed_out", ...: the enumerator's name.
 [[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
 /// Of an attempt that is stored without an answer: one that never ended counts as interrupted.
 [[nodiscard]] Outcome without_answer(std::string_view word) noexcept;
@@ -69,6 +71,7 @@ struct TrialSummary {
     std::optional<double> first_contact_s;  ///< since the first tick
 };
 
+/// What was answered, and whether it was right.
 struct Response {
     std::size_t place = 0;                ///< which answer, as Choice::place
     std::optional<std::size_t> object{};  ///< of a picture: index into Protocol::objects
@@ -81,6 +84,24 @@ struct Response {
     std::size_t early_presses = 0;  ///< as Choice::early_presses
     std::optional<Confirmation> confirmation{};
     std::optional<Confirmation> confidence_confirmation{};
+};
+
+/// An answer that a rule takes in.
+struct RuleAnswer {
+    std::size_t run = 0;
+    double stimulus = 0.0;    ///< what was shown, as the rule counts
+    std::size_t outcome = 0;  ///< 0 ... Procedure::outcomes() - 1
+
+    friend bool operator==(const RuleAnswer&, const RuleAnswer&) = default;
+};
+
+/// The same with what the rule says afterwards.
+struct AdaptiveStep {
+    RuleAnswer answer{};
+    std::vector<Estimate> estimates{};
+    std::string state_hash;  ///< Procedure::state_hash() with this answer
+
+    friend bool operator==(const AdaptiveStep&, const AdaptiveStep&) = default;
 };
 
 /// What became of one interval of a trial.
@@ -97,6 +118,7 @@ struct Fault {
     std::vector<engine::TickRecord> last;  ///< up to the trip, oldest first, at most 100
 };
 
+/// All that is kept of an attempt beside its ticks.
 struct TrialResult {
     Outcome outcome = Outcome::complete;
     double done_s = 0.0;  ///< of the last interval: its first tick -> done (or time-out)
@@ -118,6 +140,7 @@ struct SceneConstants {
     double heal_decay = 0.0;  ///< exp(-T/tau_heal)
 };
 
+/// trial.trial_id of the database.
 using TrialId = std::int64_t;
 
 /// What can happen beside the trials. The database has the words of to_string().
@@ -147,6 +170,7 @@ enum class EventKind : std::uint8_t {
 };
 inline constexpr std::size_t kEventKinds = 22;
 
+/// The word of a kind, as the database has it.
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 /// @throws std::invalid_argument for other words
 [[nodiscard]] EventKind event_kind(std::string_view word);
@@ -167,6 +191,7 @@ struct Event {
     friend bool operator==(const Event&, const Event&) = default;
 };
 
+/// Keeps a session. One thread; calls come in the order of the session.
 class Recorder {
 public:
     Recorder() = default;

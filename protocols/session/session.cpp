@@ -50,47 +50,8 @@ public:
             if (wanted() || !trusted()) {  // who stopped a proof goes on before it is right
                 continue;
             }
-            const PlannedTrial& planned = plan_.trials.at(pending().next());
-            const TrialNumber number = pending().number();
-            const TrialResult result = runner_.run(planned, next);
-            if (!result.begun) {
-                if (result.outcome == Outcome::aborted) {
-                    return stopped();
-                }
-                continue;
-            }
-            fresh = false;
-            last_ = runner_.last();
-            trust_ = apply(trust_, Attempt{.trial = *last_, .position = planned.position});
-            last_number_ = number;
-            last_position_ = planned.position;
-            ports_.progress({.planned = planned,
-                             .result = result,
-                             .trial = *last_,
-                             .number = number,
-                             .known = progress_});
-            if (result.outcome == Outcome::aborted) {
-                last_.reset();  // a mark that was made meanwhile was not meant for the one before
-                return stopped();
-            }
-            note_invalid(planned, result);
-            if (tell(next, result) == Signal::abort) {
-                return stopped();
-            }
-            faults_ = result.fault ? faults_ + 1 : 0;
-            if (result.fault) {
-                note_attempt(
-                    EventKind::fault, planned,
-                    fmt::format("{}: {}", to_string(result.fault->cause), result.fault->text),
-                    to_string(result.fault->cause));
-                note_timing();
-                const Mended mended = mend(ports_, *result.fault, faults_, rig(), last_);
-                if (mended.signal == Signal::give_up) {
-                    return gave_up(*result.fault, mended.tries);
-                }
-                if (mended.signal != Signal::go_on) {
-                    return stopped();
-                }
+            if (const auto end = attempt(next, fresh)) {
+                return *end;
             }
         }
         note_timing();
@@ -103,6 +64,60 @@ public:
     }
 
 private:
+    /// What an attempt leaves behind, and whoever looks on hears of it.
+    void keep(const PlannedTrial& planned, const TrialNumber& number, const TrialResult& result) {
+        last_ = runner_.last();
+        trust_ = apply(trust_, Attempt{.trial = *last_, .position = planned.position});
+        last_number_ = number;
+        last_position_ = planned.position;
+        ports_.progress({.planned = planned,
+                         .result = result,
+                         .trial = *last_,
+                         .number = number,
+                         .known = progress_});
+    }
+
+    /// One attempt at the next trial, and what its fault asks for. `fresh`: nothing was begun.
+    /// @return the session's end, if it ended it
+    std::optional<SessionEnd> attempt(const TrialView& next, bool& fresh) {
+        const PlannedTrial& planned = plan_.trials.at(pending().next());
+        const TrialNumber number = pending().number();
+        const TrialResult result = runner_.run(planned, next);
+        if (!result.begun) {
+            const bool over =
+                result.outcome == Outcome::aborted ||
+                (result.fault && lost_before(planned, *result.fault) == Signal::abort);
+            return over ? std::optional(stopped()) : std::nullopt;
+        }
+        fresh = false;
+        keep(planned, number, result);
+        if (result.outcome == Outcome::aborted) {
+            last_.reset();  // a mark that was made meanwhile was not meant for the one before
+            return stopped();
+        }
+        note_invalid(planned, result);
+        if (tell(next, result) == Signal::abort) {
+            return stopped();
+        }
+        faults_ = result.fault ? faults_ + 1 : 0;
+        if (!result.fault) {
+            return std::nullopt;
+        }
+        return after_fault(planned, *result.fault);
+    }
+
+    /// @return the session's end, if nobody mended it
+    std::optional<SessionEnd> after_fault(const PlannedTrial& planned, const Fault& fault) {
+        note_attempt(EventKind::fault, planned,
+                     fmt::format("{}: {}", to_string(fault.cause), fault.text),
+                     to_string(fault.cause));
+        note_timing();
+        const MendResult end = mend(ports_, fault, faults_, rig(), last_);
+        return end.signal == Signal::give_up ? std::optional(gave_up(fault, end.tries))
+             : end.signal != Signal::go_on   ? std::optional(stopped())
+                                             : std::nullopt;
+    }
+
     [[nodiscard]] const PendingTrials& pending() const { return progress_.pending(); }
 
     [[nodiscard]] TrialView view_of_next() const {
@@ -155,11 +170,9 @@ private:
         }
         const char* barred = ports_.desk->barred();
         const engine::Trip cause = engine::Trip::stopped;
-        const Fault fault{.cause = cause,
-                          .text = std::string(barred != nullptr ? barred : explanation(cause)),
-                          .last = {}};
-        return mend(ports_, fault, 1, rig()).signal == Signal::go_on ? Signal::go_on
-                                                                     : Signal::abort;
+        return mended({.cause = cause,
+                       .text = std::string(barred != nullptr ? barred : explanation(cause)),
+                       .last = {}});
     }
 
     Signal check_pause(const TrialView& next) {
@@ -218,8 +231,22 @@ private:
         return mend_unproved(check.refused());
     }
 
+    /// The device went away before anybody began: no attempt has failed.
+    Signal lost_before(const PlannedTrial& planned, const Fault& fault) {
+        happened({.kind = EventKind::fault,
+                  .text = fmt::format("before the trial at position {}: {}", planned.position,
+                                      fault.text),
+                  .position = planned.position,
+                  .value = std::string(to_string(fault.cause))});
+        return mended(fault);
+    }
+
     Signal mend_unproved(const std::string& why) {
-        const Fault fault{.cause = engine::Trip::none, .text = why, .last = {}};
+        return mended({.cause = engine::Trip::none, .text = why, .last = {}});
+    }
+
+    /// Between trials. @return go_on or abort
+    Signal mended(const Fault& fault) {
         return mend(ports_, fault, 1, rig()).signal == Signal::go_on ? Signal::go_on
                                                                      : Signal::abort;
     }

@@ -10,6 +10,7 @@
 
 namespace palpate::protocols {
 
+/// How a run of a session ended.
 struct SessionEnd {
     enum class Why : std::uint8_t {
         finished,

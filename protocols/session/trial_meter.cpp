@@ -16,6 +16,38 @@ TrialMeter::TrialMeter(double stiffness, const engine::SceneView& scene)
     sum_.sticks = spec == nullptr || spec->friction.mu_s > 0.0;
 }
 
+namespace {
+
+void add_flags(unsigned flags, TrialSummary& sum) {
+    sum.late_ticks += (flags & engine::tick_late) != 0 ? 1 : 0;
+    sum.saturated_ticks += (flags & engine::tick_saturated) != 0 ? 1 : 0;
+    sum.skipped_ticks += (flags & engine::tick_skipped) != 0 ? 1 : 0;
+    sum.slewed_ticks += (flags & engine::tick_force_slew) != 0 ? 1 : 0;
+    sum.stale_ticks += (flags & engine::tick_stale) != 0 ? 1 : 0;
+}
+
+}  // namespace
+
+void TrialMeter::add_stroke(const engine::TickRecord& tick) {
+    if (in_space_) {
+        strokes_.add_along(tick, {1.0, 0.0});
+        across_.add_along(tick, {0.0, 1.0});
+    } else {
+        strokes_.add(tick);
+    }
+}
+
+void TrialMeter::add_contact(const engine::TickRecord& tick) {
+    if (sum_.contact_ticks++ == 0) {
+        sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
+    }
+    sum_.before_vertex_ticks += !in_space_ && tick.segment == 0 ? 1 : 0;
+    sum_.after_vertex_ticks += !in_space_ && tick.segment == 1 ? 1 : 0;
+    sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
+    force_sum_ += tick.normal_force;
+    sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
+}
+
 void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
     for (const engine::TickRecord& tick : ticks) {
         const engine::Vec3 hip = hip_in_space(tick);
@@ -35,30 +67,13 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         last_hip_ = hip;
         last_force_ = force;
         last_time_ = tick.time_ns;
-        if (in_space_) {
-            strokes_.add_along(tick, {1.0, 0.0});
-            across_.add_along(tick, {0.0, 1.0});
-        } else {
-            strokes_.add(tick);
-        }
+        add_stroke(tick);
         exploration_.add(tick);
         ++sum_.ticks;
-        sum_.late_ticks += (tick.flags & engine::tick_late) != 0 ? 1 : 0;
-        sum_.saturated_ticks += (tick.flags & engine::tick_saturated) != 0 ? 1 : 0;
-        sum_.skipped_ticks += (tick.flags & engine::tick_skipped) != 0 ? 1 : 0;
-        sum_.slewed_ticks += (tick.flags & engine::tick_force_slew) != 0 ? 1 : 0;
-        sum_.stale_ticks += (tick.flags & engine::tick_stale) != 0 ? 1 : 0;
-        if (tick.mode == engine::Mode::free) {
-            continue;
+        add_flags(tick.flags, sum_);
+        if (tick.mode != engine::Mode::free) {
+            add_contact(tick);
         }
-        if (sum_.contact_ticks++ == 0) {
-            sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
-        }
-        sum_.before_vertex_ticks += !in_space_ && tick.segment == 0 ? 1 : 0;
-        sum_.after_vertex_ticks += !in_space_ && tick.segment == 1 ? 1 : 0;
-        sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
-        force_sum_ += tick.normal_force;
-        sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
     }
 }
 

@@ -24,6 +24,9 @@ public:
     [[nodiscard]] TrialSummary summary() const;
 
 private:
+    void add_stroke(const engine::TickRecord& tick);
+    void add_contact(const engine::TickRecord& tick);
+
     TrialSummary sum_{};
     engine::EnergyLedger<3> ledger_;
     StrokeCounter strokes_;

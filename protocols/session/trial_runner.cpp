@@ -61,7 +61,15 @@ TrialView TrialRunner::view_of(const TrialNumber& number, std::size_t done) cons
             .explore_timeout_s = protocol_.timing.explore_timeout};
 }
 
-/// The participant is at the start of an interval. @return go_on, abort, or held_up
+/// What the running trial ended by, or what keeps it from beginning.
+Fault TrialRunner::fault_of(engine::Trip cause) const {
+    const std::string trouble = ports_.apparatus.trouble();
+    return {.cause = cause,
+            .text = trouble.empty() ? std::string(explanation(cause)) : trouble,
+            .last = ports_.apparatus.last_ticks()};
+}
+
+/// The participant is at the start of an interval. @return as Observer::ready
 Signal TrialRunner::begin(const TrialView& view) {
     if (view.interval > 1 && ports_.observer.gap(protocol_.timing.gap) == Signal::abort) {
         return Signal::abort;
@@ -69,6 +77,22 @@ Signal TrialRunner::begin(const TrialView& view) {
     const Signal signal = ports_.observer.ready(view);
     return ports_.interrupted() ? Signal::abort : signal;
 }
+
+namespace {
+
+Response response_of(const Choice& choice, bool with_confidence) {
+    return {.place = choice.place,
+            .reaction_s = choice.reaction_s,
+            .uncertainty_s = choice.uncertainty_s,
+            .input = choice.input,
+            .confidence = with_confidence ? choice.confidence : std::nullopt,
+            .confidence_reaction_s = choice.confidence_reaction_s,
+            .early_presses = choice.early_presses,
+            .confirmation = choice.confirmation,
+            .confidence_confirmation = choice.confidence_confirmation};
+}
+
+}  // namespace
 
 TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     TrialResult result;
@@ -79,6 +103,9 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     if (begun != Signal::go_on || (ports_.desk != nullptr && ports_.desk->wants())) {
         result.outcome = begun == Signal::abort ? Outcome::aborted : result.outcome;
         result.begun = false;
+        if (begun == Signal::no_place) {
+            result.fault = fault_of(engine::Trip::device_silent);
+        }
         return result;
     }
     const TrialId id = ports_.recorder.begin_trial(planned);
@@ -86,7 +113,10 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     bool timed_out = false;
     for (const Presentation& one : felt) {
         view.interval = one.interval;
-        if (one.interval > 1 && begin(view) != Signal::go_on) {
+        const Signal again = one.interval > 1 ? begin(view) : Signal::go_on;
+        if (again == Signal::no_place) {  // its first tick ends it, and keeps why
+            ports_.apparatus.stop(engine::Trip::device_silent);
+        } else if (again != Signal::go_on) {
             result.outcome = Outcome::aborted;
             break;
         }
@@ -158,7 +188,7 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
             result.outcome = Outcome::faulted;
             return;
         }
-        const Exploring exploring = ports_.observer.explore(view, elapsed);
+        const ExplorationStep exploring = ports_.observer.explore(view, elapsed);
         if (exploring.alive) {  // and so does this loop
             ports_.apparatus.beat();
         }
@@ -207,10 +237,7 @@ void TrialRunner::note_fault(TrialId id,
         }
         return;
     }
-    const std::string trouble = ports_.apparatus.trouble();
-    result.fault = Fault{.cause = cause,
-                         .text = trouble.empty() ? std::string(explanation(cause)) : trouble,
-                         .last = ports_.apparatus.last_ticks()};
+    result.fault = fault_of(cause);
 }
 
 std::optional<RuleAnswer> TrialRunner::answer(const PlannedTrial& planned,
@@ -222,16 +249,8 @@ std::optional<RuleAnswer> TrialRunner::answer(const PlannedTrial& planned,
         result.outcome = choice.signal == Signal::too_late ? Outcome::unanswered : Outcome::aborted;
         return std::nullopt;
     }
-    Response response{.place = choice.place,
-                      .correct = is_right(protocol_, plan_, planned, felt, choice.place),
-                      .reaction_s = choice.reaction_s,
-                      .uncertainty_s = choice.uncertainty_s,
-                      .input = choice.input,
-                      .confidence = question_.confidence ? choice.confidence : std::nullopt,
-                      .confidence_reaction_s = choice.confidence_reaction_s,
-                      .early_presses = choice.early_presses,
-                      .confirmation = choice.confirmation,
-                      .confidence_confirmation = choice.confidence_confirmation};
+    Response response = response_of(choice, question_.confidence);
+    response.correct = is_right(protocol_, plan_, planned, felt, choice.place);
     if (question_.kind == ResponseKind::identification) {
         response.object = plan_.picture_order.at(choice.place);
     }

@@ -60,6 +60,7 @@ private:
              const std::optional<RuleAnswer>& answer,
              TrialResult& result);
     void drain(TrialId id, bool exploring);
+    [[nodiscard]] Fault fault_of(engine::Trip cause) const;
 
     const Protocol& protocol_;
     const Plan& plan_;

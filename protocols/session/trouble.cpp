@@ -8,9 +8,9 @@ namespace palpate::protocols {
 namespace {
 
 /// The way from a fault to a rig that may give force again.
-class Mending {
+class Repair {
 public:
-    Mending(Ports& ports, const Fault& fault, std::size_t in_a_row, const TrustPort& rig)
+    Repair(Ports& ports, const Fault& fault, std::size_t in_a_row, const TrustPort& rig)
         : ports_(ports), fault_(fault), rig_(rig), stopped_(fault.cause == engine::Trip::stopped) {
         view.sentence = fault.text;
         view.in_a_row = in_a_row;
@@ -85,12 +85,12 @@ bool note_stop(Ports& ports, std::optional<TrialId> trial) {
     return way != nullptr;
 }
 
-Mended mend(Ports& ports,
-            const Fault& fault,
-            std::size_t in_a_row,
-            const TrustPort& rig,
-            std::optional<TrialId> trial) {
-    Mending mending(ports, fault, in_a_row, rig);
+MendResult mend(Ports& ports,
+                const Fault& fault,
+                std::size_t in_a_row,
+                const TrustPort& rig,
+                std::optional<TrialId> trial) {
+    Repair mending(ports, fault, in_a_row, rig);
     TroubleView& view = mending.view;
     TroubleView said_last;
     for (std::size_t slice = 0;; ++slice) {

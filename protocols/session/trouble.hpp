@@ -21,7 +21,8 @@ inline constexpr const char* kProofComes =
     "the handle is proved before anybody feels a force: nobody may hold it now, weak pulses will "
     "move it";
 
-struct Mended {
+/// What came of waiting for a device.
+struct MendResult {
     Signal signal = Signal::go_on;  ///< go_on, abort or give_up
     std::size_t tries = 0;          ///< how often the device was asked to come back, in vain
 };
@@ -29,6 +30,7 @@ struct Mended {
 /// Trust, and what has to be done with an event.
 struct TrustPort {
     const RigTrust& trust;  ///< as events leave it
+    /// Each event goes through it, to be kept and to change `trust`.
     std::function<void(const Event&)> happened;
 };
 
@@ -39,11 +41,11 @@ struct TrustPort {
 /// experimenter goes on then.
 /// @param in_a_row  faulted trials since the last good one, this one too
 /// @param trial     the attempt
-[[nodiscard]] Mended mend(Ports& ports,
-                          const Fault& fault,
-                          std::size_t in_a_row,
-                          const TrustPort& rig,
-                          std::optional<TrialId> trial = {});
+[[nodiscard]] MendResult mend(Ports& ports,
+                              const Fault& fault,
+                              std::size_t in_a_row,
+                              const TrustPort& rig,
+                              std::optional<TrialId> trial = {});
 
 /// If somebody stopped the force, keeps by what. @return somebody did
 bool note_stop(Ports& ports, std::optional<TrialId> trial = {});

@@ -46,10 +46,12 @@ struct RigTrust {
     std::size_t trials = 0;  ///< attempts since it was proved
     bool by_hand = false;    ///< it may be another one, and nobody has said to go on since
 
+    /// A trial may give force: proved, and nobody has to say to go on first.
     [[nodiscard]] bool gives_force() const noexcept { return state == Trust::proved && !by_hand; }
 
     friend bool operator==(const RigTrust&, const RigTrust&) = default;
 };
+/// Trust after the next attempt or event.
 [[nodiscard]] RigTrust apply(RigTrust trust, const Attempt& attempt) noexcept;
 [[nodiscard]] RigTrust apply(RigTrust trust, const Event& event) noexcept;
 

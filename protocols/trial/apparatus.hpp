@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/commissioning/commissioning.hpp"
+#include "engine/commissioning/short_form.hpp"
 #include "engine/realtime/servo.hpp"
 #include "protocols/design/plan.hpp"
 
@@ -28,7 +28,9 @@ public:
     /// Force out, zero written. The ramp's ticks are still in ring().
     virtual void end() = 0;
 
+    /// Where the ticks come out; its reader is the session.
     [[nodiscard]] virtual engine::TickRing& ring() noexcept = 0;
+    /// Since the interval's first tick, s, by the apparatus' own clock.
     [[nodiscard]] virtual double elapsed_s() const noexcept = 0;
     /// Ticks lost because the ring was full.
     [[nodiscard]] virtual std::int64_t dropped() const noexcept = 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "engine/base/pcg32.hpp"
 #include "engine/device/hand_path.hpp"
 #include "engine/device/simulated_gantry.hpp"
 #include "protocols/design/plan.hpp"
@@ -16,12 +17,14 @@ namespace palpate::protocols {
 /// the unbroken one.
 class DrawnHand {
 public:
+    /// @param own  how fast and how deep this person goes, as factors
     DrawnHand(const Protocol& protocol,
               std::string protocol_hash,
               SessionKey key,
               std::uint64_t seed,
               const HandSpec& own = {});
 
+    /// The way of a trial over plane objects. @param interval  1 or 2
     [[nodiscard]] engine::Exploration at(std::size_t position, std::size_t interval = 1) const;
     /// The same of a study of surfaces. @pre the protocol has them
     [[nodiscard]] engine::SurfaceExploration on_surface(std::size_t position,

@@ -59,7 +59,8 @@ EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
                                                const engine::Calibration& machine,
                                                double spin_share,
                                                const std::string& link)
-    : hand_(std::move(hand)),
+    : ServoApparatus(servo_),
+      hand_(std::move(hand)),
       haply_(emulated_haply(machine, 1.0 / protocol.apparatus.rate_hz, link)),
       servo_(haply_.device(), patient(servo_spec(protocol, haply_.device(), spin_share))) {}
 
@@ -69,10 +70,6 @@ void EmulatedHaplyApparatus::begin(const engine::SceneView& scene,
     servo_.park();  // the handle is put at its start: no reading of ours may fall in between
     haply_.begin(hand_.at(planned.position, interval));
     servo_.begin(scene);
-}
-
-std::string EmulatedHaplyApparatus::device_name() const {
-    return "emulated " + haply_.device().name();
 }
 
 }  // namespace palpate::protocols

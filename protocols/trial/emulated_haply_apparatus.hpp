@@ -41,14 +41,9 @@ public:
         return haply_.device().reconnect();
     }
     [[nodiscard]] std::string trouble() const override { return haply_.device().trouble(); }
-    [[nodiscard]] std::string device_name() const override;
-    [[nodiscard]] const engine::Device& device() const noexcept override { return haply_.device(); }
+    [[nodiscard]] std::string device_name() const override { return "emulated " + device().name(); }
     /// The other end of the cable.
     [[nodiscard]] engine::EmulatedBoard& board() noexcept { return haply_.board(); }
-
-protected:
-    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
-    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
     DrawnHand hand_;

@@ -19,6 +19,7 @@
 /// feel() is the exception, for simulated observers, whose percept comes from the felt ticks.
 namespace palpate::protocols {
 
+/// What a participant may know of the session when it begins.
 struct SessionView {
     std::string title;
     std::string participant;
@@ -60,18 +61,21 @@ struct TroubleView {
 inline constexpr std::size_t kMaxTries = 10;
 inline constexpr std::size_t kMaxFaults = 3;
 
+/// What a step of a trial ended with.
 enum class Signal : std::uint8_t {
     go_on,
     done,      ///< explore: the participant pressed done
     abort,     ///< the experimenter (two steps) or the operating system ends the session
     give_up,   ///< trouble: nobody will mend it
     held_up,   ///< ready: nobody began; the desk wants something first
+    no_place,  ///< ready: the device does not say any more where the handle is
     too_late,  ///< choose: nobody answered in time
 };
 
 /// How an answer was given.
 enum class InputKind : std::uint8_t { simulated, key, arrows, mouse };
 
+/// The enumerator's name, as the database has it.
 [[nodiscard]] std::string_view to_string(InputKind kind) noexcept;
 
 /// One of the pictures, ready to draw. Coordinates: object frame, m, y up.
@@ -122,6 +126,7 @@ struct Confirmation {
     friend bool operator==(const Confirmation&, const Confirmation&) = default;
 };
 
+/// An answer, and how it came about. Times are s.
 struct Choice {
     Signal signal = Signal::done;  ///< done, abort or too_late
     /// Which answer, 0 .. Question::answers - 1: the picture from the left; 0 first, 1 second
@@ -137,13 +142,15 @@ struct Choice {
     std::optional<Confirmation> confidence_confirmation{};
 };
 
-struct Exploring {
+/// What is seen of the person during one step of an exploration.
+struct ExplorationStep {
     Signal signal = Signal::go_on;
     double at_s = 0.0;           ///< when done was pressed, since the trial's first tick
     double uncertainty_s = 0.0;  ///< how late the press may have been seen
     bool alive = true;  ///< a key that ends the force would be seen; else it is not to last
 };
 
+/// Whoever feels and answers. One thread; calls come in the order of a trial.
 class Observer {
 public:
     Observer() = default;
@@ -154,11 +161,11 @@ public:
     /// Before the first trial of a run: instructions.
     [[nodiscard]] virtual Signal welcome(const SessionView& session) = 0;
     /// Blocks until the participant is at the start and begins. Called before each interval of a
-    /// trial. go_on, abort, or before the first interval held_up.
+    /// trial. go_on, abort, no_place, or before the first interval held_up.
     [[nodiscard]] virtual Signal ready(const TrialView& trial) = 0;
     /// Called again and again while the object is felt; must return within a few ms.
     /// @param elapsed_s time since the trial's first tick, on the servo's clock
-    [[nodiscard]] virtual Exploring explore(const TrialView& trial, double elapsed_s) = 0;
+    [[nodiscard]] virtual ExplorationStep explore(const TrialView& trial, double elapsed_s) = 0;
     /// Ticks of the running trial in order; only simulated observers use them.
     virtual void feel(std::span<const engine::TickRecord> ticks) { static_cast<void>(ticks); }
     /// Force is off; the question.

@@ -34,6 +34,41 @@ constexpr int kLooks = 30;
 /// s after explore_timeout_s: the session's own loop has ended the exploration before.
 constexpr double kTimeToSpare = 0.5;
 
+/// What watches over people and motors, where there is a force.
+void set_limits_of_force(const Protocol& protocol,
+                         const engine::DeviceTraits& traits,
+                         engine::SafetyLimits& limits) {
+    const ApparatusSpec& apparatus = protocol.apparatus;
+    const SafetySpec& safety = protocol.safety;
+    const double period = limits.period;
+    const double damping = contact_damping(protocol);
+    limits.speed = safety.speed_limit;
+    limits.jump = kJumpSpeed * period;
+    limits.late_run = static_cast<std::int32_t>(safety.late_run);
+    limits.late_share = static_cast<std::int32_t>(safety.late_share);
+    limits.quiet_run = static_cast<std::int32_t>(std::ceil(kQuiet / period));
+    limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
+    limits.energy = safety.energy_limit;
+    limits.damping =
+        std::max(traits.damping.value_or(0.0),
+                 engine::min_damping(apparatus.stiffness, period, traits.delay_ticks, damping));
+    limits.delay_ticks = traits.delay_ticks;
+    limits.spare_delay = traits.damping
+                           ? std::max(kSpareDelay, engine::spare_delay(apparatus.stiffness, period,
+                                                                       traits.delay_ticks, damping,
+                                                                       *traits.damping))
+                           : kUnknownSpare;
+    limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
+    limits.watch_encoders = true;
+    limits.axes = traits.axes;
+    limits.stuck_travel = traits.axes > 2 ? kStuckInSpace : limits.stuck_travel;
+    limits.watch_runaway = true;
+    limits.watch_buzz = true;
+    limits.screen_silence = kScreenSilence;
+    limits.time_limit = protocol.timing.explore_timeout + kTimeToSpare;
+    limits.dead_man = safety.dead_man;
+}
+
 }  // namespace
 
 engine::ServoSpec servo_spec(const Protocol& protocol,
@@ -41,56 +76,31 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
                              double spin_share,
                              double max_force) {
     const ApparatusSpec& apparatus = protocol.apparatus;
-    const SafetySpec& safety = protocol.safety;
     const engine::DeviceTraits traits = device.traits();
     const double period = 1.0 / apparatus.rate_hz;
-    const double damping = contact_damping(protocol);
     engine::SafetyLimits limits{.period = period,
                                 .max_force = std::min(apparatus.force_limit, max_force),
                                 .ramp_step = engine::ramp_step(apparatus.force_ramp, period),
-                                .slew = safety.slew_limit * period,
+                                .slew = protocol.safety.slew_limit * period,
                                 .stiffness = apparatus.stiffness};
     if (traits.gives_force) {
-        limits.speed = safety.speed_limit;
-        limits.jump = kJumpSpeed * period;
-        limits.late_run = static_cast<std::int32_t>(safety.late_run);
-        limits.late_share = static_cast<std::int32_t>(safety.late_share);
-        limits.quiet_run = static_cast<std::int32_t>(std::ceil(kQuiet / period));
-        limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
-        limits.energy = safety.energy_limit;
-        limits.damping =
-            std::max(traits.damping.value_or(0.0),
-                     engine::min_damping(apparatus.stiffness, period, traits.delay_ticks, damping));
-        limits.delay_ticks = traits.delay_ticks;
-        limits.spare_delay =
-            traits.damping ? std::max(kSpareDelay, engine::spare_delay(apparatus.stiffness, period,
-                                                                       traits.delay_ticks, damping,
-                                                                       *traits.damping))
-                           : kUnknownSpare;
-        limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
-        limits.watch_encoders = true;
-        limits.axes = traits.axes;
-        limits.stuck_travel = traits.axes > 2 ? kStuckInSpace : limits.stuck_travel;
-        limits.watch_runaway = true;
-        limits.watch_buzz = true;
-        limits.screen_silence = kScreenSilence;
-        limits.time_limit = protocol.timing.explore_timeout + kTimeToSpare;
-        limits.dead_man = safety.dead_man;
+        set_limits_of_force(protocol, traits, limits);
     }
     return {
         .rate_hz = apparatus.rate_hz, .limits = limits, .realtime = {}, .spin_share = spin_share};
 }
 
 std::string ServoApparatus::timing() const {
-    const bool ticked = servo().real_time() && servo().lateness().count() > 0;
-    return ticked ? describe(servo().lateness()) : std::string();
+    const bool ticked = servo_at_->real_time() && servo_at_->lateness().count() > 0;
+    return ticked ? describe(servo_at_->lateness()) : std::string();
 }
 
 SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
                                        DrawnHand hand,
                                        double pace,
                                        const engine::PantographModel& model)
-    : hand_(std::move(hand)),
+    : ServoApparatus(servo_),
+      hand_(std::move(hand)),
       device_(model, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}
 
@@ -102,7 +112,8 @@ void SimulatedApparatus::begin(const engine::SceneView& scene,
 }
 
 GantryApparatus::GantryApparatus(const Protocol& protocol, DrawnHand hand, double pace)
-    : hand_(std::move(hand)),
+    : ServoApparatus(servo_),
+      hand_(std::move(hand)),
       device_({}, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}
 
@@ -117,7 +128,8 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
                                  std::vector<Recording> recordings,
                                  std::string source,
                                  double pace)
-    : recordings_(std::move(recordings)),
+    : ServoApparatus(servo_),
+      recordings_(std::move(recordings)),
       intervals_(intervals_of(protocol)),
       source_(std::move(source)),
       servo_(device_, servo_spec(protocol, device_), pace) {
@@ -149,7 +161,8 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
                                  std::unique_ptr<engine::Device> device,
                                  double spin_share,
                                  double max_force)
-    : device_(std::move(device)),
+    : ServoApparatus(servo_),
+      device_(std::move(device)),
       servo_(*device_, servo_spec(protocol, *device_, spin_share, max_force)),
       homings_(device_->homings()) {}
 
@@ -195,11 +208,10 @@ engine::ShortForm DeviceApparatus::prove_motors() {
 
 std::optional<engine::Vec3> DeviceApparatus::place() {
     const auto look = [this]() -> std::optional<engine::Vec3> {
-        const auto latest = servo_.latest();
-        const bool read = latest && latest->tick < 0 &&
-                          latest->fault == engine::DeviceFault::none &&
-                          monotonic_ns() - latest->at_ns < kFreshNs;
-        return read ? std::optional(engine::Vec3(latest->hip, latest->hip_z)) : std::nullopt;
+        const auto last = servo_.resting();
+        const bool read = last && last->fault == engine::DeviceFault::none &&
+                          monotonic_ns() - last->at_ns < kFreshNs;
+        return read ? std::optional(engine::Vec3(last->hip, last->hip_z)) : std::nullopt;
     };
     std::optional<engine::Vec3> place = look();
     if (!place) {
@@ -213,7 +225,7 @@ std::optional<engine::Vec3> DeviceApparatus::place() {
 }
 
 PointerApparatus::PointerApparatus(const Protocol& protocol)
-    : servo_(device_, servo_spec(protocol, device_)) {
+    : ServoApparatus(servo_), servo_(device_, servo_spec(protocol, device_)) {
     device_.publish(protocol.apparatus.start);
 }
 

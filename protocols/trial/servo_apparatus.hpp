@@ -34,31 +34,38 @@ inline constexpr double kUnprovedForce = 0.3;
 /// An apparatus that is a servo and a little more.
 class ServoApparatus : public Apparatus {
 public:
-    engine::ServoStatus advance() override { return servo().advance(); }
-    void end() override { servo().end(); }
-    [[nodiscard]] engine::TickRing& ring() noexcept override { return servo().ring(); }
-    [[nodiscard]] double elapsed_s() const noexcept override { return servo().elapsed_s(); }
-    [[nodiscard]] std::int64_t dropped() const noexcept override { return servo().dropped(); }
-    void hold(bool held) override { servo().hold(held); }
-    void beat() override { servo().beat(); }
-    void stop(engine::Trip why = engine::Trip::stopped) override { servo().stop(why); }
-    void allow() override { servo().allow(); }
-    [[nodiscard]] engine::Trip trip() const override { return servo().trip(); }
+    engine::ServoStatus advance() override { return servo_at_->advance(); }
+    void end() override { servo_at_->end(); }
+    [[nodiscard]] engine::TickRing& ring() noexcept override { return servo_at_->ring(); }
+    [[nodiscard]] double elapsed_s() const noexcept override { return servo_at_->elapsed_s(); }
+    [[nodiscard]] std::int64_t dropped() const noexcept override { return servo_at_->dropped(); }
+    void hold(bool held) override { servo_at_->hold(held); }
+    void beat() override { servo_at_->beat(); }
+    void stop(engine::Trip why = engine::Trip::stopped) override { servo_at_->stop(why); }
+    void allow() override { servo_at_->allow(); }
+    [[nodiscard]] engine::Trip trip() const override { return servo_at_->trip(); }
     [[nodiscard]] std::vector<engine::TickRecord> last_ticks() const override {
-        return servo().last_ticks();
+        return servo_at_->last_ticks();
     }
 
     [[nodiscard]] std::string timing() const override;
+    [[nodiscard]] std::string device_name() const override { return device().name(); }
 
-    [[nodiscard]] virtual const engine::Device& device() const noexcept = 0;
+    /// What the servo reads and drives; outlives every call.
+    [[nodiscard]] const engine::Device& device() const noexcept { return servo_at_->device(); }
     /// Its clock is that of the wall.
-    [[nodiscard]] bool real_time() const noexcept { return servo().real_time(); }
+    [[nodiscard]] bool real_time() const noexcept { return servo_at_->real_time(); }
     /// What the system granted to its servo.
-    [[nodiscard]] const engine::RealtimeRights& rights() const noexcept { return servo().rights(); }
+    [[nodiscard]] const engine::RealtimeRights& rights() const noexcept {
+        return servo_at_->rights();
+    }
 
 protected:
-    [[nodiscard]] virtual engine::Servo& servo() noexcept = 0;
-    [[nodiscard]] virtual const engine::Servo& servo() const noexcept = 0;
+    /// @param servo  a member of the heir, which need not be made yet
+    explicit ServoApparatus(engine::Servo& servo) : servo_at_(&servo) {}
+
+private:
+    engine::Servo* servo_at_;
 };
 
 /// The simulated pantograph and hand on a virtual clock.
@@ -74,12 +81,6 @@ public:
                const PlannedTrial& planned,
                std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
-    [[nodiscard]] std::string device_name() const override { return device_.name(); }
-    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
-
-protected:
-    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
-    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
     DrawnHand hand_;
@@ -97,12 +98,6 @@ public:
                const PlannedTrial& planned,
                std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
-    [[nodiscard]] std::string device_name() const override { return device_.name(); }
-    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
-
-protected:
-    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
-    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
     DrawnHand hand_;
@@ -129,11 +124,6 @@ public:
     [[nodiscard]] bool exhausted() const noexcept override;
     [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
     [[nodiscard]] bool repeats() const noexcept override { return true; }
-    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
-
-protected:
-    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
-    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
     std::vector<Recording> recordings_;
@@ -192,15 +182,9 @@ public:
     [[nodiscard]] engine::ShortForm prove_place() override;
     [[nodiscard]] engine::ShortForm prove_motors() override;
     [[nodiscard]] std::optional<engine::Vec3> place() override;
-    [[nodiscard]] std::string device_name() const override { return device_->name(); }
-    [[nodiscard]] const engine::Device& device() const noexcept override { return *device_; }
 
     /// @param proof  of the rig that was opened and proved with it
     void prove_by(RigProof proof) { proof_ = std::move(proof); }
-
-protected:
-    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
-    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
     std::unique_ptr<engine::Device> device_;
@@ -214,18 +198,14 @@ private:
 /// The screen pointer as the handle, in real time on a thread of its own.
 class PointerApparatus : public ServoApparatus {
 public:
+    /// At the protocol's rate and limits; the handle is at its start until the window moves it.
     explicit PointerApparatus(const Protocol& protocol);
 
     void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
+    /// The window moves it.
     [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
-    [[nodiscard]] std::string device_name() const override { return device_.name(); }
-    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
-
-protected:
-    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
-    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
     engine::PointerDevice device_;

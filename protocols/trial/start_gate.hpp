@@ -20,8 +20,10 @@ class StartGate {
 public:
     /// Of no study: open everywhere.
     StartGate() = default;
+    /// By the protocol's start and radius, and all objects that its trials may present.
     explicit StartGate(const Protocol& protocol);
 
+    /// Where the handle is to be, object frame, m, and within what distance.
     [[nodiscard]] const engine::Vec3& start() const noexcept { return start_; }
     [[nodiscard]] double radius() const noexcept { return radius_; }
     /// The start has a height.

@@ -4,6 +4,7 @@
 #
 # cmake.awk    the folders of a room and their order, what targets link, and with which flags
 # source.awk   what C++ files include and call, and how long they are
+# chains.awk   how long a chain of headers is, and that no files need one another in a ring
 # this file    text ends with a newline and names no folder of anybody's machine
 set -u
 LC_ALL=C
@@ -32,9 +33,13 @@ own_files \( -name CMakeLists.txt -o -name '*.cmake' -o -name CMakePresets.json 
 own_files \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' \) \
     -exec awk -v folders="$folders" -f "$guard/source.awk" {} + >>"$breaches" || broken source.awk
 
+own_files \( -name '*.hpp' -o -name '*.cpp' \) -print | grep -v '^tests/' |
+    awk -f "$guard/chains.awk" >>"$breaches" || broken chains.awk
+
 printf 'a\n' | grep -qPz '\n\z' || broken 'grep -Pz'
 own_files \( -name '*.[hc]pp' -o -name '*.txt' -o -name '*.cmake' -o -name '*.sh' -o -name '*.awk' \
-    -o -name '*.md' -o -name '*.toml' -o -name '*.json' -o -name '*.sql' -o -path palpate -o -path .ci/run \) \
+    -o -name '*.md' -o -name '*.toml' -o -name '*.json' -o -name '*.sql' -o -name '*.R' -o -name '*.py' \
+    -o -path palpate -o -path .ci/run \) \
     -size +0 -exec grep -LPz '\n\z' {} + |
     while IFS= read -r file; do
         echo "$file:$(($(wc -l <"$file") + 1)): the last line does not end"

@@ -27,7 +27,8 @@ make_tree() {
         'palpate_folder(device)' 'palpate_folder(device/drivers SEES device LINK PkgConfig::COMEDI)' \
         'palpate_folder(realtime SEES contact SOURCES servo.cpp)'
     put protocols/CMakeLists.txt 'palpate_folder(file SOURCES parse.cpp)' 'palpate_folder(session SEES file)'
-    put data/CMakeLists.txt 'palpate_folder(store SOURCES database.cpp)' 'palpate_folder(verify SEES store)'
+    put data/CMakeLists.txt 'palpate_folder(statistics SOURCES solve.cpp)' \
+        'palpate_folder(store SOURCES database.cpp)' 'palpate_folder(verify SEES store)'
     put ui/CMakeLists.txt 'palpate_folder(subject SOURCES window.cpp)'
     put protocols/file/parse.cpp '#include "engine/math/sine.hpp"' '#include <toml++/toml.h>' '#include <fmt/core.h>'
     put data/store/database.cpp '#include <sqlite3.h>' '#include "protocols/file/parse.hpp"'
@@ -112,6 +113,29 @@ passes 'a room sees every folder to the left'
 put data/CMakeLists.txt 'palpate_folder(store' '    SEES verify)' 'palpate_folder(verify SEES store)'
 catches data/CMakeLists.txt:2 'not above it'
 
+# Chains of headers, and rings of files.
+chain_of() { # chain_of COUNT: h1 needs h2, which needs h3 ...
+    for i in $(seq 1 $(($1 - 1))); do
+        put "engine/math/h$i.hpp" '' "#include \"engine/math/h$((i + 1)).hpp\""
+    done
+    put "engine/math/h$1.hpp" '#pragma once'
+}
+chain_of 13
+catches engine/math/h1.hpp:2 'a chain of 13 headers'
+chain_of 12
+put engine/math/h0.cpp '#include "engine/math/h1.hpp"'
+passes 'a chain of 12 headers and a source'
+put engine/math/a.hpp '#include "engine/math/b.hpp"'
+put engine/math/b.hpp '#pragma once'
+put engine/math/b.cpp '#include "engine/math/b.hpp"' '#include "engine/math/a.hpp"'
+catches engine/math/a.hpp:1 'a ring of files'
+put engine/math/a.hpp '#include "engine/math/b.hpp"'
+put engine/math/b.hpp '#include "engine/math/c.hpp"'
+put engine/math/c.hpp '#include "engine/math/a.hpp"'
+catches engine/math/a.hpp:1 'a ring of files'
+put tests/data/a.hpp '#include "tests/data/a.hpp"'
+passes 'a file of the tests that needs itself'
+
 # How an include is written.
 put data/store/a.cpp '#include "database.hpp"'
 catches data/store/a.cpp:1 'does not name its room'
@@ -155,6 +179,12 @@ put data/a.cpp '#include <rapidjson/document.h>'
 catches data/a.cpp:1 'no library that the guard knows'
 put data/store/a.cpp '#include <nlohmann/json.hpp>'
 catches data/store/a.cpp:1 'nlohmann belongs to'
+put data/store/a.cpp '#include <boost/math/distributions/normal.hpp>'
+catches data/store/a.cpp:1 'Boost belongs to data/statistics'
+put data/statistics/a.cpp '#include <Eigen/Cholesky>'
+catches data/statistics/a.cpp:1 'Eigen enters by data/statistics/solve.cpp'
+put data/statistics/solve.cpp '#include <Eigen/Cholesky>'
+passes 'Eigen by its own door'
 put data/a.hpp '#include <fmt/core.h>' '#include <glm/vec2.hpp>'
 passes 'glm and fmt in a header'
 
@@ -205,6 +235,13 @@ put data/long.cpp "$(yes 'int x;' | head -n 401)"
 catches data/long.cpp:401 'longer than 400'
 put data/long.cpp "$(yes 'int x;' | head -n 400)"
 passes 'a file of 400 lines'
+put data/long.cpp 'int f(int a,' '      int b) {' "$(yes '    ++a;' | head -n 58)" '}'
+catches data/long.cpp:61 'a function of 61 lines'
+put data/long.cpp 'class C {' 'public:' '    int f() {' "$(yes '        ++a;' | head -n 59)" '    }' '};'
+catches data/long.cpp:63 'a function of 61 lines'
+put data/long.cpp 'class C {' 'public:' '    int f() {' "$(yes '        ++a;' | head -n 58)" '    }' '};' \
+    'constexpr int kMany[]{' "$(yes '    1,' | head -n 70)" '};' 'int f() {' "$(yes '    ++a;' | head -n 58)" '}'
+passes 'functions of 60 lines, and a table'
 put data/a.cpp 'int a;' && printf 'int b;' >>data/a.cpp
 catches data/a.cpp:2 'does not end'
 put README.md 'Look into /ho''me/ann/data.'

@@ -22,15 +22,18 @@ BEGIN {
     where["libsodium"] = "engine/base data"
     where["SQLite"] = "data"
     where["zlib"] = "data"
-    where["Boost"] = "data"
+    where["Boost"] = "data/statistics"
     where["Boost.Multiprecision"] = "protocols/order"
     where["xxHash"] = "data"
     where["SDL2"] = "ui"
     where["libpng"] = "ui/subject ui/session"
     where["CLI11"] = "ui"
-    where["nlohmann"] = "data/export data/analysis data/fit data/inference data/choice ui"
-    # Curves that yield, and the few parameters of the mixed model; nothing that a tick computes.
-    where["Eigen"] = "engine/deformation data/inference data/choice"
+    where["nlohmann"] = "data/csv data/export data/analysis data/fit data/inference data/choice data/page data/tables ui"
+    # Curves that yield; nothing that a tick computes.
+    where["Eigen"] = "engine/deformation data/statistics"
+    # Of a library that is slow to compile: which file of a folder includes it.
+    door["data/statistics", "Boost"] = "data/statistics/distributions.cpp"
+    door["data/statistics", "Eigen"] = "data/statistics/solve.cpp"
     where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
@@ -43,6 +46,7 @@ BEGIN {
     exempt["engine/friction/stribeck.cpp"] = 1
 
     longest = 400
+    longest_function = 60
 }
 
 FNR == 1 { start_file(FILENAME) }
@@ -51,7 +55,9 @@ FNR == 1 { start_file(FILENAME) }
     if (FNR == longest + 1) breach("longer than " longest " lines: one idea a file")
     if (!in_comment && raw_end == "" && match($0, /^[ \t]*#[ \t]*include[ \t]*/))
         check_include(substr($0, RSTART + RLENGTH))
+    inside = in_comment || raw_end != ""
     line = code($0)
+    if (room != "tests" && !inside) check_length($0)
     if (room == "engine" && !(file in exempt)) check_exactness(line)
     if (room == "engine" || room == "stimuli" || room == "protocols") check_random(line)
 }
@@ -133,6 +139,8 @@ function check_library(path,   library) {
     if (library == "") breach("<" path "> is of no library that the guard knows")
     else if (!listed(room, where[library]) && !listed(room "/" folder, where[library]))
         breach("<" path ">: " library " belongs to " where[library])
+    else if ((room "/" folder, library) in door && file != door[room "/" folder, library])
+        breach("<" path ">: " library " enters by " door[room "/" folder, library])
     else if (header && library != "glm" && library != "fmt" && library != "Boost.Multiprecision" &&
              path != "nlohmann/json_fwd.hpp")
         breach("<" path ">: " library " stays out of headers")
@@ -143,6 +151,20 @@ function check_exactness(line) {
         line ~ "(^|[^A-Za-z0-9_.>:])(::)?" inexact " *\\(" ||
         line ~ /glm *:: *(rotate|angle|orientedAngle|slerp|fastPow|fastSin|fastCos)[^A-Za-z0-9_]/)
         breach("libm is not the same to the bit everywhere: engine/math has elementary functions that are")
+}
+
+# From the line with its name to its brace, as clang-format sets them: at the margin, and in a class one step in.
+# Tables, types and namespaces end in another way.
+function check_length(text,   step) {
+    if (text ~ /^[^ }#]/) {
+        begin[0] = FNR
+        if (text !~ /^(public|protected|private):/) in_class = text ~ /^(class|struct)/
+    } else if (in_class && text ~ /^    [^ }]/) begin[4] = FNR
+    if (text ~ /^}$/) step = 0
+    else if (in_class && text ~ /^    }$/) step = 4
+    else return
+    if (FNR - begin[step] + 1 > longest_function)
+        breach("a function of " (FNR - begin[step] + 1) " lines: " longest_function " at most, an idea each")
 }
 
 function check_random(line) {

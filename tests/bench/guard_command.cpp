@@ -99,7 +99,7 @@ void stops(int times) {
           Way{"Enter at the terminal", [&](Desk&) { terminal.type("\n"); }, none},
           Way{"palpate stop",
               [](Desk& desk) {
-                  tests::palpate_command({"stop", desk.file});
+                  static_cast<void>(tests::palpate_command({"stop", desk.file}));
               },
               none},
           Way{"stop button", [&](Desk&) { button.send(1); },

@@ -7,6 +7,7 @@
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/bench/method.hpp"
 #include "tests/bench/timing.hpp"
@@ -56,7 +57,6 @@ std::vector<double> alone(double seconds, const Clock& clock) {
     TickRing ring(kRingTicks);
     const Drain drain(ring);
     FlightRecorder flight;
-    LatestValue<LatestTick> latest;
     LatenessHistogram histogram;
     std::vector<double> costs;
     costs.reserve(static_cast<std::size_t>(seconds * 1000.0) + 1);
@@ -68,7 +68,6 @@ std::vector<double> alone(double seconds, const Clock& clock) {
         const std::uint64_t from = Clock::now();
         flight.add(record);
         static_cast<void>(ring.push(record));
-        latest.publish({.tick = record.tick, .hip = record.hip, .command = record.command});
         histogram.add(20'000, false);
         const std::uint64_t to = Clock::now();
         costs.push_back(clock.between(from, to));

@@ -8,6 +8,7 @@
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "ui/doctor/cyclictest.hpp"
 #include "ui/doctor/wake_up.hpp"

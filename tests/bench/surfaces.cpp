@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "engine/surface/surface_scene.hpp"
-#include "engine/thesis/surface_tracker.hpp"
+#include "tests/figures/thesis/surface_tracker.hpp"
 #include "tests/support/surface_cuts.hpp"
 
 namespace palpate::bench {
@@ -214,12 +214,12 @@ struct CertifiedSurface {
 
 /// The thesis' tracker, with its state machine of features where there are several surfaces.
 struct ThesisSurface {
-    std::shared_ptr<const engine::SurfaceTracker> tracker;
-    engine::SurfaceTrackerState state{};
+    std::shared_ptr<const figures::SurfaceTracker> tracker;
+    figures::SurfaceTrackerState state{};
 
     void reset(const Vec3& first) { state = tracker->start(first); }
     Answer<3> answer(const Vec3& hip) {
-        const engine::TrackedSpot found = tracker->step(state, hip, 1e-3);
+        const figures::TrackedSpot found = tracker->step(state, hip, 1e-3);
         return {found.point, found.distance};
     }
 };
@@ -375,14 +375,14 @@ Methods<3> own_surface_methods(const Surface& surface) {
     methods.push_back(make_method<3>("four joined, tick, friction, force only", Kind::floor,
                                      SurfaceTick(four, kFriction, false)));
     const auto joined = std::make_shared<const engine::SurfaceObject>(four);
-    const engine::TrackerSpec feedback{.gain = engine::feedback_gain(*joined, 1.0, 1e-3)};
-    const engine::TrackerSpec newton{.kind = engine::TrackerKind::newton};
+    const figures::TrackerSpec feedback{.gain = figures::feedback_gain(*joined, 1.0, 1e-3)};
+    const figures::TrackerSpec newton{.kind = figures::TrackerKind::newton};
     methods.push_back(make_method<3>(
         "four joined, thesis feedback", Kind::tracker,
-        ThesisSurface{std::make_shared<const engine::SurfaceTracker>(joined, feedback)}));
+        ThesisSurface{std::make_shared<const figures::SurfaceTracker>(joined, feedback)}));
     methods.push_back(make_method<3>(
         "four joined, thesis newton x1", Kind::tracker,
-        ThesisSurface{std::make_shared<const engine::SurfaceTracker>(joined, newton)}));
+        ThesisSurface{std::make_shared<const figures::SurfaceTracker>(joined, newton)}));
     return methods;
 }
 

@@ -1,21 +1,19 @@
 #include "tests/bench/trackers.hpp"
 
-#if __has_include("engine/thesis/curve_tracker.hpp")
-
 #include <string>
 #include <utility>
 
-#include "engine/thesis/curve_tracker.hpp"
+#include "tests/figures/thesis/curve_tracker.hpp"
 
 namespace palpate::bench {
 namespace {
 
-using engine::CurveTracker;
 using engine::NurbsCurve;
-using engine::TrackedFoot;
-using engine::TrackerKind;
-using engine::TrackerSpec;
-using engine::TrackerState;
+using figures::CurveTracker;
+using figures::TrackedFoot;
+using figures::TrackerKind;
+using figures::TrackerSpec;
+using figures::TrackerState;
 
 constexpr double kTick = 1e-3;
 
@@ -52,7 +50,7 @@ std::unique_ptr<Method<2>> tracker(const Object& object,
         NurbsCurve<2> curve(data.degree, data.knots, data.points, data.weights);
         spec.gain = spec.kind == TrackerKind::feedback_linearised
                       ? loop_gain / kTick
-                      : engine::feedback_gain(curve, loop_gain, kTick);
+                      : figures::feedback_gain(curve, loop_gain, kTick);
         tracking.trackers.emplace_back(std::move(curve), spec);
     }
     return make_method<2>(name, Kind::tracker, std::move(tracking));
@@ -82,15 +80,3 @@ Methods<2> tracker_methods(const Object& object) {
 }
 
 }  // namespace palpate::bench
-
-#else
-
-namespace palpate::bench {
-
-Methods<2> tracker_methods(const Object& /*object*/) {
-    return {};
-}
-
-}  // namespace palpate::bench
-
-#endif

@@ -41,7 +41,7 @@ public:
         }
         return SimulatedObserver::ready(trial);
     }
-    Exploring explore(const TrialView& trial, double elapsed_s) override {
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
         feels_ = true;
         at(trial.interval == 1 ? Place::first : Place::second, attempt_ + 1);
         return SimulatedObserver::explore(trial, elapsed_s);

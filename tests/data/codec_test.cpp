@@ -47,11 +47,11 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
     }
     const auto chunk = data::encode_chunk(ticks, ticks.front().tick, kPeriod, data::kAllParts);
     const data::ChunkView view = view_of(chunk, ticks, data::kAllParts);
-    const data::Replayed back = data::replay(nullptr, std::nullopt, std::span(&view, 1));
+    const data::ReplayResult back = data::replay(nullptr, std::nullopt, std::span(&view, 1));
     CHECK_FALSE(back.differs_from);
     REQUIRE(back.ticks.size() == ticks.size());
     std::vector<std::int64_t> hip(ticks.size());
-    data::read_stored(view, data::Stored::hip_x, hip);
+    data::read_stored(view, data::ColumnId::hip_x, hip);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         REQUIRE(same_bits(ticks[i], back.ticks[i]));
         REQUIRE(hip[i] == data::in_steps(ticks[i].hip.x, data::kHipSteps));
@@ -120,7 +120,7 @@ TEST_CASE("a chunk that leaves out what does not follow is noticed, never taken 
     const auto parts = static_cast<std::uint8_t>(data::kAllParts & ~part);
     const auto chunk = data::encode_chunk(ticks, 0, kPeriod, parts);
     const data::ChunkView view = view_of(chunk, ticks, parts);
-    const data::Replayed back = data::replay(nullptr, std::nullopt, std::span(&view, 1));
+    const data::ReplayResult back = data::replay(nullptr, std::nullopt, std::span(&view, 1));
     REQUIRE(back.differs_from);
     CHECK(*back.differs_from == 0);
 }
@@ -134,20 +134,20 @@ TEST_CASE("no flipped bit, cut or extra byte of a chunk is decoded", "[trace][la
         std::vector<std::byte> damaged = chunk.data;
         damaged[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
         view.data = damaged;
-        REQUIRE_THROWS_AS(data::read_stored(view, data::Stored::tick, values), data::TraceError);
+        REQUIRE_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
     }
     for (std::size_t cut = 0; cut < chunk.data.size(); cut += 7) {
         view.data = std::span(chunk.data).first(cut);
-        REQUIRE_THROWS_AS(data::read_stored(view, data::Stored::tick, values), data::TraceError);
+        REQUIRE_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
     }
     view.data = chunk.data;
     view.crc32 ^= 1U;
-    CHECK_THROWS_AS(data::read_stored(view, data::Stored::tick, values), data::TraceError);
+    CHECK_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
     view.crc32 ^= 1U;
     for (const std::uint8_t parts :
          {std::uint8_t{0}, std::uint8_t{7}}) {  // says that it holds less
         view.parts = parts;
-        CHECK_THROWS_AS(data::read_stored(view, data::Stored::tick, values), data::TraceError);
+        CHECK_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
     }
 }
 

@@ -44,7 +44,7 @@ public:
     Marking(std::uint64_t seed, Placed& apparatus, OperatorDesk& desk, int stop_every)
         : seed_(seed), apparatus_(apparatus), desk_(desk), stop_every_(stop_every) {}
 
-    Exploring explore(const TrialView& trial, double elapsed_s) override {
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
         if (elapsed_s >= 0.1 && !decided_) {
             decided_ = true;
             felt = {trial.practice, trial.number, trial.total};

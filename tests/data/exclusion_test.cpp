@@ -156,7 +156,7 @@ TEST_CASE("the summary shows the shares of all and without those left out, by ha
     const std::string text = data::summary_text(database);
     CAPTURE(text);
     const auto line = [](const char* friction, double sum, int people) {
-        return fmt::format("friction {:<3}   {:.3f}   ", friction, sum / people);
+        return fmt::format("friction {:<3}  {:.3f}  ", friction, sum / people);
     };
     CHECK_THAT(text, ContainsSubstring(line("off", all[0], 6)));
     CHECK_THAT(text, ContainsSubstring(line("on", all[1], 6)));

@@ -186,10 +186,11 @@ TEST_CASE("who does not consent is not exported", "[export][law]") {
         Database database(file, Access::write);
         data::note_participant(database, "SECRETP2", {.consent = false});
     }
-    const data::Exported done =
+    const data::ExportSummary done =
         data::export_file(file, ExportFormat::csv, {.keep_codes = true}, folder.path() / "out");
     CHECK(done.sessions == 2);
-    CHECK(done.without_consent == 1);
+    REQUIRE(done.left_out.size() == 1);
+    CHECK(done.left_out.front().no_consent.people == 1);
     CHECK_THAT(everything(folder.path() / "out"), !ContainsSubstring("SECRETP2"));
 }
 

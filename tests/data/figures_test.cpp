@@ -5,15 +5,15 @@
 #include <set>
 #include <sstream>
 
-#include "data/plot/svg_diagram.hpp"
-#include "data/report/figure_list.hpp"
+#include "tests/figures/figure_list.hpp"
+#include "tests/figures/svg_diagram.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/svg_reader.hpp"
 
 // The thesis' figures, and the laws of contact read off the tables that are written beside them.
 
-using namespace palpate::data;
+using namespace palpate::figures;
 using namespace palpate::tests;
 
 namespace {
@@ -372,6 +372,15 @@ TEST_CASE("a diagram without the node that an arrow names is refused", "[figures
     CHECK_NOTHROW(SvgReader(svg(diagram)));
     diagram.height = 0.0;
     CHECK_THROWS_AS(svg(diagram), std::invalid_argument);
+}
+
+TEST_CASE("palpate figures without its program names it and writes nothing", "[figures]") {
+    const TemporaryFolder folder;
+    std::filesystem::copy_file(palpate_program(), folder.file("palpate"));
+    const auto done = Process({folder.file("palpate"), "figures", "-o", folder.file("x")}).wait();
+    CHECK(done.code == 1);
+    CHECK(done.error.find("build the target palpate_figures") != std::string::npos);
+    CHECK(folder.names() == std::vector<std::string>{"palpate"});
 }
 
 TEST_CASE("palpate figures makes its folder and names every file that it wrote", "[figures]") {

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "protocols/protocol/protocol.hpp"
-#include "data/report/object_sheet.hpp"
+#include "data/plot/object_sheet.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/studies.hpp"

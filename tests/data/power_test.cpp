@@ -5,6 +5,7 @@
 
 #include "data/inference/mixed_logit.hpp"
 #include "data/inference/power.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/over_people.hpp"
 #include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"

@@ -34,6 +34,9 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
     for (const auto& run : std::filesystem::directory_iterator(folder.file("out"))) {
         const std::string name = run.path().filename();
         CAPTURE(name);
+        if (name == "README.txt") {
+            continue;
+        }
         const Finished shown = palpate_command(
             {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
         CAPTURE(shown.error);

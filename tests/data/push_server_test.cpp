@@ -179,6 +179,14 @@ TEST_CASE(
         CHECK_THAT(refused.error, !ContainsSubstring(PostgresServer::kPassword));
         CHECK(std::count(refused.error.begin(), refused.error.end(), '\n') == 1);
     }
+    // Where the place of an address is empty, libpq goes by the name.
+    const Finished elsewhere = palpate_command(
+        {"push", file, "--to",
+         fmt::format("postgresql://postgres:{}@192.0.2.2:5432,localhost:{}/postgres?"
+                     "hostaddr=,127.0.0.1",
+                     PostgresServer::kPassword, server->port())});
+    CHECK(elsewhere.code == 2);
+    CHECK_THAT(elsewhere.error, ContainsSubstring("192.0.2.2 is another machine"));
     // What libpq takes from elsewhere it takes here: service file, password file, variables.
     const std::string service = folder.file("service.conf");
     std::ofstream(service) << fmt::format(

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A demo's file and its export with all ticks.
-struct Exported {
-    explicit Exported(const std::string& format) {
+struct ExportSummary {
+    explicit ExportSummary(const std::string& format) {
         file = folder.file("demo.sqlite");
         out = folder.path() / "out";
         REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
@@ -85,7 +85,7 @@ writeBin(as.vector(t(numbers)), words[2], size = 8, endian = "little")
 
 TEST_CASE("Python reads the same numbers from the CSV files as from the database",
           "[export][law]") {
-    const Exported exported("csv");
+    const ExportSummary exported("csv");
     const Finished python =
         Process({"python3", "-c", kPython, exported.file, exported.out.string()}).wait();
     CAPTURE(python.error);
@@ -98,7 +98,7 @@ TEST_CASE("Python reads the same numbers from the CSV files as from the database
 }
 
 TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[export][law]") {
-    const Exported exported("csv");
+    const ExportSummary exported("csv");
     const std::string ticks = fs::directory_iterator(exported.out / "ticks")->path().string();
     const std::string by_r = exported.folder.file("r.bin");
     const std::string by_python = exported.folder.file("python.bin");
@@ -125,7 +125,7 @@ TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[ex
 }
 
 TEST_CASE("a BIDS export has what the standard requires of each file", "[export][law]") {
-    const Exported exported("bids");
+    const ExportSummary exported("bids");
     const Finished python = Process({"python3", "-c", R"py(
 import csv, gzip, json, pathlib, re, sqlite3, sys
 out = pathlib.Path(sys.argv[2])
@@ -183,7 +183,7 @@ assert runs == 10
 }
 
 TEST_CASE("a Psych-DS export describes every column of its data", "[export][law]") {
-    const Exported exported("psych-ds");
+    const ExportSummary exported("psych-ds");
     const Finished python = Process({"python3", "-c", R"py(
 import csv, json, pathlib, re, sys
 out = pathlib.Path(sys.argv[1])

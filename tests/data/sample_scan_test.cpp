@@ -240,4 +240,6 @@ TEST_CASE("sample is never of another database than the one that was named", "[s
                ContainsSubstring("DETACH b"));
     database.execute("DETACH b");
     CHECK(count().empty());
+    database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS \"b\"\"c\"").c_str());
+    CHECK_THAT(count(), ContainsSubstring("DETACH b\"c"));
 }

@@ -26,7 +26,7 @@ public:
         before_trial();
         return Patient::ready(trial);
     }
-    Exploring explore(const TrialView& trial, double elapsed_s) override {
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
         static_cast<void>(trial);
         if (elapsed_s >= 0.4 && act_) {
             std::exchange(act_, nullptr)();
@@ -249,7 +249,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
     class Still : public engine::Device {
     public:
         engine::Reading read() noexcept override { return {.hip = {0.0, 0.06}}; }
-        engine::Applied write(const engine::Vec2& /*force*/) noexcept override { return {}; }
+        engine::AppliedForce write(const engine::Vec2& /*force*/) noexcept override { return {}; }
         [[nodiscard]] std::string name() const override { return "still"; }
         [[nodiscard]] engine::DeviceTraits traits() const noexcept override {
             return {.gives_force = false};
@@ -263,7 +263,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
     class Brief : public tests::Patient {
     public:
         explicit Brief(Apparatus& apparatus) : apparatus_(apparatus) {}
-        Exploring explore(const TrialView& /*trial*/, double elapsed_s) override {
+        ExplorationStep explore(const TrialView& /*trial*/, double elapsed_s) override {
             if (!std::exchange(stopped_, true)) {
                 apparatus_.stop();
             }

@@ -69,7 +69,7 @@ private:
     JointAngles home_{};
 };
 
-Commissioned commissioned_on_card(RigOnCard& rig) {
+CommissioningResult commissioned_on_card(RigOnCard& rig) {
     static const std::vector<Vec3> places = places_to_commission(rig.how, *rig.how.home);
     const auto device = plug(rig.bench, rig.how);
     return commission(*device, rig.how, places, Vec3(PlantModel{}.handle_mass),
@@ -98,7 +98,7 @@ TEST_CASE("a rig on a card is commissioned, and every miswiring of it is found a
             CHECK(encoders.strongest < 1e-4);  // half a code
         }
         RigOnCard motors({}, wrong);
-        const Commissioned done = commissioned_on_card(motors);
+        const CommissioningResult done = commissioned_on_card(motors);
         CAPTURE(done.refused);
         CHECK(at_zero(motors.bench));
         if (wrong == Connection{}) {

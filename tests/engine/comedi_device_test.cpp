@@ -116,7 +116,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
         REQUIRE(reading.ok());
         const double max = random.coin() ? 3.0 : 60.0;
         const Vec2 force{random.in(-max, max), random.in(-max, max)};
-        const Applied applied = device->write(force);
+        const AppliedForce applied = device->write(force);
 
         const auto fix = *pantograph.locate(pantograph.angles(reading.counts));
         const Pantograph::Drive drive = pantograph.drive(fix, force);

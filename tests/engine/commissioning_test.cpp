@@ -2,7 +2,9 @@
 #include <map>
 
 #include "engine/commissioning/commissioning.hpp"
+#include "engine/commissioning/short_form.hpp"
 #include "engine/device/simulated_pantograph.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/miswired_machine.hpp"
@@ -33,11 +35,11 @@ CommissioningDesk desk_of(MiswiredMachine& device) {
             .period = kPeriod};
 }
 
-Commissioned commissioned(const PlantModel& plant,
-                          const Connection& encoders,
-                          const Connection& motors,
-                          double* strongest = nullptr,
-                          double* max_asked = nullptr) {
+CommissioningResult commissioned(const PlantModel& plant,
+                                 const Connection& encoders,
+                                 const Connection& motors,
+                                 double* strongest = nullptr,
+                                 double* max_asked = nullptr) {
     MiswiredMachine device(plant, encoders, motors);
     const Calibration machine{.pantograph = plant.machine};
     static std::map<std::string, std::vector<Vec3>> known;  // they are looked for among thousands
@@ -45,7 +47,7 @@ Commissioned commissioned(const PlantModel& plant,
     if (places.empty()) {
         places = places_to_commission(machine, kHome);
     }
-    const Commissioned done =
+    const CommissioningResult done =
         commission(device, machine, places, Vec3(plant.handle_mass), desk_of(device));
     if (strongest != nullptr) {
         *strongest = device.strongest();
@@ -65,7 +67,7 @@ TEST_CASE("every wrong connection of two encoders is found and named, and no mot
         CAPTURE(encoders.swapped, encoders.factor[0], encoders.factor[1]);
         // What the motors are does not matter then.
         double strongest = 0.0;
-        const Commissioned done =
+        const CommissioningResult done =
             commissioned(plant, encoders, {.swapped = true, .factor = {-2.0, 0.5}}, &strongest);
         if (encoders == Connection{}) {
             CHECK(done.encoders.fits);
@@ -87,7 +89,7 @@ TEST_CASE(
     for (const Connection& motors : all_connections()) {
         CAPTURE(motors.swapped, motors.factor[0], motors.factor[1]);
         double asked = 0.0;
-        const Commissioned done = commissioned(plant, {}, motors, nullptr, &asked);
+        const CommissioningResult done = commissioned(plant, {}, motors, nullptr, &asked);
         CAPTURE(done.refused);
         CHECK(asked <= 0.3 * (1.0 + 1e-12));
         if (motors == Connection{}) {
@@ -142,10 +144,10 @@ TEST_CASE(
     "tenth, "
     "and the same twice as strong or half do not",
     "[commissioning][law]") {
-    const auto seed = GENERATE(range(0U, 8U));
+    const auto seed = GENERATE(range(0U, palpate::tests::cases(8U)));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
-    const Commissioned right = commissioned(plant, {}, {});
+    const CommissioningResult right = commissioned(plant, {}, {});
     CAPTURE(right.refused);
     CHECK(right.refused.empty());
     const HandleDynamics& found = right.record.dynamics;
@@ -156,7 +158,7 @@ TEST_CASE(
     CHECK(right.record.damping ==
           Approx(0.8 * min_handle_damping(plant)).epsilon(0.1).margin(0.01));
     for (const double gain : {0.5, 2.0}) {
-        const Commissioned wrong = commissioned(plant, {}, {.factor = {gain, gain}});
+        const CommissioningResult wrong = commissioned(plant, {}, {.factor = {gain, gain}});
         CHECK_THAT(wrong.refused, ContainsSubstring(gain < 1.0 ? "motor 1 is too weak, motor 2 is"
                                                                : "motor 1 is too strong, motor 2"));
     }
@@ -165,14 +167,16 @@ TEST_CASE(
 TEST_CASE("a motion that mass and friction do not explain blames no motor",
           "[commissioning][law]") {
     const double cable = GENERATE(1.0, 2.0, 3.0, 4.0);  // N/m: dry friction holds the handle
-    const auto seed = GENERATE(1U, 3U, 5U, 11U);
+    const auto seed =
+        GENERATE(take(palpate::tests::cases(std::size_t{4}), values({1U, 3U, 5U, 11U})));
     CAPTURE(cable, seed);
     const PlantModel plant = some_plant(seed);
     MiswiredMachine device(plant, {}, {});
     device.tie(cable);
     const Calibration machine{.pantograph = plant.machine};
-    const Commissioned done = commission(device, machine, places_to_commission(machine, kHome),
-                                         Vec3(plant.handle_mass), desk_of(device));
+    const CommissioningResult done =
+        commission(device, machine, places_to_commission(machine, kHome), Vec3(plant.handle_mass),
+                   desk_of(device));
     CAPTURE(done.refused, done.motors->gain[0], done.motors->gain[1], done.motors->unexplained);
     CHECK_THAT(done.refused, !ContainsSubstring("amplifier"));
     CHECK_THAT(
@@ -184,7 +188,7 @@ TEST_CASE("a motion that mass and friction do not explain blames no motor",
 TEST_CASE(
     "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
     "[commissioning][law]") {
-    const auto seed = GENERATE(range(0U, 6U));
+    const auto seed = GENERATE(range(0U, palpate::tests::cases(6U)));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant, {}, {}).record;
@@ -278,7 +282,7 @@ TEST_CASE("a device that was opened anew at a mark, and took it for home, is sai
         }
         return true;
     };
-    const Commissioned done =
+    const CommissioningResult done =
         commission(device, machine, places_to_commission(machine, kHome), Vec3(plant.handle_mass),
                    {.bring = bring, .wait = [] { return true; }, .period = kPeriod});
     CHECK_THAT(done.refused, ContainsSubstring("was opened anew while the handle was at (") &&

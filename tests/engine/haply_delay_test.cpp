@@ -139,3 +139,24 @@ TEST_CASE("answers that became later in service are refused until they are quick
     CHECK(bench.device->trouble().empty());
     CHECK(bench.ticks({0.2, 0.0}, 20).behind == 0.0);
 }
+
+TEST_CASE("a board that failed is not back before its answers are as quick as they were",
+          "[haply][law]") {
+    const bool silent = GENERATE(true, false);
+    HaplyBench bench;
+    bench.board.set_faults({.delay = 0.3e-3});
+    bench.open();
+    bench.ticks({0.2, 0.0}, 20);
+    bench.board.set_faults({.silent = silent, .delay = 0.3e-3, .wrong_id = !silent});
+    CHECK(bench.ticks({0.2, 0.0}, 80).fault ==
+          (silent ? DeviceFault::silent : DeviceFault::garbage));
+    bench.board.set_faults({.delay = 3.6e-3});
+    CHECK_FALSE(bench.device->reconnect());
+    CHECK_THAT(bench.device->trouble(), ContainsSubstring("more than when the session began"));
+    CHECK_FALSE(bench.device->reconnect());
+    bench.board.set_faults({.delay = 0.3e-3});
+    CHECK(bench.device->reconnect());
+    CHECK(bench.device->trouble().empty());
+    CHECK(bench.device->homings() == 0);  // it kept its counts
+    CHECK(bench.ticks({0.2, 0.0}, 20).behind == 0.0);
+}

@@ -63,7 +63,7 @@ TEST_CASE("the motors get the torques of the force, each at its own pivot", "[ha
         bench.plant.lead(hip);
         bench.tick({});
         const Reading reading = bench.device->read();
-        const Applied applied = bench.device->write(force);
+        const AppliedForce applied = bench.device->write(force);
         bench.cable.pass(kPeriodNs);
         const auto fix = bench.pantograph.locate(bench.pantograph.angles(reading.counts));
         REQUIRE(fix);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"
 #include "tests/support/random.hpp"
@@ -245,7 +246,7 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
 
 TEST_CASE("in a thousand seconds of random faults the driver never sends what it must not",
           "[haply][law]") {
-    const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, 100)));
+    const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, palpate::tests::cases(100))));
     CAPTURE(seed);
     Random random(seed);
     HaplyBench bench;

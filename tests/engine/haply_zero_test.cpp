@@ -19,7 +19,8 @@ TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoev
     const std::int64_t cause = bench.cable.now_ns();
     bench.tick({0.4, -0.5});
     REQUIRE(bench.board.journal().resets > 0);
-    if (seen_by_driver) {  // the id alone is no part of an answer, nor garbage only once there are nine
+    // The id alone is no part of an answer, nor garbage only once there are nine.
+    if (seen_by_driver) {
         Reading reading;
         int ticks = 0;
         for (; reading.ok() && ticks < 40; ++ticks) {
@@ -49,6 +50,15 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
         CHECK(bench.board.torque() == Vec2{});
         CHECK(bench.tick({0.3, 0.0}).ok());
         CHECK(bench.board.journal().setups == 1);
+    }
+    SECTION("late, as late as a board may be") {
+        const double delay = GENERATE(1e-3, 4e-3, 6e-3, 9.5e-3);
+        bench.board.set_faults({.delay = delay});
+        bench.ticks({0.4, -0.5}, GENERATE(0, 3, 12));
+        const std::int64_t from = bench.cable.now_ns();
+        CHECK(bench.device->prove_zero());
+        CHECK(bench.cable.now_ns() - from < 50'000'000);
+        CHECK(bench.board.torque() == Vec2{});
     }
     SECTION("mute: a fault, and zeros all the same") {
         bench.board.set_faults({.silent = true});

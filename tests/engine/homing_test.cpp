@@ -61,7 +61,7 @@ const std::vector<Vec2> kTriangle{{-0.030, 0.0}, {0.030, 0.005}, {0.0, 0.035}};
 std::string refusal(const PantographSpec& spec, const std::vector<MarkReading>& marks, bool scale) {
     try {
         static_cast<void>(find_home(spec, marks, scale));
-    } catch (const HomingRefused& refused) {
+    } catch (const HomingError& refused) {
         return refused.what();
     }
     return "accepted";

@@ -215,6 +215,31 @@ TEST_CASE("a joint that its motor cannot break loose stands still to the last bi
     CHECK(plant.angles() == rest);
 }
 
+TEST_CASE("what nobody holds rests and moves to the bit as in a hand without strength",
+          "[plant][law]") {
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        PlantModel model = bare();
+        model.coulomb = random.coin() ? random.point(0.0, 2e-3) : Vec2{};
+        model.current_time = random.coin() ? 0.15e-3 : 0.0;
+        model.handle_friction = random.coin() ? random.in(0.0, 0.02) : 0.0;
+        PantographPlant alone(model);
+        model.hand = {.mass = 0.0, .stiffness = 1.0, .damping = 0.0, .strength = 0.0};
+        PantographPlant weak(model);  // its every step is computed
+        alone.begin(kStill);
+        weak.begin(kStill);
+        for (int i = 0; i < 60; ++i) {
+            const Vec2 torque = random.coin() ? random.point(-3e-3, 3e-3) : Vec2{};
+            alone.set_torque(torque);
+            weak.set_torque(torque);
+            alone.advance(0.01);
+            weak.advance(0.01);
+            CHECK(alone.angles() == weak.angles());
+        }
+    }
+}
+
 TEST_CASE("dry friction opposes every turning joint fully, and a resting one by what it needs",
           "[plant][law]") {
     for (std::uint64_t seed = 0; seed < 20000; ++seed) {

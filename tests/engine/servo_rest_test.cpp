@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "engine/realtime/thread_servo.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 class Pressed : public Device {
 public:
     Reading read() noexcept override { return {.hip = {-0.021, 0.017}}; }
-    Applied write(const Vec2& /*force*/) noexcept override { return {.load = {100.0, 30.0}}; }
+    AppliedForce write(const Vec2& /*force*/) noexcept override { return {.load = {100.0, 30.0}}; }
     [[nodiscard]] std::string name() const override { return "pressed"; }
 };
 

@@ -3,6 +3,7 @@
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
@@ -54,7 +55,7 @@ public:
     Reading read() noexcept override {
         return {.hip = {0.0, 0.03}, .fault = ++reads_ < 50 ? DeviceFault::none : DeviceFault::lost};
     }
-    Applied write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec2& force) noexcept override {
         last_ = force;
         return {};
     }
@@ -130,7 +131,7 @@ TEST_CASE("the real-time servo runs on its own thread, keeps order and ends with
     class Steady : public Device {
     public:
         Reading read() noexcept override { return {.hip = {-0.021, 0.017}}; }
-        Applied write(const Vec2& force) noexcept override {
+        AppliedForce write(const Vec2& force) noexcept override {
             last_ = force;
             return {};
         }

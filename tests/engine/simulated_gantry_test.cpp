@@ -44,7 +44,7 @@ TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and 
     SimulatedGantry machine({}, 1e-3);
     for (int i = 0; i < 1000; ++i) {
         const Vec3 force(newtons(random), newtons(random), newtons(random));
-        const Applied applied = machine.press(force);
+        const AppliedForce applied = machine.press(force);
         const double given[]{1e-3 * applied.codes[0], 1e-3 * applied.codes[1],
                              1e-3 * applied.code_3};
         bool cut = false;

@@ -53,9 +53,9 @@ TEST_CASE("a constant force moves the handle by force over hand stiffness", "[de
 TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
     SimulatedPantograph device({}, 1e-3);
     static_cast<void>(device.read());
-    const Applied gentle = device.write({0.0, -2.0});
+    const AppliedForce gentle = device.write({0.0, -2.0});
     CHECK_FALSE(gentle.saturated);
-    const Applied hard = device.write({0.0, -200.0});
+    const AppliedForce hard = device.write({0.0, -200.0});
     CHECK(hard.saturated);
     CHECK(std::max(std::abs(hard.codes[0]), std::abs(hard.codes[1])) == 32767);
     CHECK(std::fabs(static_cast<double>(hard.codes[0]) / hard.codes[1] -

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/commissioning/commissioning.hpp"
+#include "engine/commissioning/short_form.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/led_gantry.hpp"
 #include "tests/support/miswired_gantry.hpp"
@@ -38,7 +39,7 @@ Vec3 mass_of(const Axes& axes) {
 }
 
 /// @param after_marks  what happens once the handle is at the last mark, before a motor turns
-Commissioned commissioned(
+CommissioningResult commissioned(
     MiswiredGantry& device, const Vec3& mass, const std::function<void()>& after_marks = [] {}) {
     const Calibration machine = gantry_machine();
     int brought = 0;
@@ -110,7 +111,7 @@ TEST_CASE("right axes of many kinds pass with their numbers, by pulses that end 
     }
     axes[2].pull = random.in(-0.8, 0.8) * axes[2].friction;
     MiswiredGantry device(gantry_machine(), axes, {}, {});
-    const Commissioned done = commissioned(device, mass_of(axes));
+    const CommissioningResult done = commissioned(device, mass_of(axes));
     CAPTURE(done.refused, axes[0].friction, axes[1].friction, axes[2].friction, axes[2].pull);
     REQUIRE(done.refused.empty());
     for (std::size_t i = 0; i < 3; ++i) {
@@ -139,7 +140,7 @@ TEST_CASE("every wrong encoder of three is found and named, and no motor turns m
         CAPTURE(seed, encoders.axis, encoders.factor);
         MiswiredGantry device(gantry_machine(), right_axes(), encoders,
                               {.axis = {1, 2, 0}, .factor = {-2.0, 0.5, 0.0}});
-        const Commissioned done = commissioned(device, mass_of(right_axes()));
+        const CommissioningResult done = commissioned(device, mass_of(right_axes()));
         CAPTURE(done.refused);
         CHECK(device.strongest == 0.0);
         CHECK_FALSE(done.refused.empty());
@@ -168,7 +169,7 @@ TEST_CASE("every wrong motor of three is found and named, by 1 N at most",
         const Cables motors = wrong_cables(seed);
         CAPTURE(seed, motors.axis, motors.factor);
         MiswiredGantry device(gantry_machine(), right_axes(), {}, motors);
-        const Commissioned done = commissioned(device, mass_of(right_axes()));
+        const CommissioningResult done = commissioned(device, mass_of(right_axes()));
         CAPTURE(done.refused);
         CHECK(device.strongest <= 1.0 + 1e-12);
         CHECK(device.last == Vec3{});
@@ -206,7 +207,7 @@ TEST_CASE("an encoder that dies before the pulses is found, and its axis ends wi
         axes[dead] = {.mass = 0.10, .damping = 0.0, .friction = 0.0, .pull = 0.0};
     }
     MiswiredGantry device(gantry_machine(), axes, {}, {});
-    const Commissioned done =
+    const CommissioningResult done =
         commissioned(device, mass_of(axes), [&] { device.encoders.factor[dead] = 0.0; });
     CHECK_THAT(done.refused,
                ContainsSubstring(std::string("nothing counts when motor ") + kAxisName[dead] +
@@ -266,7 +267,7 @@ TEST_CASE("a fault at any tick of the pulses ends the force at once, and no rig 
         device.fails_at = 1100 + random.below(ticks - 1200);
         double after = 0.0;
         const Calibration machine = gantry_machine();
-        const Commissioned done = commission(
+        const CommissioningResult done = commission(
             device, machine, places_to_commission(machine, {}), mass_of(right_axes()),
             {.bring =
                  [&](const Vec3& place) {
@@ -333,7 +334,7 @@ TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are r
     Axes axes = right_axes();
     axes[2].pull = 0.08;  // 0.06 N of friction do not hold it
     MiswiredGantry device(gantry_machine(), axes, {}, {});
-    const Commissioned done = commissioned(device, mass_of(axes));
+    const CommissioningResult done = commissioned(device, mass_of(axes));
     CHECK_THAT(done.refused, ContainsSubstring("the handle did not rest at (0, 0, 40) mm") &&
                                  ContainsSubstring("counterweight"));
     CHECK(device.strongest == 0.0);

@@ -211,6 +211,21 @@ TEST_CASE("a surface of which a span is a mere curve is refused, however it is t
         lines.weights[i] = lines.weights[first];
     }
     CHECK_THROWS_WITH(make_surface(lines), ContainsSubstring("is a mere curve"));
+    const Vec3 aside =
+        glm::normalize(Vec3{random.in(-1.0, 1.0), random.in(-1.0, 1.0), random.in(-1.0, 1.0)});
+    for (const bool taken : {false, true}) {  // or apart by less than 1e-10 of the size, or more
+        SurfaceData strip = lines;
+        for (std::size_t i = first; i <= first + p; ++i) {
+            for (Vec3& point : strip.points[i]) {
+                point += (taken ? 1e-7 : 1e-12) * static_cast<double>(i - first) * aside;
+            }
+        }
+        if (taken) {
+            CHECK_NOTHROW(make_surface(strip));
+        } else {
+            CHECK_THROWS_WITH(make_surface(strip), ContainsSubstring("is a mere curve"));
+        }
+    }
     SurfaceData row = d;  // its points lie on one line
     const Vec3 along{random.in(-1.0, 1.0), random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
     for (std::size_t i = first; i <= first + p; ++i) {

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/servo.hpp"
 #include "engine/surface/surface_scene.hpp"
 #include "tests/support/catch.hpp"
@@ -26,11 +27,11 @@ public:
         reading.hip_z = hip.z;
         return reading;
     }
-    Applied write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec2& force) noexcept override {
         written = written || force != Vec2{};
         return {};
     }
-    Applied press(const Vec3& force) noexcept override {
+    AppliedForce press(const Vec3& force) noexcept override {
         pressed.push_back(force);
         return {};
     }

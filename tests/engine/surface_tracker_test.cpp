@@ -2,12 +2,13 @@
 #include <cmath>
 
 #include "engine/surface/surface_closest.hpp"
-#include "engine/thesis/surface_tracker.hpp"
+#include "tests/figures/thesis/surface_tracker.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 #include "tests/support/surface_hands.hpp"
 
 using namespace palpate::engine;
+using namespace palpate::figures;
 using namespace palpate::tests;
 using Catch::Matchers::Contains;
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/thesis/thesis_scene.hpp"
+#include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/thesis_objects.hpp"
 
@@ -10,6 +10,7 @@
 // where the tracked GO lags by v / lambda - v T and mu = mu_d + (mu_s - mu_d) lag / Psi_0.
 
 using namespace palpate::engine;
+using namespace palpate::figures;
 using namespace palpate::tests;
 
 namespace {

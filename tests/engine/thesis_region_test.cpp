@@ -1,12 +1,13 @@
 #include <array>
 #include <cmath>
 
-#include "engine/thesis/region_switch.hpp"
+#include "tests/figures/thesis/region_switch.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/thesis_objects.hpp"
 
 using namespace palpate::engine;
+using namespace palpate::figures;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
@@ -136,8 +137,4 @@ TEST_CASE("a chain is refused when ends do not meet or when it runs the wrong wa
                       ContainsSubstring("clockwise"));
     CHECK_THROWS_WITH(make({bezier({{0.0, 0.0}, {0.0, 0.0}, {1.0, 0.0}})}, false),
                       ContainsSubstring("no tangent"));
-    for (const RegionRule rule : {RegionRule::nearest_feature, RegionRule::end_normals}) {
-        CHECK(region_rule_from_string(to_string(rule)) == rule);
-    }
-    CHECK_THROWS_WITH(region_rule_from_string("bisector"), ContainsSubstring("end_normals"));
 }

@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/thesis/curve_tracker.hpp"
+#include "tests/figures/thesis/curve_tracker.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/thesis_objects.hpp"
 
 using namespace palpate::engine;
+using namespace palpate::figures;
 using namespace palpate::tests;
 
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "engine/thesis/curve_tracker.hpp"
+#include "tests/figures/thesis/curve_tracker.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/nurbs_oracle.hpp"
@@ -12,6 +12,7 @@
 #include "tests/support/thesis_objects.hpp"
 
 using namespace palpate::engine;
+using namespace palpate::figures;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
@@ -64,15 +65,6 @@ double p99(const TrackerSpec& spec) {
 }
 
 }  // namespace
-
-TEST_CASE("tracker names go round, and another name is refused with the five", "[thesis]") {
-    for (const TrackerKind kind : kKinds) {
-        CHECK(tracker_kind_from_string(to_string(kind)) == kind);
-    }
-    CHECK(to_string(TrackerKind::feedback_linearised) == "feedback_linearised");
-    CHECK_THROWS_WITH(tracker_kind_from_string("newtn"),
-                      ContainsSubstring("newtn") && ContainsSubstring("tangent_plane"));
-}
 
 TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[thesis]") {
     const NurbsCurve<2> curve = line({0.0, 0.0}, {1.0, 0.0});

@@ -27,10 +27,10 @@ Calibration machine_of(bool open) {
 }
 
 template <class Board>
-Commissioned commissioned_on(Board& board,
-                             MiswiredHandle& handle,
-                             const Calibration& machine,
-                             MakeLine make_line) {
+CommissioningResult commissioned_on(Board& board,
+                                    MiswiredHandle& handle,
+                                    const Calibration& machine,
+                                    MakeLine make_line) {
     static const std::vector<Vec3> places = places_to_commission(machine, *machine.home);
     BoardCable cable(board);
     ScriptedGuard::Script guard;
@@ -50,13 +50,13 @@ Commissioned commissioned_on(Board& board,
                       {.bring = bring, .wait = tick, .period = 1e-3});
 }
 
-Commissioned commissioned_on_board(bool open,
-                                   const Connection& encoders,
-                                   const Connection& motors,
-                                   double& asked) {
+CommissioningResult commissioned_on_board(bool open,
+                                          const Connection& encoders,
+                                          const Connection& motors,
+                                          double& asked) {
     const Calibration machine = machine_of(open);
     MiswiredHandle handle(machine, encoders, motors);
-    Commissioned done;
+    CommissioningResult done;
     if (open) {
         OpenBoard board = OnHost::make(handle, machine);
         done = commissioned_on(board, handle, machine, open_line);
@@ -87,16 +87,16 @@ std::vector<Connection> wrong_connections(bool all) {
 
 void find_all(bool open, bool all) {
     double asked = 0.0;
-    const Commissioned right = commissioned_on_board(open, {}, {}, asked);
+    const CommissioningResult right = commissioned_on_board(open, {}, {}, asked);
     CHECK(right.refused.empty());
     CHECK(right.record.dynamics.handle_mass == Approx(PlantModel{}.handle_mass).epsilon(0.1));
     for (const Connection& wrong : wrong_connections(all)) {
         CAPTURE(open, wrong.swapped, wrong.factor[0], wrong.factor[1]);
-        const Commissioned encoders =
+        const CommissioningResult encoders =
             commissioned_on_board(open, wrong, {.swapped = true, .factor = {-2.0, 0.5}}, asked);
         CHECK_THAT(encoders.refused, ContainsSubstring("encoder"));
         CHECK(asked == 0.0);
-        const Commissioned motors = commissioned_on_board(open, {}, wrong, asked);
+        const CommissioningResult motors = commissioned_on_board(open, {}, wrong, asked);
         CHECK_FALSE(motors.refused.empty());
         CHECK((motors.refused.find("swapped") != std::string::npos) == wrong.swapped);
         for (const std::size_t i : {0U, 1U}) {

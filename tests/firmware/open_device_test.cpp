@@ -343,7 +343,7 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is
     ScriptedGuard::Script guard;
     BoardDevice device(machine, std::make_unique<BoardLink>(cable), open_line,
                        std::make_unique<ScriptedGuard>(guard));
-    const Commissioned done =
+    const CommissioningResult done =
         commission(device, machine, places_to_commission(machine, *machine.home), Vec3(0.060),
                    {.bring =
                         [&](const Vec3& place) {

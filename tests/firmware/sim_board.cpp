@@ -19,7 +19,7 @@
 
 #include "engine/math/elementary.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef PALPATE_SANITIZED
 /// What simavr never frees is not ours.
 extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions() {
     return "leak:libsimavr\n";

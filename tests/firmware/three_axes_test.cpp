@@ -154,7 +154,7 @@ TEMPLATE_TEST_CASE(
         led += Vec3(random.in(-1e-4, 1e-4), random.in(-1e-4, 1e-4), random.in(-1e-4, 1e-4));
         plant.lead(led);
         const Reading reading = device->read();
-        const Applied applied = device->press(force);
+        const AppliedForce applied = device->press(force);
         next = std::max(next + 1'000'000, cable.now_ns());
         cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
         REQUIRE(reading.ok());

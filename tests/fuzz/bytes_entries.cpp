@@ -37,7 +37,7 @@ void chunk(Bytes bytes) {
         std::vector<engine::TickRecord> ticks(row.ticks);
         std::vector<std::int64_t> wide(row.ticks);
         for (std::size_t column = 0; column < data::kStoredColumns; ++column) {
-            reader.read(static_cast<data::Stored>(column), wide);
+            reader.read(static_cast<data::ColumnId>(column), wide);
         }
         reader.read_exact(ticks);
     } catch (const data::TraceError& refusal) {

@@ -33,6 +33,10 @@ new_machine() {
 echo $1
 FAKE
     fake sudo <<'FAKE'
+if [ "$1" = -n ]; then # whether it would ask for a password
+    [ ! -e "$machine/sudo-asks" ]
+    exit
+fi
 echo "sudo $*" >>"$machine/calls"
 [ ! -e "$machine/sudo-refuses" ] || exit 1
 exec "$@"

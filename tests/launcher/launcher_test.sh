@@ -48,6 +48,12 @@ holds 'test hands its arguments to ctest' has "$calls" \
     "ctest --test-dir $tree/build --output-on-failure -j4 --no-tests=error -R a law"
 holds 'the exit code of test is ctest'\''s' [ "$code" = 8 ]
 : >"$machine/calls"
+launch figures -o pictures
+holds 'figures builds their program beside palpate' has "$calls" '--target palpate palpate_figures'
+holds 'and hands palpate the whole line' [ "$out" = '<figures>
+<-o>
+<pictures>' ]
+: >"$machine/calls"
 launch demo
 launch test
 holds 'once asked for, the tests stay on' lacks "$calls" preset
@@ -120,15 +126,18 @@ holds 'and goes on to the program' [ "$code" = 42 ]
 holds 'lists that know the packages are not fetched again' lacks "$calls" 'apt-get update'
 holds 'a plain command asks for no test package' lacks "$err" catch2
 
-for answer in '' n; do
-    new_machine 0
-    lacking libfmt-dev
-    printf '%s\n' "$answer" | script -qec "PATH='$machine/bin' '$tree/palpate' demo" /dev/null >"$machine/out" 2>&1
+at_terminal() { # at_terminal ANSWER
+    printf '%s\n' "$1" | script -qec "PATH='$machine/bin' '$tree/palpate' demo" /dev/null >"$machine/out" 2>&1
     code=$?
     out=$(cat "$machine/out")
     calls=$(cat "$machine/calls")
-    holds 'root at a terminal is asked' has "$out" 'install them now, as root? [Y/n]'
-    if [ "$answer" = n ]; then
+}
+for case in 0: 0:n 1000: 1000:n; do
+    new_machine "${case%:*}"
+    lacking libfmt-dev
+    at_terminal "${case#*:}"
+    holds 'root, or whose sudo asks nothing, is asked at a terminal' has "$out" 'install them now, as root? [Y/n]'
+    if [ "${case#*:}" = n ]; then
         holds 'who says no has nothing installed' lacks "$calls" apt-get
         holds 'and leaves with 3' [ "$code" = 3 ]
     else
@@ -136,6 +145,12 @@ for answer in '' n; do
         holds 'and goes on, asked once' [ "$(grep -c 'Y/n' "$machine/out")$code" = 142 ]
     fi
 done
+new_machine 1000
+lacking libfmt-dev
+touch "$machine/sudo-asks"
+at_terminal ''
+holds 'whom sudo asks for a password is asked by nobody else' lacks "$out" 'Y/n'
+holds 'and has it installed' has "$calls" "sudo apt-get -q"
 
 new_machine 0
 lacking libfmt-dev

@@ -1,5 +1,7 @@
 #include <fstream>
 
+#include <nlohmann/json.hpp>
+
 #include "data/inference/audit.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -73,7 +75,7 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     const tests::Finished first = audit();
     CAPTURE(first.out, first.error);
     REQUIRE(first.code == 0);
-    CHECK_THAT(first.out, ContainsSubstring("on against off"));
+    CHECK_THAT(first.out, ContainsSubstring("on - off"));
     for (const char* of : {"start, to the right", "start, away", "late ticks", "saturated ticks",
                            "stale ticks", "trials with a gap"}) {
         CHECK_THAT(line_of(first.out, of), ContainsSubstring("the same"));
@@ -82,7 +84,27 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
         .execute("UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
     const std::string moved = line_of(audit().out, "start, to the right");
     CAPTURE(moved);
-    CHECK_THAT(moved, ContainsSubstring("DIFFERS") && ContainsSubstring(" +4.0"));
+    CHECK_THAT(moved, ContainsSubstring("DIFFERS") && ContainsSubstring(" 0.0040 to 0.0040 "));
+
+    // Who has no answer with a friction is in no difference with it, and is named.
+    CHECK(first.out.find("no answer with") == std::string::npos);
+    data::Database(file, data::Access::write)
+        .execute(
+            "UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT trial_id FROM "
+            "analysis_trial WHERE participant_code = 'P2' AND friction = 'on')");
+    const std::string second =
+        palpate_command({"sql", file, "--csv", "-c",
+                         "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE "
+                         "participant_code = 'P2'"})
+            .out.substr(2, 14);
+    CHECK_THAT(audit().out,
+               ContainsSubstring("no answer with friction on, so no difference with it: " + second +
+                                 "\n"));
+    CHECK_THAT(line_of(audit().out, "late ticks"), ContainsSubstring("  2  "));
+    const auto made = nlohmann::json::parse(
+        palpate_command({"audit", file, "--kind", "simulated", "--json"}).out);
+    CHECK(made.at("no_answer_with").dump() ==
+          R"([{"friction":"on","people":[")" + second + R"("]}])");
 
     const auto real = palpate_command({"audit", file});
     CHECK(real.code == 2);
@@ -107,7 +129,7 @@ TEST_CASE("no number is made of the answers of who does not consent", "[audit][s
         const Finished done = palpate_command({command, file, "--kind", "simulated"});
         CAPTURE(command, done.error);
         REQUIRE(done.code == 0);
-        return done.out.substr(done.out.find("against"));
+        return done.out.substr(done.out.find("comparison"));
     };
     CHECK(said("audit", with) != said("audit", without));
     REQUIRE(palpate_command({"participant", with, "C", "--consent", "no"}).code == 0);

@@ -39,6 +39,8 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
     for (const Wrong& wrong :
          {Wrong{"repetitions = 1", "repetitons = 1", "repetitions"},
           Wrong{"rate_hz = 1000", "rate_hz = 100", "100"},
+          Wrong{"force_limit_n = 10", "force_limit_n = 500", "500"},
+          Wrong{"stiffness_n_per_m = 1000", "stiffness_n_per_m = 1e9", "1000000000"},
           Wrong{"rate_hz = 1000", "rate_hz = \"fast\"", "rate_hz"},
           Wrong{"mu_s = 0.7", "mu_s = 0.3", "0.3"}, Wrong{"[timing]", "[timing", "table"},
           Wrong{"max_run_object = 2", "max_run_object = -1", "-1"}}) {

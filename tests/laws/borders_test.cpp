@@ -4,7 +4,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
-#include "data/export/json_text.hpp"
+#include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -63,21 +63,22 @@ TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can
         }
         const std::size_t first = field.find_first_not_of('\'');
         const bool marked = first != 0 && first != std::string::npos &&
-                            std::string("=+-@\t\r").find(field[first]) != std::string::npos;
+                            std::string("=+-@\t\r\n").find(field[first]) != std::string::npos;
         return marked ? field.substr(1) : field;
     };
     for (const std::string text :
-         {"=HYPERLINK(1)", "+1+1", "-A1", "@SUM(A1)", "\tx", "\r=1", "'=x", "''-y", "'plain", "-",
-          "-inf", "-5", "+3.5e-7", "1", "a=b", "'-5", "--1", "-1-1", ""}) {
+         {"=HYPERLINK(1)", "+1+1",   "-A1",  "@SUM(A1)", "\tx", "\r=1",    "\n=1", "'=x",
+          "''-y",          "'plain", "-",    "-inf",     "-5",  "+3.5e-7", "1",    "a=b",
+          "'-5",           "--1",    "-1-1", ""}) {
         CAPTURE(text);
         const std::string field = data::csv_field(text);
         CHECK(back(field) == text);
         const std::string bare = field.front() == '"' ? field.substr(1) : field;
         const bool number = text == "-5" || text == "+3.5e-7";
-        CHECK((number || std::string("=+-@\t\r").find(bare.front()) == std::string::npos));
+        CHECK((number || std::string("=+-@\t\r\n").find(bare.front()) == std::string::npos));
         CHECK((!number || field == text));
         CHECK((number ||
-               std::string("=+-@\t\r").find(data::tsv_field(text).front()) == std::string::npos));
+               std::string("=+-@\t\r\n").find(data::tsv_field(text).front()) == std::string::npos));
     }
 }
 

@@ -136,11 +136,18 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
                               ContainsSubstring("2000"));
 
     const std::string beyond = "torque_limit_mn_m = 1000000";
-    text.replace(text.find(beyond), beyond.size(), "torque_limit_mn_m = 124");
-    std::ofstream(file) << "format = 1\n" << text;
-    const Finished check = palpate_command({"check", "pilot", "--calibration", file});
-    CAPTURE(check.error);
-    CHECK(check.code == 2);
-    CHECK_THAT(check.error, ContainsSubstring(file + ":") &&
-                                ContainsSubstring("a Haply board gives 0.123 at most"));
+    const auto checked = [&](const std::string& from, const std::string& to) {
+        std::ofstream(file) << "format = 1\n" << tests::replaced(text, from, to);
+        const Finished check = palpate_command({"check", "pilot", "--calibration", file});
+        CHECK(check.code == 2);
+        CHECK_THAT(check.error, ContainsSubstring(file + ":"));
+        return check.error;
+    };
+    CHECK_THAT(checked(beyond, "torque_limit_mn_m = 124"),
+               ContainsSubstring("a Haply board gives 0.123 at most"));
+    text = tests::replaced(text, beyond, "torque_limit_mn_m = 123");
+    const std::size_t counts = text.find("counts_per_turn = ");
+    CHECK_THAT(
+        checked(text.substr(counts, text.find('\n', counts) - counts), "counts_per_turn = 1e-9"),
+        ContainsSubstring(": counts_per_turn is 1e-09: give "));
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/commissioning/place_proof.hpp"
+#include "engine/commissioning/short_form.hpp"
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/emulator/haply_board.hpp"
@@ -54,8 +55,9 @@ public:
             cable_.pass(200'000'000);
             return true;
         };
-        Commissioned done = commission(*device_, machine(), places, Vec3(PlantModel{}.handle_mass),
-                                       {.bring = bring, .wait = ticks(), .period = kPeriod});
+        CommissioningResult done =
+            commission(*device_, machine(), places, Vec3(PlantModel{}.handle_mass),
+                       {.bring = bring, .wait = ticks(), .period = kPeriod});
         REQUIRE(done.refused.empty());
         done.record.mark = places.at(1);
         handle.bring(*machine().home);
@@ -143,12 +145,13 @@ struct Change {
     Connection encoders{};
     Connection motors{};
     std::array<double, 2> slip{};  ///< rad
+    double lag = 0.0;              ///< s that answers are older than they were
     Vec2 lies{*machine().home};    ///< where the handle lies when it is looked at again, m
     int careless = 0;              ///< times that the person leaves it where it lies
 
     [[nodiscard]] bool right() const {
         return encoders == Connection{} && motors == Connection{} && slip[0] == 0.0 &&
-               slip[1] == 0.0;
+               slip[1] == 0.0 && lag == 0.0;
     }
 };
 
@@ -171,6 +174,7 @@ Change random_change(Random& random) {
         const double angle = 2.0 * std::numbers::pi / 4880.0 * random.in(60.0, 400.0);
         change.slip[static_cast<std::size_t>(random.below(2))] = random.coin() ? angle : -angle;
     }
+    change.lag = random.below(6) == 0 ? random.in(0.015, 0.030) : 0.0;
     if (random.coin()) {
         const Pantograph linkage(machine().pantograph);
         const Vec2 aside{random.in(-0.03, 0.03), random.in(-0.03, 0.03)};
@@ -188,6 +192,7 @@ RigTrust proved_after(Bench& bench, const RigRecord& record, const Change& chang
         bench.handle.connect(change.encoders, change.motors);
         bench.handle.slip(0, change.slip[0]);
         bench.handle.slip(1, change.slip[1]);
+        bench.handle.lag(change.lag);
         bench.handle.bring(change.lies);
     };
     bool replugs = change.replugged;
@@ -258,9 +263,10 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
         const double off = proved ? bench.misplaced() : 0.0;
         if (proved && !(change.right() && off <= 2.0 * kAtPlace)) {
             ++believed;
-            worst = fmt::format("seed {}: replugged {}, off by {:.1f} mm, motors {} {} {}", seed,
-                                change.replugged, 1e3 * off, change.motors.swapped,
-                                change.motors.factor[0], change.motors.factor[1]);
+            worst = fmt::format(
+                "seed {}: replugged {}, off by {:.1f} mm, lag {:.0f} ms, motors {} {} {}", seed,
+                change.replugged, 1e3 * off, 1e3 * change.lag, change.motors.swapped,
+                change.motors.factor[0], change.motors.factor[1]);
         }
     }
     CAPTURE(worst);

@@ -57,6 +57,11 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
     CHECK(desk.waits_for_fault("screen_silent"));
     desk.session->screen().server().signal(SIGCONT);
     desk.session->wait_for_screen("trouble");
+    REQUIRE(desk.feel());
+    desk.session->screen().server().signal(SIGKILL);
+    CHECK(desk.force_ends());
+    CHECK(desk.stays_off());
+    CHECK(desk.session->finish().code == 1);
 }
 
 TEST_CASE("a board that is kept from answering for 20 ms takes the force away, and ends no trial",
@@ -119,6 +124,16 @@ TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with
 }
 
 TEST_CASE(
+    "however a session's program ends under a force, the guard ends the force, and it stays off",
+    "[window][haply][guard][law]") {
+    PressedDesk desk(PressingHand::Does::presses);
+    REQUIRE(desk.feel());
+    desk.session->program().signal(GENERATE(SIGHUP, SIGQUIT, SIGSEGV, SIGABRT));
+    CHECK(desk.force_ends());
+    CHECK(desk.stays_off());
+}
+
+TEST_CASE(
     "in its window the program's guard ends the force when it dies, and it when its guard does",
     "[window][haply][guard][law]") {
     const TemporaryFolder path;  // a system that can be asked to stay awake
@@ -173,10 +188,14 @@ TEST_CASE("who lets go of the key goes on by it, and the terminal says that no c
         PressedDesk desk(PressingHand::Does::presses);
         REQUIRE(desk.feel());
         desk.session->hand().release("space");
+        tests::wait_a_little(60);
+        desk.session->hand().press("space");  // who grabs it again has let go
         CHECK(desk.force_ends());
         seen = desk.waits_for_fault("let_go");
         if (seen) {
             desk.session->wait_for_screen("trouble");
+            CHECK(desk.stays_off());
+            desk.session->hand().release("space");
             desk.session->wait_for_text("what was wrong is mended: the participant goes on");
             desk.session->press_at("trouble", "space");
             CHECK(desk.feel());

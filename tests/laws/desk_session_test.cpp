@@ -136,9 +136,23 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     desk.end_pause(1);
     desk.pause_at("ready");
     desk.end_pause(2);
-    desk.mark_at("ready");
+    const auto window = desk.session().wait_for_screen("ready");
+    const auto edge = [&] {
+        return desk.session().hand().pixels(window, 0.9);
+    };
+    const auto plain = edge();
+    desk.session().hand().chord("m");
+    CHECK(tests::eventually([&] { return edge() != plain; }));
+    pause(0.3);
+    const auto asked = edge();
+    desk.session().hand().key("y");
     desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
     desk.session().wait_for_text("nothing to mark");
+    CHECK(tests::eventually([&] {  // the answer stands where the question was
+        const auto now = edge();
+        pause(0.1);
+        return now != plain && now != asked && now == edge();
+    }));
     desk.stays_ready();
 
     desk.at("ready", "space");

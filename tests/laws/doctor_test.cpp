@@ -1,6 +1,8 @@
+#include <csignal>
 #include <fstream>
 #include <set>
 
+#include "engine/device/drivers/haply_wire.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/process.hpp"
@@ -71,6 +73,31 @@ TEST_CASE("the doctor's lines begin with ok, warn or fail, and end with how many
     CHECK(doctor.out.find_first_of("owf") == 0);
 }
 
+TEST_CASE("without a display the doctor fails a device that run refuses for it, and no other",
+          "[cli][doctor][law]") {
+    const TemporaryFolder folder;
+    const auto [device, environment, status, code] =
+        GENERATE(table<std::string, std::string, std::string, int>(
+            {{"mouse", "SDL_VIDEODRIVER", "fail", 2},
+             {"mouse", "SDL_VIDEODRIVER=dummy", "warn", 3},  // a window that nobody sees
+             {"sim", "SDL_VIDEODRIVER", "warn", 3}}));
+    CAPTURE(device, environment);
+    const std::vector<std::string> none{"DISPLAY", "WAYLAND_DISPLAY", environment};
+    tests::Process doctor({tests::palpate_program(), "doctor", "--seconds", "0.05", "--device",
+                           device, "--db", folder.file("d.sqlite")},
+                          none);
+    CHECK_THAT(doctor.wait().out, ContainsSubstring(status + "  display "));
+    tests::Process run({tests::palpate_program(), "run", "shape_friction_demo", "--participant",
+                        "P1", "--device", device, "--db", folder.file("d.sqlite"), "--speed", "1"},
+                       none);
+    CHECK(tests::eventually(
+        [&] { return !run.running() || run.out().find("If it ends early") != std::string::npos; }));
+    run.signal(SIGTERM);
+    const Finished end = run.wait();
+    CHECK(end.code == code);
+    CHECK((code == 3 || end.error.find("needs a display and a window") != std::string::npos));
+}
+
 TEST_CASE("wrong words to the doctor get a sentence and exit code 2", "[cli][doctor]") {
     const Finished device = palpate_command({"doctor", "--device", "haptic"});
     CHECK(device.code == 2);
@@ -118,4 +145,34 @@ TEST_CASE(
     }));
     CHECK(brought == 2);
     CHECK(given == std::set<std::string>{"0, 0"});
+
+    // A program that died has left a torque: it goes first, whoever opens the board, and then a
+    // reset, which would leave it.
+    board.bring("hold");
+    const std::string file = folder.file("d.sqlite");
+    for (std::vector<std::string> opens :
+         {std::vector<std::string>{"doctor", "--seconds", "0.05", "--db", file},
+          {"run", "pilot", "--participant", "P1", "--kind", "pilot", "--db", file},
+          {"calibrate", "--preset", "2diy_gen3", "--mark", "0,70", "--mark=-20,70", "-o",
+           folder.file("marks.toml")}}) {
+        CAPTURE(opens);
+        const auto left = engine::torque_packet(5, {0.1, 0.1});
+        REQUIRE(left);
+        std::ofstream(folder.file("board"), std::ios::binary)
+            .write(reinterpret_cast<const char*>(left->view().data()),
+                   static_cast<std::streamsize>(left->view().size()));
+        REQUIRE(tests::eventually([&] { return board.motors() != "0, 0"; }));
+        opens.insert(opens.begin(), tests::palpate_program());
+        opens.insert(opens.end(), {"--device", board.word()});
+        tests::Process program(opens, {"SDL_VIDEODRIVER=dummy"});
+        CHECK(tests::eventually([&] { return board.motors() == "0, 0"; }));
+        CHECK(tests::eventually([&] {
+            const std::string out = program.out();
+            return !program.running() || out.find("Bring the handle") != std::string::npos ||
+                   out.find("If it ends early") != std::string::npos;
+        }));
+        program.signal(SIGTERM);
+        static_cast<void>(program.wait());
+    }
+    CHECK_THAT(board.said(), ContainsSubstring("0 of ") && !ContainsSubstring("0 of 0 "));
 }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -280,6 +281,18 @@ TEST_CASE(
     }
     CHECK(steps >= 9);
     CHECK(fs::exists(folder.path() / "shared" / "dataset_description.json"));
+}
+
+TEST_CASE("docs/devices.md names each limit and maker the group is trusted with", "[documents]") {
+    const std::string said = prose_of(kRoot / "docs/devices.md");
+    const std::string given = prose_of(kRoot / "cmake/debian/70-palpate.rules") +
+                              prose_of(kRoot / "cmake/debian/limits.conf");
+    const std::regex what(R"(idVendor\}=="(\w+)\|?(\w*)|@palpate - (\w+ \w+))");
+    for (std::sregex_iterator at(given.begin(), given.end(), what), end; at != end; ++at) {
+        for (std::size_t part = 1; part < 4; ++part) {
+            CHECK_THAT(said, Catch::Matchers::ContainsSubstring(at->str(part)));
+        }
+    }
 }
 
 TEST_CASE("every query that a document shows in a shell answers", "[documents][law]") {

@@ -9,8 +9,10 @@
 #include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/tick_loop.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -68,12 +70,12 @@ public:
         return reading;
     }
 
-    Applied write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec2& force) noexcept override {
         const double length = glm::length(force);
         strongest = std::isfinite(length) ? std::max(strongest, length)
                                           : std::numeric_limits<double>::infinity();
         last_write = force;
-        Applied applied = plant_.write(std::isfinite(length) ? force : Vec2{});
+        AppliedForce applied = plant_.write(std::isfinite(length) ? force : Vec2{});
         applied.load = {0.2, 0.1};
         if (tick_ >= fault_.at && fault_.kind == Kind::overheating) {
             applied.load = fault_.mild ? Vec2{0.99, 0.5} : Vec2{0.3, 2.5};
@@ -358,10 +360,11 @@ void run(std::uint64_t seed, Tally& tally) {
     }
 }
 
-/// 10,000 schedules; PALPATE_FAULT_SCHEDULES asks for another number.
+/// 10,000 schedules, fewer under sanitizers; PALPATE_FAULT_SCHEDULES asks for another number.
 std::uint64_t schedules() {
     const char* asked = std::getenv("PALPATE_FAULT_SCHEDULES");
-    return asked != nullptr ? std::strtoull(asked, nullptr, 10) : 10000;
+    return asked != nullptr ? std::strtoull(asked, nullptr, 10)
+                            : tests::cases(std::uint64_t{10000});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/servo.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "tests/support/catch.hpp"
@@ -47,7 +48,7 @@ public:
         good = reading.ok() && std::isfinite(reading.hip.x) ? reading.hip : good;
         return reading;
     }
-    Applied write(const Vec2& force) noexcept override { return plant_.write(force); }
+    AppliedForce write(const Vec2& force) noexcept override { return plant_.write(force); }
     [[nodiscard]] std::string name() const override { return "unsteady"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return plant_.traits(); }
 

@@ -82,6 +82,15 @@ struct Desk {
         }
         return mn_m / 10.0;  // a drum of 10 mm
     }
+    /// What goes on from each screen, of many looks: after a trouble that a busy machine made, the
+    /// experimenter's chord now and then.
+    void go_on(const std::string& screen, int look) {
+        if ((screen == "trouble" || screen == "pause") && look % 20 == 10) {
+            session->hand().chord("p");
+        } else {
+            session->hand().key(screen == "question" ? "1" : "space");
+        }
+    }
     /// Explores until the hand is pressed by so much, N.
     [[nodiscard]] bool feel(double force = 0.3) {
         for (int tries = 0; tries < 1800; ++tries) {
@@ -91,7 +100,7 @@ struct Desk {
                     return true;
                 }
             } else {
-                session->hand().key(screen == "question" ? "1" : "space");
+                go_on(screen, tries);
             }
             tests::pause(0.05);
         }
@@ -105,7 +114,7 @@ struct Desk {
             const std::string screen = session->screen_name();
             felt = screen != "explore" ? 0 : felt > 0 || glm::length(motors()) > 0.3 ? felt + 1 : 0;
             if (screen != "explore" || felt > 70) {
-                session->hand().key(screen == "question" ? "1" : "space");
+                go_on(screen, i);
             }
             tests::pause(0.05);
         }
@@ -122,7 +131,7 @@ struct Desk {
         for (int i = 0; i < looks && !faulted(causes); ++i) {
             const std::string screen = session->screen_name();
             if (screen != "explore") {
-                session->hand().key(screen == "question" ? "1" : "space");
+                go_on(screen, i);
             }
             tests::pause(0.05);
         }
@@ -243,17 +252,18 @@ TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and l
 
 TEST_CASE("a third encoder whose cable comes out under a force ends it, and no force is left",
           "[window][open][gantry][safety][law]") {
-    Desk desk;
+    // A busy machine may end the trial for another reason while the cable is out: then the proof of
+    // the rig refuses the next trial, and another session is begun.
     bool found = false;
-    for (int tries = 0; tries < 8 && !found; ++tries) {
-        desk.emulator.type("plug 3");
-        REQUIRE(desk.feel(1.0));
+    for (int tries = 0; tries < 6 && !found; ++tries) {
+        Desk desk;
+        found = desk.feel(1.0);
         desk.emulator.type("unplug 3");
-        found = desk.ends_by("'stuck_encoder'", 100);
+        found = found && desk.ends_by("'stuck_encoder'", 100);
+        CHECK(desk.force_ends());
+        desk.kill();
     }
     CHECK(found);
-    CHECK(desk.force_ends());
-    desk.kill();
 }
 
 TEST_CASE(

@@ -134,6 +134,19 @@ TEST_CASE("who had the port open before is named, and no session or check begins
         out = said();  // the shell may not have come to its sleep
     }
     CHECK_THAT(out, ContainsSubstring("is in use by another program, sleep (process "));
+    for (std::vector<std::string> begins :
+         {std::vector<std::string>{"run", "pilot", "--participant", "P1", "--db",
+                                   folder.file("d.sqlite"), "--windowed", "--kind", "pilot"},
+          {"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
+        begins.insert(begins.begin(), palpate_program());
+        begins.insert(begins.end(), {"--device", "haply:" + link, "--calibration", "2diy_gen3"});
+        const tests::Finished beside = Process(begins, {"SDL_VIDEODRIVER=dummy"}).wait();
+        CAPTURE(begins, beside.out, beside.error);
+        CHECK(beside.code == 1);
+        CHECK_THAT(on_one_line(beside.error),
+                   ContainsSubstring("in use by another program, sleep"));
+    }
+    CHECK(folder.names().size() == 1);  // the board's
     stranger.signal(SIGKILL);
     CHECK(stranger.wait().code != 0);
     CHECK_THAT(said(), !ContainsSubstring("in use by another program"));

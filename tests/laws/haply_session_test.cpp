@@ -73,7 +73,7 @@ public:
           apparatus_(&apparatus),
           pulls_(clumsy) {}
 
-    protocols::Exploring explore(const protocols::TrialView& trial, double elapsed) override {
+    protocols::ExplorationStep explore(const protocols::TrialView& trial, double elapsed) override {
         if (pulls_ && !apparatus_->board().motors().off()) {
             pulls_ = false;
             apparatus_->board().plug(false);

@@ -10,49 +10,22 @@
 #include "data/store/database.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/lab_files.hpp"
+#include "tests/support/page_reader.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using tests::Finished;
+using tests::lab_sqlite;
+using tests::LabFiles;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
 namespace {
 
 using Words = std::vector<std::string>;
-
-/// By another program: nothing of palpate takes part.
-std::string sqlite(const std::string& file, const std::string& sql) {
-    const Finished done =
-        tests::Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, sql}).wait();
-    CAPTURE(sql, done.error);
-    REQUIRE(done.code == 0);
-    return done.out.substr(done.out.find("off\n") + 4);  // after the word of .dbconfig
-}
-
-/// Of a finished session; a copy of it with `sql` done to it.
-class Files {
-public:
-    Files() {
-        REQUIRE(palpate_command({"demo", "--headless", "--db", clean}).code == 0);
-        data::Database(clean, data::Access::write).checkpoint();
-    }
-    [[nodiscard]] std::string with(const std::string& sql) const {
-        const std::string file = folder.file("copy.sqlite");
-        std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
-        sqlite(file, sql);
-        return file;
-    }
-    [[nodiscard]] Words run(const std::string& file, const std::string& who) const {
-        return {"run", "shape_friction_demo", "--participant", who, "--db",
-                file,  "--headless",          "--speed",       "0"};
-    }
-
-    TemporaryFolder folder;
-    std::string clean = folder.file("clean.sqlite");
-};
 
 const std::string kEndless =
     "PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE tbl_name = 'trial'; INSERT INTO "
@@ -65,7 +38,7 @@ const std::string kAllRight =
 }  // namespace
 
 TEST_CASE("nothing is written beside what a file's schema would do", "[store][law]") {
-    const Files files;
+    const LabFiles files;
     struct Case {
         std::string sql, name;
     };
@@ -80,9 +53,10 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
              {"ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5", "table response"},
              {"CREATE TABLE mine (n REFERENCES trial (attempt))", "table mine"},
              {"CREATE UNIQUE INDEX one ON response (correct, answer_code, trial_id)", "index one"},
+             {"CREATE INDEX by_number ON trial (outcome COLLATE uint)", "index by_number"},
              {kEndless, "table trial"}}) {
         const std::string file = files.with(at.sql);
-        const std::string before = sqlite(file, ".dump");
+        const std::string before = lab_sqlite(file, ".dump");
         for (const Words& words : {files.run(file, "P02"),
                                    Words{"note", file, "hot", "--participant", "demo"},
                                    {"mark", file, "2", "--invalid", "bell"},
@@ -95,12 +69,12 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
             CHECK_THAT(done.error, ContainsSubstring(at.name) &&
                                        ContainsSubstring("nothing is written into it"));
         }
-        CHECK(sqlite(file, ".dump") == before);
+        CHECK(lab_sqlite(file, ".dump") == before);
     }
 }
 
 TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[store][law]") {
-    const Files files;
+    const LabFiles files;
     const auto asked = [](const std::string& file) {
         return std::vector<Words>{{"summary", file},
                                   {"stats", file, "--kind", "simulated", "--json"},
@@ -119,6 +93,10 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
         CHECK(right.error.empty());
         CHECK_THAT(done.error, StartsWith("palpate: ") && ContainsSubstring("view analysis_trial"));
     }
+    const Finished shared =
+        palpate_command({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
+    CHECK(shared.code == 0);
+    CHECK(tests::count_of(shared.error, "view analysis_trial") == 1);  // said once
     const std::string endless = files.with(kEndless);
     for (const Words& words :
          std::vector<Words>{{"summary", endless},
@@ -142,10 +120,11 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     const std::string file = files.with(
         "CREATE TABLE mine (trial_id INTEGER REFERENCES response ON DELETE SET NULL, x)");
     data::Database open(file, data::Access::write);
-    sqlite(file,
-           "INSERT INTO mine VALUES (1, 0);CREATE TRIGGER a AFTER DELETE ON response BEGIN UPDATE "
-           "trial SET outcome = 'aborted'; END;CREATE TRIGGER b AFTER UPDATE ON mine BEGIN UPDATE "
-           "trial SET outcome = 'aborted'; END");
+    lab_sqlite(
+        file,
+        "INSERT INTO mine VALUES (1, 0);CREATE TRIGGER a AFTER DELETE ON response BEGIN UPDATE "
+        "trial SET outcome = 'aborted'; END;CREATE TRIGGER b AFTER UPDATE ON mine BEGIN UPDATE "
+        "trial SET outcome = 'aborted'; END");
     open.execute("DELETE FROM response WHERE trial_id = 1");
     auto row = open.prepare("SELECT count(*) FROM trial WHERE outcome = 'aborted'");
     REQUIRE(row.step());
@@ -153,13 +132,14 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
 }
 
 TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store][merge][law]") {
-    const Files files;
+    const LabFiles files;
     const std::string file = files.with(
         "CREATE TABLE my_notes (trial_id INTEGER, remark TEXT);"
         "CREATE TABLE \"my \"\"words\" (trial_id INTEGER PRIMARY KEY, a, b, c REFERENCES my_notes);"
         "INSERT INTO my_notes VALUES (1, 'hm');INSERT INTO \"my \"\"words\" VALUES (1, 2, 3, NULL);"
         "CREATE TABLE coder (session_id INTEGER, name TEXT);INSERT INTO coder VALUES (1, 'Jane');"
-        "CREATE INDEX by_outcome ON trial (outcome);CREATE VIEW theirs AS SELECT * FROM my_notes;"
+        "CREATE INDEX by_outcome ON trial (outcome) ;CREATE INDEX \"by-o\" ON response (trial_id);"
+        "CREATE VIEW theirs AS SELECT * FROM my_notes;"
         "CREATE TRIGGER u AFTER INSERT ON my_notes BEGIN SELECT 1; END");
     const Finished ran = palpate_command(files.run(file, "P02"));
     CAPTURE(ran.out, ran.error);
@@ -177,22 +157,22 @@ TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store]
     const Finished together = palpate_command({"merge", merged, file});
     CAPTURE(together.error);
     CHECK(together.code == 0);
-    CHECK(
-        sqlite(merged, "SELECT count(*) FROM sqlite_schema WHERE name IN ('my_notes', 'coder')") ==
-        "0\n");
+    CHECK(lab_sqlite(merged,
+                     "SELECT count(*) FROM sqlite_schema WHERE name IN ('my_notes', 'coder')") ==
+          "0\n");
     verified(merged);
     const std::string shared = files.folder.file("shared");
     CHECK(palpate_command({"export", file, "--kind", "all", "-o", shared}).code == 0);
     CHECK(!std::filesystem::exists(shared + "/my_notes.csv"));
     const Finished theirs = palpate_command({"sql", file, "--csv", "-c", "SELECT * FROM theirs"});
     CHECK(theirs.out == "trial_id,remark\n1,hm\n");
-    sqlite(file,
-           "DROP VIEW theirs;DROP TABLE my_notes;DROP TABLE \"my \"\"words\";DROP TABLE coder");
+    lab_sqlite(file,
+               "DROP VIEW theirs;DROP TABLE my_notes;DROP TABLE \"my \"\"words\";DROP TABLE coder");
     CHECK(verified(file) == seals);
 }
 
 TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
-    const Files files;
+    const LabFiles files;
     const std::string file =
         files.with("INSERT INTO secret VALUES ('00000000000000000000000000000000')");
     const Finished verified = palpate_command({"verify", file});
@@ -210,7 +190,7 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
         files.folder.file("cured.sqlite");  // a merge takes those that were used
     CHECK(palpate_command({"merge", cured, file}).code == 0);
     CHECK(palpate_command({"verify", cured}).code == 0);
-    CHECK(sqlite(cured, "SELECT count(*) FROM secret WHERE hex LIKE '000%'") == "0\n");
+    CHECK(lab_sqlite(cured, "SELECT count(*) FROM secret WHERE hex LIKE '000%'") == "0\n");
     // Those of merged files were all used, and new people are drawn with the first.
     const std::string other = files.folder.file("other.sqlite");
     for (const std::string& at : {files.clean, other}) {
@@ -230,22 +210,23 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
 }
 
 TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge][law]") {
-    const Files files;
+    const LabFiles files;
     const std::string zeros(32, '0');
     const std::string file = files.folder.file("mine.sqlite");
     const auto secret_of = [&](const std::string& code) {
-        return sqlite(file,
-                      "SELECT secret FROM session JOIN participant USING (participant_id) WHERE "
-                      "participant_code = '" +
-                          code + "'");
+        return lab_sqlite(
+            file,
+            "SELECT secret FROM session JOIN participant USING (participant_id) WHERE "
+            "participant_code = '" +
+                code + "'");
     };
     REQUIRE(palpate_command(files.run(file, "P01")).code == 0);
     const std::string own = secret_of("P01");
     bool whole = true;
     SECTION("planted, with a person who was drawn with it") {
-        sqlite(file, "INSERT INTO secret VALUES ('" + zeros + "')");
-        sqlite(file, "INSERT INTO participant (participant_code, subject) VALUES ('EVE', " +
-                         std::to_string(data::subject_of("EVE", zeros, 0)) + ")");
+        lab_sqlite(file, "INSERT INTO secret VALUES ('" + zeros + "')");
+        lab_sqlite(file, "INSERT INTO participant (participant_code, subject) VALUES ('EVE', " +
+                             std::to_string(data::subject_of("EVE", zeros, 0)) + ")");
     }
     SECTION("merged, with a session of theirs") {
         const std::string eve = files.folder.file("eve.sqlite");
@@ -256,7 +237,7 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
         CHECK(secret_of("EVE") == zeros + "\n");
     }
     SECTION("in the place of the file's own") {
-        sqlite(file, "UPDATE secret SET hex = '" + zeros + "'");
+        lab_sqlite(file, "UPDATE secret SET hex = '" + zeros + "'");
         whole = false;
     }
     const Finished ran = palpate_command(files.run(file, "P02"));
@@ -267,7 +248,7 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
 }
 
 TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]") {
-    const Files files;
+    const LabFiles files;
     const std::string other = files.with("SELECT 1");
     struct Case {
         Words words;
@@ -277,7 +258,12 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
              {{"ATTACH '" + other + "' AS b"}, "--attach lets it read other files too"},
              {{"SELECT fts3_tokenizer('simple', x'4141414141414141')"}, "not authorized"},
              {{"PRAGMA temp_store_directory = '/tmp'"}, "only reads this file"},
-             {{"SELECT zeroblob(100000000)"}, "too big"},
+             {{"SELECT zeroblob(100000000)"}, "too big: no value is longer than 50 MB"},
+             {{"SELECT length(printf('%100000000d', 1))"}, "too big: no value is longer"},
+             {{"SELECT instr(a, substr(a, 1, 4000000) || 'b') FROM (SELECT hex(zeroblob(4000000)) "
+               "AS a)",
+               "--steps", "100000"},
+              "one step of this takes longer than a statement may"},
              {{"WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r WHERE x < 40) "
                "SELECT "
                "zeroblob(40000000 + x) FROM r ORDER BY x % 7"},
@@ -300,6 +286,10 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
     CHECK(
         palpate_command({"sql", files.clean, "--csv", "-c", "SELECT char(9) || '=1+1' AS t"}).out ==
         "t\n'\t=1+1\n");
+    CHECK(palpate_command({"sql", files.clean, "--csv", "-c",
+                           "SELECT printf('%s-%d-%q', 'a', 7, 'o''k') AS a, format('%d %d', 1) AS "
+                           "b, typeof(printf('')) AS c, typeof(printf('%s', NULL)) AS d"})
+              .out == "a,b,c,d\na-7-o''k,1 0,null,text\n");
     CHECK(palpate_command({"sql", files.clean, "-c", "SELECT count(*) FROM sample"}).code == 0);
     tests::Process endless(
         {tests::palpate_program(), "sql", files.clean, "-c",
@@ -313,7 +303,7 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
 
 TEST_CASE("written files follow no link, what holds codes is its owner's, and leftovers go",
           "[export][law]") {
-    const Files files;
+    const LabFiles files;
     const auto rights = [](const std::string& file) {
         struct stat status {};
         REQUIRE(stat(file.c_str(), &status) == 0);

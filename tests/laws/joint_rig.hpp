@@ -8,6 +8,7 @@
 #include "engine/device/emulator/open_board.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "engine/realtime/tick_loop.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "tests/laws/joint_tally.hpp"
@@ -192,6 +193,7 @@ private:
                 break;
             case Cause::host_stalls:
                 stalled_until_ = std::max(stalled_until_, now() + kMs * event.size);
+                alone_ += guard_.alive ? 0 : event.size;
                 host_deadline_ += host_deadline_ < kNever ? kMs * event.size : 0.0;
                 // Nobody else than the host knows of a board without its address, or sets it up.
                 excused_ += excused_ > now() && excused_ < kNever ? kMs * event.size : 0.0;
@@ -339,7 +341,8 @@ private:
         const bool due = now() > std::max(std::min(deadline_, host_deadline_), excused_);
         // Half a packet makes a Haply board give any torque until the next one, also after a trip.
         astray_ += due && torque != Vec2{} ? 1 : 0;
-        tally.not_zero_in_time += astray_ > kAstray * cuts_ ? 1 : 0;
+        const int may = cuts_ > 0 ? kAstray * cuts_ + alone_ : 0;
+        tally.not_zero_in_time += astray_ > may ? 1 : 0;
     }
 
     bool open_;
@@ -370,6 +373,7 @@ private:
     int zeros_ = 0;
     bool last_whole_ = false;  ///< the zero behind the first five was answered
     int cuts_ = 0;             ///< packets cut on the way to a Haply board
+    int alone_ = 0;            ///< ms that a host stalled whose guard was dead: nobody sends a zero
     int astray_ = 0;           ///< ms with a torque when there should be none
 };
 

@@ -14,7 +14,7 @@ class Watched : public Device {
 public:
     explicit Watched(BoardDevice& device) : device_(&device) {}
     [[nodiscard]] Reading read() noexcept override { return device_->read(); }
-    Applied write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec2& force) noexcept override {
         strongest = std::max(strongest, glm::length(force));
         last = force;
         return device_->write(force);

@@ -1,6 +1,9 @@
+#include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
@@ -16,48 +19,99 @@ using tests::WindowSession;
 
 namespace {
 
-/// Whether the motors give nothing now, as the emulator says.
-bool off(tests::TypedTo& board) {
-    const std::size_t before = board.program().out().size();
-    board.type("motors");
-    std::string said;
-    CHECK(eventually([&] {
-        said = board.program().out().substr(before);
-        return said.find("mN m\n") != std::string::npos;
-    }));
-    return said.find("give 0, 0 mN") != std::string::npos;
-}
-
-bool stays_off(tests::TypedTo& board) {
-    for (int i = 0; i < 20; ++i) {
-        if (!off(board)) {
-            return false;
+/// A session at a window, of a hand that explores for ever, and the emulator behind it.
+class TypedRig {
+public:
+    /// @param open  an open board, in a simulated session of any force instead of a pilot's
+    explicit TypedRig(bool open)
+        : board_(folder_,
+                 "keys",
+                 std::string("haply-emulator ") + (open ? "--open " : "") + "--link '" +
+                     folder_.file("board") + "'") {
+        type("delay 0");
+        REQUIRE(eventually([&] { return std::filesystem::exists(folder_.file("board")); }));
+        std::ofstream(folder_.file("p.toml"))
+            << tests::replaced(tests::pressed_study(), "dead_man = true", "dead_man = false");
+        std::vector<std::string> words{
+            "run",           folder_.file("p.toml"),
+            "--participant", "P1",
+            "--db",          file(),
+            "--device",      (open ? "board:" : "haply:") + folder_.file("board"),
+            "--windowed"};
+        if (!open) {
+            words.insert(words.end(), {"--kind", "pilot"});
         }
-        tests::wait_a_little();
+        session_ = std::make_unique<WindowSession>(words, file());
+        session_->press_at("welcome", "space");
+        session_->press_at("ready", "space");
     }
-    return true;
-}
+
+    void type(const std::string& line) { board_.type(line); }
+    [[nodiscard]] WindowSession& session() { return *session_; }
+    [[nodiscard]] std::string file() const { return folder_.file("d.sqlite"); }
+    [[nodiscard]] std::string cause() {
+        return session_->ask("SELECT fault_cause FROM trial ORDER BY trial_id DESC LIMIT 1");
+    }
+
+    /// Goes on, whatever a busy machine ends, until the motors give something.
+    [[nodiscard]] bool feels() {
+        for (int tries = 0; tries < 200; ++tries) {
+            const std::string screen = session_->screen_name();
+            if (screen == "explore") {
+                if (eventually([&] { return !off() || session_->screen_name() != screen; }) &&
+                    !off()) {
+                    return true;
+                }
+            } else if ((screen == "trouble" || screen == "pause") && tries % 2 == 0) {
+                session_->hand().chord("p");
+                tests::pause(0.5);
+            } else {
+                session_->hand().key(screen == "question" ? "1" : "space");
+                tests::pause(0.3);
+            }
+        }
+        return false;
+    }
+    /// The stronger motor's torque now, N m, as the emulator says.
+    [[nodiscard]] double torque() {
+        const std::size_t before = board_.program().out().size();
+        type("motors");
+        std::string said;
+        CHECK(eventually([&] {
+            said = board_.program().out().substr(before);
+            return said.find("mN m\n") != std::string::npos;
+        }));
+        double one = 0.0;
+        double two = 0.0;
+        REQUIRE(std::sscanf(said.c_str() + said.find("give "), "give %lf, %lf", &one, &two) == 2);
+        return 1e-3 * std::fmax(std::fabs(one), std::fabs(two));
+    }
+    [[nodiscard]] bool off() { return torque() == 0.0; }
+    /// Ends, and stays so.
+    [[nodiscard]] bool ends() {
+        bool ended = eventually([&] { return off(); });
+        for (int i = 0; i < 20 && ended; ++i) {
+            ended = off();
+            tests::wait_a_little();
+        }
+        return ended;
+    }
+
+private:
+    TemporaryFolder folder_;
+    tests::TypedTo board_;
+    std::unique_ptr<WindowSession> session_;
+};
 
 }  // namespace
 
 TEST_CASE(
     "a session whose answers become late ends the force, and waits until they are quick again",
     "[window][haply][law]") {
-    const TemporaryFolder folder;
-    tests::TypedTo board(folder, "keys", "haply-emulator --link '" + folder.file("board") + "'");
-    board.type("delay 0");
-    REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
-    std::string study = tests::pressed_study();
-    study.replace(study.find("dead_man = true"), 15, "dead_man = false");
-    std::ofstream(folder.file("p.toml")) << study;
-    WindowSession session(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", folder.file("d.sqlite"),
-         "--device", "haply:" + folder.file("board"), "--kind", "pilot", "--windowed"},
-        folder.file("d.sqlite"));
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
+    TypedRig rig(false);
+    WindowSession& session = rig.session();
     session.wait_for_screen("explore");
-    board.type("delay 6");
+    rig.type("delay 6");
     session.wait_until(
         "SELECT fault_cause IN ('delayed', 'device_silent') FROM trial ORDER BY trial_id DESC "
         "LIMIT 1",
@@ -66,55 +120,66 @@ TEST_CASE(
     for (int i = 0; i < 1500; ++i) {
         tests::wait_a_little();
     }
-    const bool silent = session.ask(
-                            "SELECT fault_cause FROM trial ORDER BY trial_id DESC LIMIT "
-                            "1") == "device_silent";
-    // A board that went away is back as soon as it answers at all.
-    CHECK((silent ||
-           session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'") == "0"));
-    board.type("delay 0");
+    CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'") == "0");
+    rig.type("delay 0");
     session.wait_until("SELECT count(*) FROM event WHERE event_kind = 'reconnect'", "1");
-    for (int tries = 0; tries < 20 && session.screen_name() == "trouble"; ++tries) {
-        if (silent) {  // a busy machine's board went away: the experimenter goes on
-            session.hand().chord("p");
-        } else {
-            session.hand().key("space");
-        }
-        tests::pause(0.5);
-    }
-    session.wait_for_screen("ready");
+    CHECK(rig.feels());
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }
 
-TEST_CASE("a packet read as a reset, and another program's torques, end at zero in a session",
+TEST_CASE("a packet read as a reset, another program's torques and a turned angle end at zero",
           "[window][haply][law]") {
-    const TemporaryFolder folder;
-    tests::TypedTo board(folder, "keys", "haply-emulator --link '" + folder.file("board") + "'");
-    board.type("delay 0");
-    REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
-    std::string study = tests::pressed_study();
-    study.replace(study.find("dead_man = true"), 15, "dead_man = false");
-    std::ofstream(folder.file("p.toml")) << study;
-    WindowSession session(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", folder.file("d.sqlite"),
-         "--device", "haply:" + folder.file("board"), "--kind", "pilot", "--windowed"},
-        folder.file("d.sqlite"));
-    session.press_at("welcome", "space");
-    session.press_at("ready", "space");
-    session.wait_for_screen("explore");
-    REQUIRE(eventually([&] { return !off(board); }));
-    board.type("misread");  // the motors keep what they had, and no longer know their address
-    session.wait_for_screen("trouble");
-    session.wait_until(
-        "SELECT fault_cause LIKE 'device_%' FROM trial ORDER BY trial_id DESC LIMIT 1", "1");
-    CHECK(eventually([&] { return off(board); }));
-    CHECK(stays_off(board));
-    board.type("stranger 200");  // while the session waits
-    CHECK(eventually([&] { return off(board); }));
-    tests::pause(0.5);
-    CHECK(stays_off(board));
-    session.program().signal(SIGTERM);
-    CHECK(session.finish().code == 3);
-    CHECK(stays_off(board));
+    TypedRig rig(false);
+    // The motors keep what they had, and no longer know their address; torques that nobody here
+    // asked for; an angle that is no whole count.
+    for (const std::string befalls : {"misread", "stranger 200", "turned 0.03"}) {
+        CAPTURE(befalls);
+        REQUIRE(rig.feels());
+        rig.type(befalls);
+        rig.session().wait_for_screen("trouble");
+        CHECK_THAT(rig.cause(), Catch::Matchers::StartsWith("device_"));
+        CHECK(rig.ends());
+        rig.type("turned 0");
+    }
+    rig.session().wait_for_screen("trouble");
+    rig.type("stranger 200");  // while the session waits
+    CHECK(rig.ends());
+    rig.session().program().signal(SIGTERM);
+    CHECK(rig.session().finish().code == 3);
+    CHECK(rig.ends());
+}
+
+TEST_CASE("encoders that all stand still under a force end it, and a stopped program's ends, too",
+          "[window][open][law]") {
+    TypedRig rig(true);
+    bool strong = false;
+    for (int tries = 0; tries < 5 && !strong;
+         ++tries) {  // more than encoders may stand still under
+        REQUIRE(rig.feels());
+        strong = eventually([&] {
+                     return rig.torque() > 0.05 || rig.session().screen_name() != "explore";
+                 }) &&
+                 rig.torque() > 0.05;
+    }
+    rig.type("unplug 1");
+    rig.type("unplug 2");
+    rig.session().wait_for_screen("trouble");
+    CHECK(rig.cause() == "stuck_encoder");
+    CHECK(rig.ends());
+    rig.type("plug 1");
+    rig.type("plug 2");
+
+    REQUIRE(rig.feels());
+    rig.session().program().signal(SIGSTOP);
+    CHECK(rig.ends());
+    rig.session().program().signal(SIGCONT);
+    CHECK(rig.ends());  // nothing by itself
+    rig.session().wait_for_screen("trouble");
+
+    REQUIRE(rig.feels());
+    rig.session().program().signal(SIGINT);
+    CHECK(rig.ends());
+    CHECK(rig.session().finish().code == 3);
+    CHECK(tests::palpate_command({"verify", rig.file()}).code == 0);
 }

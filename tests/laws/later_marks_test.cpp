@@ -43,9 +43,9 @@ std::string rows(const std::string& file, const std::string& query) {
 }
 
 /// A finished session, and a copy of it that was marked and noted since.
-class Marked {
+class MarkResult {
 public:
-    Marked() {
+    MarkResult() {
         REQUIRE(palpate_command({"demo", "--headless", "--db", before}).code == 0);
         heads.push_back(verified_head(before));
         data::Database(before, data::Access::write).checkpoint();
@@ -93,7 +93,7 @@ void stop_after_seven(const std::string& file) {
 
 TEST_CASE("marks and notes made later are under the seal, with operator and time",
           "[verify][law]") {
-    const Marked study;
+    const MarkResult study;
     const std::set<std::string> different(study.heads.begin(), study.heads.end());
     CHECK(different.size() == 5);
     const std::string head = verified_head(study.after);
@@ -162,7 +162,7 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
 
 TEST_CASE("a merge takes the file with the later marks, and calls two that differ a conflict",
           "[merge][law]") {
-    const Marked study;
+    const MarkResult study;
     const std::string head = verified_head(study.after);
     for (const bool first : {false, true}) {
         const std::string all = study.folder.file(first ? "1.sqlite" : "2.sqlite");

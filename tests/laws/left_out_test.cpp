@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -90,12 +92,32 @@ std::set<std::string> account_in(const std::string& text) {
     return lines;
 }
 
+/// What a page says for programs.
+Json page_account(const std::string& page) {
+    const std::string begin = "data-left-out=\"";
+    const std::size_t at = page.find(begin);
+    REQUIRE(at != std::string::npos);
+    std::string text =
+        page.substr(at + begin.size(), page.find('"', at + begin.size()) - at - begin.size());
+    for (const auto& [written, meant] :
+         {std::pair{"&quot;", "\""}, std::pair{"&#39;", "'"}, std::pair{"&amp;", "&"}}) {
+        for (std::size_t found = text.find(written); found != std::string::npos;
+             found = text.find(written, found + 1)) {
+            text.replace(found, std::string(written).size(), meant);
+        }
+    }
+    return Json::parse(text);
+}
+
 }  // namespace
 
 TEST_CASE("every command says alike who and what was left out, in words and in JSON",
           "[left-out][law]") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
+    edit(file,
+         "UPDATE session SET session_kind = 'pilot' WHERE participant_id = (SELECT "
+         "participant_id FROM participant WHERE participant_code = 'Y')");
     const std::string name =
         "four_trials@" + ask(file,
                              "SELECT substr(protocol_sha256, 1, 8) FROM study WHERE study_id "
@@ -161,10 +183,70 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
                                      {"invalid", 0},
                                      {"by_rule", 4},
                                      {"analysed", 7}});
-    CHECK(account["elsewhere"].size() == 2);
+    CHECK(account["elsewhere"].size() == 3);
+    CHECK(account == json("audit", {}));
+    const auto of_study = [&](const Json& all) {
+        for (const Json& one : all) {
+            if (one["study"] == name && one["kind"] == "simulated") {
+                return one;
+            }
+        }
+        return Json();
+    };
+    const std::string json_folder = folder.file("json");
+    const Json made =
+        Json::parse(done({"export", file, "--kind", "simulated", "-o", json_folder, "--json"}).out);
+    CHECK(made["sessions"] == 4);  // of B, C, E and X
+    CHECK(of_study(made["left_out"]) == account);
+    const Json summed = of_study(Json::parse(done({"summary", file, "--json"}).out)["studies"]);
+    const Json shown = page_account(tests::slurp(page));
+    for (const char* part : {"people", "answers", "elsewhere", "study", "kind"}) {
+        CAPTURE(part);
+        CHECK(summed["left_out"][part] == account[part]);
+        CHECK(shown[part] == account[part]);
+    }
+    // Of the summary's own numbers: 7 answers of two people with the rules applied, 11 of three
+    // without.
+    for (const auto& [part, people, answers] :
+         {std::tuple{"applied", 2, 7}, std::tuple{"not_applied", 3, 11}}) {
+        CAPTURE(part);
+        const Json& table = summed[part].at(0);
+        std::int64_t n = 0;
+        for (const auto& [person, frictions] : table["people"].items()) {
+            for (const auto& [friction, own] : frictions.items()) {
+                n += own["n"].get<std::int64_t>();
+            }
+        }
+        CHECK(table["people"].size() == static_cast<std::size_t>(people));
+        CHECK(n == answers);
+    }
+    // What is handed on says it too, without a word of the lab's.
+    for (const auto& [format, readme] :
+         {std::pair{"csv", "README.txt"}, std::pair{"bids", "README"},
+          std::pair{"psych-ds", "README.md"}, std::pair{"psychopy", "README.txt"}}) {
+        const std::string out = folder.file(format);
+        done({"export", file, "--kind", "simulated", "--as", format, "-o", out});
+        const std::string text = tests::slurp(out + '/' + readme);
+        CAPTURE(format, text);
+        const std::set<std::string> all = account_in(text);
+        CHECK(std::ranges::includes(all, wanted));
+        CHECK_THAT(
+            text, ContainsSubstring("sessions_finished: 1 is not") && !ContainsSubstring("asleep"));
+    }
+    done({"analysis", "init", folder.file("csv")});
+    static_cast<void>(with(
+        "stats", {"--permutations", "0", "--simulations", "0", "--emit-r", folder.file("s.R")}));
+    for (const std::string& script :
+         {folder.file("csv/analysis.R"), folder.file("csv/analysis.py"), folder.file("s.R")}) {
+        const std::string text = tests::slurp(script);
+        CAPTURE(script, text);
+        const std::set<std::string> all = account_in(text);
+        CHECK(std::ranges::includes(all, wanted));
+        CHECK_THAT(text, ContainsSubstring("\n#     people: ") && !ContainsSubstring("asleep"));
+    }
     // The audit's and the fit's people are those of stats; who refuses has no page of a trial.
     CHECK_THAT(with("audit").out,
-               ContainsSubstring("start, to the right, mm" + std::string(20, ' ') + "2 "));
+               ContainsSubstring("start, to the right             rig   on - off         2 "));
     const std::string theirs =
         ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'D'");
     CHECK_THAT(
@@ -172,9 +254,15 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         ContainsSubstring("withdrawn (was asleep)"));
     // Where nobody is left it is said why.
     edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
-    CHECK_THAT(
-        palpate_command({"stats", file}).error,
-        ContainsSubstring("people: 1 in the file; left out: 1 does not consent; analysed: 0"));
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"stats", file}, {"report", file, "-o", folder.file("f.html")}}) {
+        const Finished none = palpate_command(words);
+        CAPTURE(words.front(), none.error);
+        CHECK(none.code == 2);
+        CHECK_THAT(none.error, ContainsSubstring("people: 1 in the file; left out: 1 does not "
+                                                 "consent; analysed: 0"));
+    }
+    CHECK(!std::filesystem::exists(folder.file("f.html")));
 }
 
 TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",

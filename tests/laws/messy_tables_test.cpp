@@ -179,14 +179,13 @@ TEST_CASE("people whose JND has no end are counted and named, and the median kee
     const Json off = of("JND, off");
     CHECK(off["people"] == 5);
     REQUIRE(off["left_out"].size() == 1);
-    CHECK(off["left_out"][0]["participant"] == "D");
-    CHECK_THAT(off["left_out"][0]["why"].get<std::string>(), ContainsSubstring("on the rise"));
+    CHECK_THAT(off["left_out"][0].get<std::string>(),
+               ContainsSubstring("D (unbounded: ") && ContainsSubstring("on the rise"));
     CHECK(off["median"].is_number());
     const Json difference = of("JND, on - off");
     CHECK(difference["people"] == 3);
     REQUIRE(difference["left_out"].size() == 3);
-    CHECK(difference["left_out"][2] ==
-          Json({{"participant", "F"}, {"why", "one condition alone"}}));
+    CHECK(difference["left_out"][2] == "F (one condition alone)");
     CHECK(of("threshold, on - off")["people"] ==
           3);  // nor D's threshold: it lies anywhere from 3 to 4
     for (const Json& curve : all["curves"]) {
@@ -197,7 +196,7 @@ TEST_CASE("people whose JND has no end are counted and named, and the median kee
             CHECK(curve["slope"]["profile_open"] == "high");
         }
         if (curve["participant"] == "A") {
-            CHECK(curve["jnd"]["why"].is_null());
+            CHECK_FALSE(curve["jnd"].contains("why"));
             CHECK(curve["jnd"]["profile_open"].is_null());
         }
     }
@@ -206,8 +205,8 @@ TEST_CASE("people whose JND has no end are counted and named, and the median kee
                ContainsSubstring("1 person left out: D (unbounded: no level on the rise)") ||
                    ContainsSubstring("1 person left out: D (unbounded: no level lies"));
     CHECK_THAT(printed, ContainsSubstring("F (one condition alone)") &&
-                            ContainsSubstring("what is unbounded by rank") &&
-                            ContainsSubstring("on - off, within person") &&
+                            ContainsSubstring("unbounded by rank") &&
+                            ContainsSubstring("on - off    threshold") &&
                             !ContainsSubstring("1 people"));
     const Json turned =
         json_of({"fit", folder.file("d.csv"), "--bootstrap", "0", "--baseline", "on"});
@@ -224,15 +223,14 @@ TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a 
     write(csv, "stimulus,n,k\n-2,20,1\n-1,20,4\n0,20,9\n1,20,16\n2,20,19\n");
     const std::vector<std::string> words{"fit", csv, "--bootstrap", "0", "--at", "0.99"};
     CHECK_THAT(run(words).out,
-               ContainsSubstring("Weber fraction  none: a stimulus is below 0") &&
+               ContainsSubstring("none: a stimulus is below 0") &&
                    ContainsSubstring("x of P = 0.99   never reached: P goes from 0 to 0.98") &&
                    !ContainsSubstring("unbounded"));
     const Json curve = json_of(words)["curves"][0];
     CHECK(curve["weber_fraction"]["why"] == "none: a stimulus is below 0");
     CHECK(curve["stimulus_at"]["estimate"].is_null());
     write(csv, "stimulus,n,k\n0,20,12\n1,20,16\n2,20,19\n");
-    CHECK_THAT(run(words).out,
-               ContainsSubstring("Weber fraction  none: the threshold is not above 0"));
+    CHECK_THAT(run(words).out, ContainsSubstring("none: the threshold is not above 0"));
 }
 
 TEST_CASE(
@@ -277,7 +275,8 @@ TEST_CASE("palpate stats shows Brier's score in its table", "[stats]") {
     // A: (0.2^2 + 0.6^2 + 0) / 3; B: 0.25.
     CHECK_THAT(
         run({"stats", folder.file("d.csv"), "--simulations", "0"}).out,
-        ContainsSubstring("Brier's score") && ContainsSubstring("A 0.133, B 0.250; mean 0.192"));
+        ContainsSubstring("Brier's score") && ContainsSubstring("A       1.000   0.133  0.133") &&
+            ContainsSubstring("B           -  -0.500  0.250") && ContainsSubstring("mean: 0.192"));
 }
 
 TEST_CASE(

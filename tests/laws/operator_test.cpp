@@ -63,7 +63,7 @@ void until_marked(WindowSession& session, const Act& act) {
     const std::uint64_t before = session.hand().pixels(window);
     for (int tries = 0; tries < 12; ++tries) {
         act();
-        for (int waited = 0; waited < 100; ++waited) {
+        for (int waited = 0; waited < 30; ++waited) {
             pause(0.05);
             if (session.hand().pixels(window) != before) {
                 return;

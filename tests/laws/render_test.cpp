@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/surfaces.hpp"
+#include "tests/support/thesis_objects.hpp"
 
 // What `palpate render` writes of ticks in which nothing is felt.
 
@@ -124,12 +126,89 @@ TEST_CASE("out of contact render's god-object is the closest point, as `palpate 
     CHECK(worst < 1e-10);
 }
 
+TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its renderer, to the bit",
+          "[cli][law][thesis]") {
+    using figures::ThesisLaw;
+    using figures::TrackerKind;
+    struct Named {
+        const char* keys;
+        figures::TrackerSpec spec;
+    };
+    const Named tracker = GENERATE(values<Named>(
+        {{"\"certified\"", {.kind = TrackerKind::newton, .iterations = 2}},
+         {"\"feedback\"\ngain = 6e4\nsub_steps = 3",
+          {.kind = TrackerKind::feedback, .gain = 6e4, .sub_steps = 3}},
+         {"\"feed_forward\"\ngain = 5e4", {.kind = TrackerKind::feed_forward, .gain = 5e4}},
+         {"\"feedback_linearised\"\ngain = 500",
+          {.kind = TrackerKind::feedback_linearised, .gain = 500.0}},
+         {"\"tangent_plane\"\nrate_hz = 60", {.kind = TrackerKind::tangent_plane, .rate_hz = 60.0}},
+         {"\"newton\"\niterations = 3", {.kind = TrackerKind::newton, .iterations = 3}}}));
+    const auto law = GENERATE(ThesisLaw::literal, ThesisLaw::latched, ThesisLaw::frictionless);
+    if (tracker.spec.iterations == 2 && law == ThesisLaw::frictionless) {
+        return;  // our own renderer's
+    }
+    const std::string friction =
+        law == ThesisLaw::frictionless
+            ? "law = \"frictionless\""
+            : fmt::format("law = \"thesis_{}\"\nmu_s = 0.6\nmu_d = 0.4\ndead_band_m_per_s = 0.001",
+                          law == ThesisLaw::literal ? "literal" : "latched");
+    std::string text =
+        fmt::format("[renderer]\nstiffness_n_per_m = 800\ntracker = {}\n[friction]\n{}\n",
+                    tracker.keys, friction);
+    for (const auto& polygon : tests::two_polygons()) {
+        text += "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n";
+        std::string points;
+        for (const engine::Vec2& p : polygon) {
+            points += fmt::format("{}[{}, {}]", points.empty() ? "" : ", ", p.x, p.y);
+        }
+        text += "points_m = [" + points + "]\n";
+    }
+    CAPTURE(text);
+    const double tick = std::ldexp(1.0, -10);  // s, exact
+    std::vector<engine::Vec2> path;
+    std::string table = "t_s,x_m,y_m\n";
+    for (int k = 0; k < 600; ++k) {
+        path.push_back({-0.04 + 0.08 * k / 600, 0.026 + 0.004 * std::sin(0.05 * k)});
+        table += fmt::format("{},{},{}\n", k * tick, path.back().x, path.back().y);
+    }
+    const auto felt = words_of(answer("render", text, table));
+    REQUIRE(felt.size() == path.size());
+
+    const bool rubs = law != ThesisLaw::frictionless;
+    const figures::ThesisScene scene(tests::two_cubics(), false,
+                                     {.stiffness = 800.0,
+                                      .period = tick,
+                                      .tracker = tracker.spec,
+                                      .law = law,
+                                      .mu_s = rubs ? 0.6 : 0.0,
+                                      .mu_d = rubs ? 0.4 : 0.0,
+                                      .dead_band = rubs ? 0.001 : 0.0});
+    figures::ThesisState state;
+    std::size_t touching = 0;
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        const figures::ThesisTick expected = scene.tick(state, path[k]);
+        touching += expected.mode == engine::Mode::free ? 0U : 1U;
+        const auto number = [&](std::size_t column) {
+            return std::stod(felt[k][column]);
+        };
+        CAPTURE(k);
+        REQUIRE(felt[k][2] == std::to_string(expected.cp_segment));
+        REQUIRE(number(3) == expected.cp_u);
+        REQUIRE((engine::Vec2{number(4), number(5)} == expected.cp));
+        REQUIRE((engine::Vec2{number(6), number(7)} == expected.go));
+        REQUIRE((engine::Vec2{number(10), number(11)} == expected.force));
+    }
+    CHECK(touching > path.size() / 4);
+    CHECK(touching < path.size());
+}
+
 TEST_CASE(
     "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
     "path",
     "[cli][law]") {
     const auto seed = GENERATE(range(0U, 2U));
-    CAPTURE(seed);
+    const std::string command = GENERATE(as<std::string>{}, "render", "closest");
+    CAPTURE(seed, command);
     Random random(seed + 2910U);
     const TemporaryFolder folder;
     write(folder.file("s.toml"), kRubs + bows(random));
@@ -150,32 +229,33 @@ TEST_CASE(
     write(folder.file("t.csv"), path);
     write(folder.file("few.csv"), few);
     const auto felt = [&](const std::string& shell) {
-        tests::Process process({"/bin/sh", "-c",
-                                fmt::format("cd {} && P={} && {}", folder.path().string(),
-                                            tests::palpate_program(), shell)});
+        tests::Process process(
+            {"/bin/sh", "-c",
+             fmt::format("cd {} && P='{} {} s.toml' && {}", folder.path().string(),
+                         tests::palpate_program(), command, shell)});
         Finished done = process.wait();
         CAPTURE(shell, done.error);
         REQUIRE(done.code == 0);
         return done.out;
     };
-    const std::string whole = felt("$P render s.toml t.csv");
+    const std::string whole = felt("$P t.csv");
     CHECK(std::count(whole.begin(), whole.end(), '\n') == kRows + 1);
-    CHECK((felt("cat t.csv | $P render s.toml /dev/stdin") == whole));
-    CHECK((felt("$P render s.toml /dev/stdin < t.csv") == whole));
-    CHECK((felt("$P render s.toml t.csv -o o.csv && cat o.csv") == whole));
-    CHECK(
-        (felt("mkfifo p && (cat t.csv > p & $P render s.toml p -o o.csv) && cat o.csv") == whole));
-    const std::string begin = felt("$P render s.toml few.csv");
+    CHECK((felt("cat t.csv | $P /dev/stdin") == whole));
+    CHECK((felt("$P /dev/stdin < t.csv") == whole));
+    CHECK((felt("$P t.csv -o o.csv && cat o.csv") == whole));
+    CHECK((felt("mkfifo p && (cat t.csv > p & $P p -o o.csv) && cat o.csv") == whole));
+    const std::string begin = felt("$P few.csv");
     CHECK((begin == whole.substr(0, begin.size())));
 
     // A wrong row far down is refused with its place before anything is written.
-    const std::size_t last = path.rfind("0.00", path.size() - 40);
+    const std::size_t last = path.rfind("0.0", path.size() - 40);
     path.insert(last, "x");
     write(folder.file("bad.csv"), path);
     for (const std::string to : {"", "-o bad_o.csv"}) {
-        tests::Process process({"/bin/sh", "-c",
-                                fmt::format("cd {} && {} render s.toml bad.csv {}",
-                                            folder.path().string(), tests::palpate_program(), to)});
+        tests::Process process(
+            {"/bin/sh", "-c",
+             fmt::format("cd {} && {} {} s.toml bad.csv {}", folder.path().string(),
+                         tests::palpate_program(), command, to)});
         const Finished done = process.wait();
         CAPTURE(to, done.error);
         CHECK(done.code == 2);

@@ -211,6 +211,6 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
         CHECK_THAT(counted, ContainsSubstring(fmt::format("{:.3f}", mean)) &&
                                 ContainsSubstring(fmt::format("{:.3f}", low)) &&
                                 ContainsSubstring(fmt::format("{:.3f}", high)) &&
-                                ContainsSubstring(fmt::format("sign-flip p = {:.3g} (", p)));
+                                ContainsSubstring(fmt::format("{:.3f}", p)));
     }
 }

@@ -97,7 +97,7 @@ TEST_CASE("an outline is closed or clearly open: what nearly closes is refused w
     both_say(with_gap(0.3 * size), "", kPlanePoints);
 }
 
-TEST_CASE("a closed outline that crosses itself is refused with the place of the crossing",
+TEST_CASE("an outline that crosses itself is refused with the place of the crossing",
           "[cli][law]") {
     const auto seed = GENERATE(range(0U, 4U));
     CAPTURE(seed);
@@ -108,8 +108,15 @@ TEST_CASE("a closed outline that crosses itself is refused with the place of the
     // Two neighbours change places: the edges that lead to them and away from them cross.
     const auto first = static_cast<std::size_t>(random.below(4));
     std::swap(corners[first + 1], corners[first + 2]);
-    both_say(lines_through(corners, corners.front()), "1:1: the outline meets itself near [",
-             kPlanePoints);
+    const std::string meets = "1:1: the outline meets itself near [";
+    both_say(lines_through(corners, corners.front()), meets, kPlanePoints);
+    std::reverse(corners.begin(), corners.end());  // whichever way round it runs
+    both_say(lines_through(corners, corners.front()), meets, kPlanePoints);
+    // An open one: a zigzag whose second line comes back over the first.
+    const double x = size * random.in(0.2, 0.8);
+    const std::vector<Vec2> zigzag{{-size, 0.0}, {size, 0.8 * size}, {x, -0.5 * size}};
+    both_say(lines_through(zigzag, {x, 2.0 * size}), meets, kPlanePoints);
+    both_say(lines_through(zigzag, {1.5 * size, -0.4 * size}), "", kPlanePoints);
 }
 
 TEST_CASE("a surface with a collapsed span is refused, however it lies in space",

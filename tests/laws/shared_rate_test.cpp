@@ -147,8 +147,8 @@ TEST_CASE(
             CHECK(first[what]["profile_95"][end].get<double>() == Approx(next()).epsilon(1e-3));
         }
     }
-    CHECK(all["differences"][0]["threshold_p"].get<double>() == Approx(next()).epsilon(1e-3));
-    CHECK(all["differences"][0]["slope_p"].get<double>() == Approx(next()).epsilon(1e-3));
+    CHECK(all["differences"][0]["p"].get<double>() == Approx(next()).epsilon(1e-3));
+    CHECK(all["differences"][1]["p"].get<double>() == Approx(next()).epsilon(1e-3));
 }
 
 TEST_CASE(

@@ -291,6 +291,10 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     (void)succeeds(
         {"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", file});
     CHECK(succeeds({"sql", file, "--csv", "-c", "SELECT count(*) AS n FROM sample"}) == "n\n0\n");
+    for (const char* name : {"sample", "SAMPLE"}) {  // SQL takes names in any letters
+        CHECK_THAT(palpate_command({"sql", file, "-c", std::string("SELECT 1 FROM ") + name}).error,
+                   ContainsSubstring("no ticks are kept in this file: sample has no row"));
+    }
     const std::string page = folder.file("a.html");
     (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(slurp(page), ContainsSubstring("No ticks are kept of these trials"));

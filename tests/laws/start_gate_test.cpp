@@ -1,5 +1,7 @@
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
@@ -18,6 +20,21 @@ namespace {
 
 std::string four_trials() {
     return tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+}
+
+/// A shipped study whose gate is as it is without a word, for a busy machine.
+std::string gated(const TemporaryFolder& folder, const std::string& name) {
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
+    const std::string stiff = "stiffness_n_per_m = 1000";
+    text = text.find(stiff) != std::string::npos
+             ? tests::replaced(text, stiff, "stiffness_n_per_m = 200")
+             : text;
+    const std::string safety = "[safety]\n";
+    const std::string more = safety + "late_in_a_row = 0\nlate_of_100 = 0\n";
+    const bool has = text.find(safety) != std::string::npos;
+    tests::write(folder.file("p.toml"),
+                 has ? tests::replaced(text, safety, more) : text + "\n" + more);
+    return folder.file("p.toml");
 }
 
 /// Presses Space at Ready for some time. @return nothing began
@@ -56,6 +73,17 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     session.wait_for_screen("explore");
     session.hand().key("Escape");
     session.wait_until("SELECT count(*) FROM trial WHERE outcome = 'faulted'", "1");
+    for (std::vector<std::string> second :  // the port has its program
+         {std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P2", "--db",
+                                   folder.file("second.sqlite"), "--kind", "pilot"},
+          {"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
+        second.insert(second.begin(), tests::palpate_program());
+        second.insert(second.end(), {"--device", board.word(), "--calibration", "2diy_gen3"});
+        const tests::Finished end = tests::Process(second, {"SDL_VIDEODRIVER=dummy"}).wait();
+        CHECK(end.code == 1);
+        CHECK_THAT(end.error, ContainsSubstring("in use by another program, palpate"));
+    }
+    CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
     CHECK(session.ask("SELECT abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < 0.0005 "
                       "FROM presentation") == "1");
     session.program().signal(SIGTERM);
@@ -90,6 +118,104 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
     board.bring("0,20");
     CHECK(stays_ready(session));
     board.bring("0,66");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}
+
+TEST_CASE(
+    "at the second interval, too, the handle comes to the start, and a board that is gone says",
+    "[window][haply][gate][law]") {
+    const TemporaryFolder folder;
+    auto board = std::make_unique<tests::FreeBoard>(folder);
+    const std::string file = folder.file("d.sqlite");
+    WindowSession session(
+        {"run", gated(folder, "softness_2afc"), "--participant", "P1", "--db", file, "--device",
+         board->word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
+        file);
+    const auto replugged = [&] {
+        const std::string back =
+            session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'");
+        board.reset();
+        session.wait_for_screen("trouble");
+        std::filesystem::remove(folder.file("board"));
+        std::filesystem::remove(folder.file("hand"));
+        board = std::make_unique<tests::FreeBoard>(folder);
+        session.wait_until("SELECT count(*) > " + back +
+                               " FROM event WHERE event_kind = "
+                               "'reconnect'",
+                           "1");
+    };
+    const auto goes_on = [&] {
+        for (int i = 0; i < 40 && session.screen_name() == "trouble"; ++i) {
+            session.hand().chord("p");
+            pause(0.4);
+        }
+    };
+    session.press_at("welcome", "space");
+    session.wait_for_screen("ready");
+    replugged();
+    goes_on();
+    CHECK(session.ask("SELECT count(*) FROM trial") == "0");
+    CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'fault' AND value = "
+                      "'device_silent' AND trial_id IS NULL") == "1");
+    const auto first_felt = [&] {  // a busy machine may end it: then once more
+        board->bring("0,60");
+        session.press_at("ready", "space");
+        session.wait_for_screen("explore");
+        board->bring("0,66");  // where it is left
+        pause(2.5);            // no trial is over sooner
+        session.hand().key("space");
+        return tests::eventually([&] {
+                   return session.screen_name() == "ready" || session.screen_name() == "trouble";
+               }) &&
+               session.screen_name() == "ready";
+    };
+    bool felt = false;
+    for (int tries = 0; tries < 6 && !felt; ++tries) {
+        felt = first_felt();
+        goes_on();
+    }
+    REQUIRE(felt);
+    const std::string begun = session.ask("SELECT count(*) FROM presentation");
+    for (int i = 0; i < 5; ++i) {
+        session.hand().key("space");
+        pause(0.2);
+    }
+    CHECK(session.screen_name() == "ready");
+    CHECK(session.ask("SELECT count(*) FROM presentation") == begun);
+    replugged();  // before the second interval
+    goes_on();
+    CHECK(session.ask("SELECT outcome || ' ' || (fault_cause LIKE 'device_%') FROM trial ORDER BY "
+                      "trial_id DESC LIMIT 1") == "faulted 1");
+    board->bring("1,58");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+    CHECK(session.ask("SELECT abs(start_x_m - 0.001) < 0.0005 AND abs(start_y_m - 0.058) < 0.0005 "
+                      "FROM presentation ORDER BY trial_id DESC, interval DESC LIMIT 1") == "1");
+    CHECK(tests::palpate_command({"verify", file}).code == 0);
+}
+
+TEST_CASE("in space a trial begins within the start's radius, in each direction",
+          "[window][open][gantry][gate][law]") {
+    const TemporaryFolder folder;
+    constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
+    tests::FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
+    const std::string file = folder.file("d.sqlite");
+    WindowSession session(
+        {"run", gated(folder, "patch_friction"), "--participant", "P1", "--db", file, "--device",
+         board.word(), "--calibration", kGantry, "--kind", "pilot", "--windowed"},
+        file);
+    session.press_at("welcome", "space");
+    for (const char* beside : {"8,0,30", "0,-8,30", "0,0,38"}) {
+        CAPTURE(beside);
+        board.bring(beside);
+        CHECK(stays_ready(session));
+    }
+    board.bring("1,-1,32");
     session.press_at("ready", "space");
     session.wait_for_screen("explore");
     session.program().signal(SIGTERM);

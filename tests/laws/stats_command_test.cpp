@@ -199,11 +199,10 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
     const Json& part = all["applied"];
     for (const auto& [name, person] : part["people"].items()) {
         for (const auto& [friction, cell] : person["friction"].items()) {
-            CHECK_THAT(text.out, ContainsSubstring(fmt::format("{} of {}", cell["k"].get<int>(),
-                                                               cell["n"].get<int>())) &&
-                                     ContainsSubstring(fmt::format(
-                                         "{:.3f} to {:.3f}", cell["wilson_95"][0].get<double>(),
-                                         cell["wilson_95"][1].get<double>())));
+            CHECK_THAT(text.out, ContainsSubstring(fmt::format(
+                                     "{:>2}    {:>2}  {:.3f} to {:.3f}  ", cell["k"].get<int>(),
+                                     cell["n"].get<int>(), cell["wilson_95"][0].get<double>(),
+                                     cell["wilson_95"][1].get<double>())));
         }
     }
     for (const auto& [key, measure] : part["measures"].items()) {
@@ -211,16 +210,17 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
         CAPTURE(key);
         CHECK_THAT(text.out,
                    ContainsSubstring(fmt::format("{:.3f}", effect["mean"].get<double>())) &&
-                       ContainsSubstring(fmt::format("t(5) = {:.3f}", effect["t"].get<double>())));
+                       ContainsSubstring(fmt::format("  {:.3f}   5  ", effect["t"].get<double>())));
         CHECK(effect["interval_95"][0] < effect["mean"]);
     }
     const Json& mixed = part["mixed_model"]["on"];
-    CHECK_THAT(text.out, ContainsSubstring(fmt::format(
-                             "{:.4f} (se {:.4f})", mixed["laplace"]["effect"].get<double>(),
-                             mixed["laplace"]["effect_se"].get<double>())) &&
-                             ContainsSubstring(fmt::format(
-                                 "{:.4f}", mixed["quadrature"]["log_likelihood"].get<double>())) &&
-                             ContainsSubstring("half chi-square of 1 df, half of 2"));
+    CHECK_THAT(
+        text.out,
+        ContainsSubstring(fmt::format("{:.4f}", mixed["laplace"]["effect"].get<double>())) &&
+            ContainsSubstring(fmt::format("{:.4f}", mixed["laplace"]["effect_se"].get<double>())) &&
+            ContainsSubstring(
+                fmt::format("{:.4f}", mixed["quadrature"]["log_likelihood"].get<double>())) &&
+            ContainsSubstring("half chi-square of 1 df, half of 2"));
     CHECK(mixed["laplace"]["no_effect"]["simulated_p"].get<double>() > 0.0);
     const Json other = numbers_of({folder.file("d.csv"), "--simulations", "60", "--seed", "2"});
     CHECK(other["applied"]["measures"] == part["measures"]);
@@ -265,7 +265,7 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
         CHECK(none["wilcoxon_p"] == 1.0);
         CHECK(none["wilcoxon_ranked"] == 0);
     }
-    CHECK_THAT(stats(words).out, ContainsSubstring("    -      -  "));
+    CHECK_THAT(stats(words).out, !ContainsSubstring("null"));
     const Finished same =
         stats({folder.file("alike.csv"), "--simulations", "0", "--other-answers"});
     CHECK(same.code == 0);
@@ -382,6 +382,11 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     Json again = numbers_of({folder.file("again.csv"), "--simulations", "0"});
     for (const char* of_file : {"source", "study", "kind", "primary_test", "left_out"}) {
         again[of_file] = ours[of_file];
+    }
+    for (const char* which : {"applied", "not_applied"}) {  // a CSV has no primary test
+        if (!again[which].is_null()) {
+            again[which]["primary"] = ours[which]["primary"];
+        }
     }
     CHECK(again == ours);
 }

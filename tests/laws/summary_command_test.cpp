@@ -87,18 +87,18 @@ constexpr const char* kPeopleInR = R"R(
 w <- function(k, n) prop.test(k, n, correct = FALSE)$conf.int   # Wilson's
 p <- function(f) cat(f, '\n', sep = '')
 conditions <- sort(unique(d$friction))
-for (i in seq_len(nrow(d))) p(with(d[i, ], sprintf('%3d of %3d = %.2f (%.2f to %.2f)', k, n, k / n,
+for (i in seq_len(nrow(d))) p(with(d[i, ], sprintf('%2d    %2d  %.3f  %.3f to %.3f', k, n, k / n,
     max(0, w(k, n)[1]), min(1, w(k, n)[2]))))
 s <- xtabs(k / n ~ person + friction, d)
 for (f in conditions) {
     x <- s[, f]; m <- mean(x)
     h <- qt(.975, length(x) - 1) * sd(x) / sqrt(length(x)) / (m * (1 - m))
-    p(sprintf('%.3f   %.3f to %.3f   %d people', m, plogis(qlogis(m) - h), plogis(qlogis(m) + h), length(x)))
+    p(sprintf('%.3f  %.3f to %.3f      %d', m, plogis(qlogis(m) - h), plogis(qlogis(m) + h), length(x)))
 }
 x <- s[, 'on'] - s[, 'off']; t <- t.test(x)
 flips <- as.matrix(expand.grid(rep(list(c(-1, 1)), length(x)))) %*% x
-p(sprintf('%.3f   %.3f to %.3f   within person, %d people; sign-flip p = %.3g (all %d patterns of signs)',
-    mean(x), t$conf.int[1], t$conf.int[2], length(x), mean(abs(flips) >= abs(sum(x)) - 1e-9), 2^length(x)))
+p(sprintf('%.3f  %.3f to %.3f      %d        %.3f', mean(x), t$conf.int[1], t$conf.int[2], length(x),
+    mean(abs(flips) >= abs(sum(x)) - 1e-9)))
 )R";
 
 /// mean, sd and quantiles of a posterior on a grid; `post` has columns named as the summary names
@@ -229,7 +229,7 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
     // The SQL functions say the same interval.
     const Finished ours =
         palpate_command({"sql", file, "--csv", "-c",
-                         "SELECT printf('%.3f   %.3f to %.3f   %d people', avg(share), "
+                         "SELECT printf('%.3f  %.3f to %.3f      %d', avg(share), "
                          "people_share_low(share), people_share_high(share), count(*)) FROM "
                          "(SELECT friction, avg(correct) AS share FROM analysis_trial WHERE counts "
                          "AND phase = 'main' GROUP BY participant_code, 1) GROUP BY friction"});
@@ -241,11 +241,12 @@ TEST_CASE("with one person or two, palpate summary says what can be said and wha
     const TemporaryFolder folder;
     answer(folder.file("one.sqlite"), tests::small_protocol(4), 1);
     CHECK_THAT(summary_of(folder.file("one.sqlite")),
-               ContainsSubstring("no interval   one person: how people differ is not known") &&
+               ContainsSubstring("one person: how people differ is not known") &&
                    ContainsSubstring("of this person's own trials (Newcombe), not of people"));
     answer(folder.file("two.sqlite"), tests::small_protocol(8), 2);
     CHECK_THAT(summary_of(folder.file("two.sqlite")),
-               ContainsSubstring("within person, 2 people; sign-flip p = ") &&
+               ContainsSubstring("within person") &&
+                   ContainsSubstring("sign-flip: all 4 patterns of signs") &&
                    ContainsSubstring("2 people are too few to show a difference: no sign-flip p is "
                                      "below 0.5"));
 }
@@ -263,7 +264,7 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
     CAPTURE(text);
     const Finished mean = palpate_command(
         {"sql", file, "--csv", "-c",
-         "SELECT printf('friction off   %.3f   ', avg(x)) FROM (SELECT avg(answer_code + " +
+         "SELECT printf('friction off  %.3f  ', avg(x)) FROM (SELECT avg(answer_code + " +
              std::string(rating ? "1" : "0") +
              ") AS x FROM analysis_trial WHERE counts AND analysis_trial.planned_object = 'convex' "
              "AND friction = 'off' GROUP BY participant_code)"});

@@ -5,7 +5,7 @@
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/free_board.hpp"
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
@@ -28,6 +28,31 @@ std::vector<std::string> words(const std::string& file,
                                  file,  "--headless",          "--device",      device};
     all.insert(all.end(), more.begin(), more.end());
     return all;
+}
+
+/// On a board that was commissioned, with more words: refused before anybody looks for its home, or
+/// a pulse is given. @return the sentence
+std::string refused_at_a_board(const TemporaryFolder& folder,
+                               const std::string& file,
+                               const std::vector<std::string>& more) {
+    const TemporaryFolder rig;
+    tests::FreeBoard board(rig);
+    std::vector<std::string> command = words(file, board.word(), more);
+    std::erase(command, "--headless");
+    command.insert(command.begin(), tests::palpate_program());
+    command.insert(command.end(), {"--handle-free", "--calibration",
+                                   tests::commissioned_rig(folder, board.word())});
+    tests::Process program(command, {"SDL_VIDEODRIVER=dummy"});
+    bool still = true;
+    while (program.running()) {
+        still = still && board.motors() == "0, 0";
+    }
+    const tests::Finished end = program.wait();
+    CAPTURE(end.out, end.error);
+    CHECK(still);
+    CHECK(end.code != 0);
+    CHECK(end.out.empty());  // not even the word that nobody holds the handle is noted
+    return end.error;
 }
 
 /// A session on a device that is broken off after its first answer.
@@ -66,6 +91,14 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
                                   ContainsSubstring("would go on with") &&
                                   ContainsSubstring("--other-device"));
     CHECK(ask(file, "SELECT count(*) FROM trial") == before);
+    CHECK(ask(file, "SELECT count(*) FROM event") == events);
+
+    // With a rig at hand, too, before it is opened; and so is all else that does not go on.
+    CHECK_THAT(refused_at_a_board(folder, file, {}),
+               ContainsSubstring("would go on with Haply 2diy_gen3 at ") &&
+                   ContainsSubstring("--other-device"));
+    CHECK_THAT(refused_at_a_board(folder, file, {"--seed", "7", "--other-device"}),
+               ContainsSubstring("was begun with another plan"));
     CHECK(ask(file, "SELECT count(*) FROM event") == events);
 
     // Another calibration is another rig; this one is meant. The next resumption knows the last,

@@ -8,6 +8,7 @@
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/rig_file.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -18,13 +19,6 @@ using tests::Process;
 using tests::TemporaryFolder;
 
 namespace {
-
-std::string file_text(const std::string& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
 
 std::string column_of(const std::string& file, const std::string& sql) {
     data::Database database(file, data::Access::read);
@@ -70,7 +64,8 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
           "[cli][fault][law]") {
     const TemporaryFolder folder;
     const std::string protocol = folder.file("slow.toml");
-    std::string text = file_text(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+    std::string text =
+        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
     const std::string section = "[safety]\n";
     REQUIRE(text.find(section) != std::string::npos);
     text.insert(text.find(section) + section.size(), "speed_limit_m_per_s = 0.05\n");
@@ -157,7 +152,8 @@ TEST_CASE("the doctor says by what margin the device can render a protocol, or t
           "[cli][doctor][law]") {
     const TemporaryFolder folder;
     const std::string stiff = folder.file("stiff.toml");
-    std::string text = file_text(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+    std::string text =
+        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
     const std::string key = "stiffness_n_per_m = ";
     const std::size_t at = text.find(key);
     REQUIRE(at != std::string::npos);

@@ -31,6 +31,7 @@ use_it() {
         $inside "$program" run "$protocol" --participant P01 --db "$study" --headless
     holds 'and its file is whole' $inside "$program" verify "$study"
     holds 'every installed protocol is accepted' every_protocol
+    holds 'the figures of the thesis are computed' $inside "$program" figures -o "$scratch_inside/figures"
     holds 'the SQL extension is found' $inside "$program" extension
     module=$($inside "$program" extension)
     holds 'and sqlite3 loads it' \

@@ -2,7 +2,9 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/base/pcg32.hpp"
 #include "protocols/order/constrained_order.hpp"
+#include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 
@@ -30,7 +32,7 @@ TEST_CASE("every order has each trial exactly once and keeps the run limits", "[
     CAPTURE(seed);
     Pcg32 random(seed, 5);
     const Order trials = factorial_of(5, 2, 10);
-    const ConstrainedOrder drawn = constrained_order(trials, {.object = 2, .friction = 3}, random);
+    const ConstrainedOrder drawn = OrderSampler(trials, {.object = 2, .friction = 3}).draw(random);
 
     CHECK(longest_run(drawn.order, &Condition::object) <= 2);
     CHECK(longest_run(drawn.order, &Condition::friction) <= 3);
@@ -58,7 +60,7 @@ TEST_CASE("all admissible orders are equally likely", "[order][law]") {
     CAPTURE(orders.size());
     Pcg32 random(2024, 1);
     const double excess = excess_of_chi_square(orders, 100 * orders.size(), [&] {
-        return constrained_order(trials, limits, random).order;
+        return OrderSampler(trials, limits).draw(random).order;
     });
     CHECK(std::fabs(excess) < 4.0);
 }
@@ -91,22 +93,22 @@ TEST_CASE("the cheap test refuses exactly what one factor cannot keep", "[order]
 TEST_CASE("limits that cannot be kept are refused with a reason", "[order]") {
     Pcg32 random(1, 1);
     CHECK_THROWS_WITH(
-        constrained_order(factorial_of(1, 1, 3), {.object = 2, .friction = 0}, random),
+        OrderSampler(factorial_of(1, 1, 3), {.object = 2, .friction = 0}).draw(random),
         Catch::Matchers::ContainsSubstring("object 1 occurs 3 times") &&
             Catch::Matchers::ContainsSubstring("allow runs of 3"));
     CHECK_THROWS_WITH(
-        constrained_order(factorial_of(2, 2, 5), {.object = 1, .friction = 1}, random),
+        OrderSampler(factorial_of(2, 2, 5), {.object = 1, .friction = 1}).draw(random),
         Catch::Matchers::ContainsSubstring("alternate"));
     // Each limit can be kept alone: the frictions alternate, and the objects come in whole.
     Order unlike = factorial_of(2, 2, 1);
     unlike.push_back({0, 0});
     unlike.push_back({0, 1});
-    CHECK_THROWS_WITH(constrained_order(unlike, {.object = 1, .friction = 2}, random),
+    CHECK_THROWS_WITH(OrderSampler(unlike, {.object = 1, .friction = 2}).draw(random),
                       Catch::Matchers::ContainsSubstring("allow runs"));
 }
 
 TEST_CASE("no limits: the first shuffle is taken", "[order]") {
     Pcg32 random(9, 9);
-    CHECK(constrained_order(factorial_of(1, 1, 30), {}, random).attempts == 1);
-    CHECK(constrained_order({}, {.object = 1, .friction = 1}, random).order.empty());
+    CHECK(OrderSampler(factorial_of(1, 1, 30), {}).draw(random).attempts == 1);
+    CHECK(OrderSampler({}, {.object = 1, .friction = 1}).draw(random).order.empty());
 }

@@ -191,7 +191,7 @@ TEST_CASE("limits that hardly any shuffle keeps are kept", "[order][law]") {
     }));
     CAPTURE(trials.size(), limits.object, limits.friction);
     Pcg32 random(3, 4);
-    Order drawn = constrained_order(trials, limits, random).order;
+    Order drawn = OrderSampler(trials, limits).draw(random).order;
     CHECK(within_limits(drawn, limits));
     std::sort(drawn.begin(), drawn.end());
     CHECK(drawn == trials);

@@ -1,137 +1,24 @@
-#include <map>
-#include <utility>
-
-#include "protocols/session/trust.hpp"
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/faulty.hpp"
+#include "tests/support/changing_rig.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
 using engine::Trip;
-using tests::FaultyApparatus;
+using tests::ChangingRig;
+using tests::Kinds;
+using tests::Meddler;
 using tests::Patient;
 using tests::plan_of;
 using tests::Random;
+using tests::run_on;
 using tests::short_protocol;
 using tests::World;
 
 namespace {
 
-/// Keeps the kinds of events, and what trust they leave: written by hand beside the fold.
-class Kinds : public Recorder {
-public:
-    TrialId begin_trial(const PlannedTrial& /*planned*/) override { return ++trial_; }
-    void begin_interval(TrialId /*trial*/,
-                        const Presentation& /*felt*/,
-                        const SceneConstants& /*scene*/) override {}
-    void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {}
-    void end_trial(TrialId /*trial*/, const TrialResult& /*result*/) override {}
-    void event(const Event& event) override {
-        ++count[event.kind];
-        count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
-        anew += event.value == kAnew ? 1U : 0U;
-    }
-    void finish_session() override {}
-
-    std::map<EventKind, std::size_t> count;
-    std::map<std::string, std::size_t> count_of_key;
-    std::size_t anew = 0;  ///< reconnections of a device that began anew
-
-private:
-    TrialId trial_ = 0;
-};
-
-/// A rig with the truth beside what is believed: it changes at faults and in breaks, and is proved
-/// by steps that fail for the first tries after each change. No force may be felt on one that was
-/// not looked at since.
-class ChangingRig : public FaultyApparatus {
-public:
-    ChangingRig(World& world, int wrong, Trip cause)
-        : FaultyApparatus(world), wrong_(wrong), cause_(cause) {}
-
-    void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
-               std::size_t interval) override {
-        CHECK(placed);
-        CHECK(pulsed);
-        CHECK(since++ < kMaxTrialsOfAProof);
-        FaultyApparatus::begin(scene, planned, interval);
-    }
-    engine::ServoStatus advance() override {
-        const auto status = FaultyApparatus::advance();
-        if (status == engine::ServoStatus::faulted) {
-            change();
-        }
-        return status;
-    }
-    [[nodiscard]] Trip trip() const override {
-        return FaultyApparatus::trip() == Trip::over_speed ? cause_ : FaultyApparatus::trip();
-    }
-    [[nodiscard]] bool has_proof() const noexcept override { return true; }
-    [[nodiscard]] bool began_anew() override { return std::exchange(anew_, false); }
-    [[nodiscard]] engine::ShortForm prove_place() override {
-        CHECK_FALSE(force_on);
-        return step(places_left_, placed, "the handle is elsewhere");
-    }
-    [[nodiscard]] engine::ShortForm prove_motors() override {
-        CHECK_FALSE(force_on);
-        CHECK(placed);  // a force at a wrong place proves nothing
-        ++pulses;
-        const auto form = step(pulses_left_, pulsed, "a motor is too strong");
-        since = pulsed ? 0 : since;
-        return form;
-    }
-    void change() {
-        placed = pulsed = false;
-        anew_ = begins_anew;
-        places_left_ = pulses_left_ = wrong_;
-    }
-
-    bool begins_anew = false;  ///< at each change
-    int pulses = 0;
-    bool placed = false;
-    bool pulsed = false;
-    std::size_t since = 0;  ///< trials since pulses were right
-
-private:
-    static engine::ShortForm step(int& left, bool& right, const char* why) {
-        right = left == 0;
-        left -= left > 0 ? 1 : 0;
-        return right ? engine::ShortForm{.refused = {}, .found = "as it should be"}
-                     : engine::ShortForm{.refused = why, .found = {}};
-    }
-    bool anew_ = false;
-    int wrong_;
-    Trip cause_;
-    int places_left_ = 0;
-    int pulses_left_ = 0;
-};
-
-/// Somebody in whose breaks the rig changes.
-class Meddler : public Patient {
-public:
-    explicit Meddler(ChangingRig& rig) : rig_(&rig) {}
-    Signal rest(double seconds, const TrialView& next) override {
-        rig_->change();
-        return Patient::rest(seconds, next);
-    }
-
-private:
-    ChangingRig* rig_;
-};
-
 Event proof(std::string_view key) {
     return {.kind = EventKind::provenance, .key = std::string(key), .value = "found"};
-}
-
-SessionEnd run(const Protocol& protocol, ChangingRig& rig, Patient& observer, Kinds& kept) {
-    const Plan plan = plan_of(protocol);
-    return run_session(
-        protocol, plan, {}, SessionProgress(protocol, plan, {}),
-        {.apparatus = rig, .observer = observer, .recorder = kept, .pause = [](double) {
-         }});
 }
 
 }  // namespace
@@ -222,7 +109,7 @@ TEST_CASE("no force is felt on a rig that was not proved since it could have cha
     ChangingRig rig(world, wrong, cause);
     Meddler observer(rig);
     Kinds kept;
-    const SessionEnd end = run(short_protocol(), rig, observer, kept);
+    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
     CHECK((end.why == SessionEnd::Why::finished));
     REQUIRE(observer.rests.size() >= 2);
     CHECK(kept.count[EventKind::fault] > 0);
@@ -250,7 +137,7 @@ TEST_CASE(
     Patient patient;
     Kinds kept;
     Patient& observer = in_breaks ? static_cast<Patient&>(meddler) : patient;
-    const SessionEnd end = run(short_protocol(), rig, observer, kept);
+    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
     CHECK((end.why == SessionEnd::Why::finished));
     const std::size_t changes = in_breaks ? observer.rests.size() : kept.count[EventKind::fault];
     REQUIRE(changes >= 2);
@@ -281,7 +168,7 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
     rig.begins_anew = true;
     Patient observer;
     Kinds kept;
-    const SessionEnd end = run(short_protocol(), rig, observer, kept);
+    const SessionEnd end = run_on(short_protocol(), rig, observer, kept);
     CHECK((end.why == SessionEnd::Why::finished));
     CHECK(kept.anew == 2);
     REQUIRE_FALSE(observer.troubles.empty());
@@ -375,10 +262,75 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
     } rig(world, 0, Trip::none);
     Patient observer;
     Kinds kept;
-    const SessionEnd end = run(protocol, rig, observer, kept);
+    const SessionEnd end = run_on(protocol, rig, observer, kept);
     CHECK((end.why == SessionEnd::Why::finished));
     CHECK(rig.trips < 0);
     CHECK(kept.count[EventKind::fault] == 3);
+}
+
+TEST_CASE(
+    "a device that goes while somebody is at the start is lost there, and proved before a force",
+    "[session][trust][fault][law]") {
+    const std::uint64_t seed = GENERATE(range(0U, 12U));
+    CAPTURE(seed);
+    const Protocol protocol = tests::adaptive_protocol();  // of two intervals
+    World world;
+    /// Nobody's torque reaches a device that is gone: an interval that begins there ends at once.
+    class Leaves : public ChangingRig {
+    public:
+        using ChangingRig::ChangingRig;
+        void stop(Trip cause) noexcept override { stopped = cause; }
+        void begin(const engine::SceneView& scene,
+                   const PlannedTrial& planned,
+                   std::size_t interval) override {
+            left = gone;
+            if (!gone) {
+                ChangingRig::begin(scene, planned, interval);
+            }
+        }
+        engine::ServoStatus advance() override {
+            if (left) {
+                change();
+                gone = false;
+                return engine::ServoStatus::faulted;
+            }
+            return ChangingRig::advance();
+        }
+        [[nodiscard]] Trip trip() const override {
+            return left ? std::exchange(stopped, Trip::none) : ChangingRig::trip();
+        }
+        mutable Trip stopped = Trip::none;
+        bool gone = false;
+        bool left = false;
+    } rig(world, 0, Trip::none);
+    /// At some starts the device leaves.
+    class Waits : public Patient {
+    public:
+        Waits(Leaves& rig, std::uint64_t seed) : rig_(&rig), random_(seed) {}
+        Signal ready(const TrialView& trial) override {
+            if (random_.in(0.0, 1.0) < 0.2) {
+                rig_->gone = trial.interval > 1;
+                ++(trial.interval > 1 ? later : first);
+                if (trial.interval == 1) {
+                    rig_->change();
+                }
+                return Signal::no_place;
+            }
+            return Patient::ready(trial);
+        }
+        std::size_t first = 0;
+        std::size_t later = 0;
+
+    private:
+        Leaves* rig_;
+        Random random_;
+    } observer(rig, seed);
+    Kinds kept;
+    const SessionEnd end = run_on(protocol, rig, observer, kept);
+    CHECK((end.why == SessionEnd::Why::finished));
+    REQUIRE(observer.first + observer.later > 0);
+    CHECK(kept.count[EventKind::fault] == observer.first + observer.later);
+    CHECK(kept.causes[std::string(to_string(Trip::device_silent))] == kept.count[EventKind::fault]);
 }
 
 TEST_CASE("a protocol without breaks has its rig proved anew after thirty attempts",
@@ -392,7 +344,7 @@ TEST_CASE("a protocol without breaks has its rig proved anew after thirty attemp
     Kinds kept;
     const Plan plan = plan_of(protocol);
     REQUIRE(plan.trials.size() > 2 * kMaxTrialsOfAProof);
-    const SessionEnd end = run(protocol, rig, observer, kept);
+    const SessionEnd end = run_on(protocol, rig, observer, kept);
     CHECK((end.why == SessionEnd::Why::finished));
     const std::size_t expected = (plan.trials.size() - 1) / kMaxTrialsOfAProof;
     CHECK(observer.rests.size() >= expected);

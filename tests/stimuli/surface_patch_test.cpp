@@ -1,6 +1,7 @@
 #include <cmath>
 #include <random>
 
+#include "engine/surface/nurbs_surface.hpp"
 #include "stimuli/surface_patch.hpp"
 #include "tests/support/catch.hpp"
 

@@ -15,7 +15,7 @@ using tests::operator*;
 using tests::operator+;
 
 constexpr int kMaxSteps = 4000;
-constexpr long double kStepError = 1e-11L;  ///< of |r|
+constexpr long double kStepError = 1e-12L;  ///< of |r|, or of the size if that is less
 constexpr long double kOn = 1e-14L;         ///< so close to an edge is on it, of its range
 
 Long3 crossed(const Long3& a, const Long3& b) {
@@ -182,6 +182,9 @@ FlowEnd ExactFlow::end(const SurfacePlace& from, const engine::Vec3& h, long dou
         }
         return false;
     };
+    // However far a hand is, its way lies on the surface.
+    const long double fine =
+        kStepError * std::min(p.reach, static_cast<long double>(object_->size()));
     long double s = 0.05L * p.reach;
     int crossings = 0;
     for (int n = 0; n < kMaxSteps; ++n) {
@@ -210,7 +213,7 @@ FlowEnd ExactFlow::end(const SurfacePlace& from, const engine::Vec3& h, long dou
         }
         Step tried = step(piece, p, s);
         int halvings = 0;
-        while (!tried.regular || tried.error > kStepError * p.reach) {
+        while (!tried.regular || tried.error > fine) {
             s *= tried.regular ? 0.5L : 0.2L;
             if (++halvings > 80) {
                 return ends(FlowEnd::Kind::lost);
@@ -258,8 +261,7 @@ FlowEnd ExactFlow::end(const SurfacePlace& from, const engine::Vec3& h, long dou
         }
         end.way += s;
         p = tried.to;
-        const long double grow =
-            0.9L * std::pow(kStepError * p.reach / (tried.error + 1e-300L), 0.2L);
+        const long double grow = 0.9L * std::pow(fine / (tried.error + 1e-300L), 0.2L);
         s *= std::clamp(grow, 0.3L, 3.0L);
     }
     return ends(FlowEnd::Kind::lost);

@@ -27,7 +27,7 @@ constexpr double kSeemsSlow = 2e-4;
 constexpr double kTooSlow = 0.02;
 
 /// Ends within 1e-9 m of each other are one: smaller objects fall into themselves, m.
-constexpr double kLeastSize = 1e-8;
+constexpr double kMinSize = 1e-8;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -82,7 +82,7 @@ std::optional<Case> random_case(std::uint64_t seed, Mood mood) {
             reverse(c.scene);
         }
     }
-    if (!c.outline || size_of(*c.outline) < kLeastSize) {
+    if (!c.outline || size_of(*c.outline) < kMinSize) {
         return std::nullopt;
     }
     tests::Random random(seed ^ 0x5EEDU);

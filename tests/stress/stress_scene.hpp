@@ -21,7 +21,8 @@ struct StressScene {
 
 /// How wild scenes and hands are.
 enum class Mood : std::uint8_t {
-    gentle,  ///< what experiments feel: arcs, edges, smooth blobs, and a hand that jumps only in the air
+    /// What experiments feel: arcs, edges, smooth blobs, and a hand that jumps only in the air.
+    gentle,
     wild,   ///< whatever is not refused
     study,  ///< two arcs over a base line, as the study has them, and a gentle hand
     cusp,   ///< cusps, kinks, repeated points, heavy weights; a hand at centres of curvature

@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include "tests/stress/surface_run.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
@@ -95,24 +96,24 @@ void check_surface(std::uint64_t seed, Mood mood, Tally& tally) {
 TEST_CASE("every tick of random hands over random surfaces holds every law",
           "[stress][surface][law]") {
     Tally tally;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (std::uint64_t seed = 1; seed <= tests::cases(60U); ++seed) {
         check_surface(seed, Mood::gentle, tally);
     }
-    CHECK(tally.in_contact > 2000);
+    CHECK(tally.in_contact > tests::cases(2000U));
 }
 
 TEST_CASE("every tick of random hands over surfaces in pieces holds every law",
           "[stress][surface][law]") {
     Tally tally;
     for (const auto mood : {Mood::gentle, Mood::wild}) {
-        for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        for (std::uint64_t seed = 1; seed <= tests::cases(40U); ++seed) {
             const auto c = random_patches_case(seed, mood);
             const auto breach = c ? feel(*c, tally, false) : std::nullopt;
             CAPTURE(seed, breach ? breach->tick : 0);
             CHECK((breach ? breach->law : "") == "");
         }
     }
-    CHECK(tally.in_contact > 5000);
+    CHECK(tally.in_contact > tests::cases(5000U));
 }
 
 TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law",

@@ -4,6 +4,7 @@
 #include "tests/stress/exact_flow.hpp"
 #include "tests/stress/surface_cases.hpp"
 #include "tests/stress/surface_run.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 
@@ -98,6 +99,25 @@ double cut_differs(const SurfaceCase& c, double share, std::size_t& compared) {
     return largest > 0.0 ? worst / largest : 0.0;
 }
 
+/// Ticks in which a god-object slid under friction, and those of them that say that their way is
+/// not proven.
+struct Slides {
+    std::size_t all = 0;
+    std::size_t unproven = 0;
+
+    void add(const SurfaceCase& c) {
+        const engine::SurfaceScene scene(surfaces_of(c),
+                                         engine::SurfaceSceneSpec{.contact = c.spec});
+        engine::SurfaceState state;
+        for (const Vec3& h : c.path) {
+            const engine::SurfaceContact contact = scene.tick(state, h);
+            const bool slid = contact.mode == engine::Mode::slip;
+            all += slid ? 1U : 0U;
+            unproven += slid && !(contact.on_flow && contact.settled) ? 1U : 0U;
+        }
+    }
+};
+
 }  // namespace
 
 TEST_CASE("a slide ends at the first place of its flow in the cone, where tangents change fast",
@@ -154,7 +174,7 @@ TEST_CASE("slides over random surfaces end where their flow first meets the cone
           "[stress][surface][law]") {
     Tally tally;
     for (const auto mood : {Mood::gentle, Mood::wild}) {
-        for (std::uint64_t seed = 1001; seed <= 1030; ++seed) {
+        for (std::uint64_t seed = 1001; seed < 1001 + tests::cases(30U); ++seed) {
             const auto whole = feel(random_surface_case(seed, mood), tally, false);
             CAPTURE(seed, whole ? whole->tick : 0);
             CHECK((whole ? whole->law : "") == "");
@@ -163,6 +183,42 @@ TEST_CASE("slides over random surfaces end where their flow first meets the cone
             CHECK((pieces ? pieces->law : "") == "");
         }
     }
-    CHECK(tally.walks > 4000);
+    CHECK(tally.walks > tests::cases(4000U));
     CHECK(tally.ties < tally.walks / 1000);
+}
+
+TEST_CASE("a slide under a hand hundreds of sizes away ends where its flow first meets the cone",
+          "[stress][surface][law]") {
+    // Found by palpate_stress: flows part a thousandfold on a ring of 3 m, the hand is 650 m away,
+    // and steps that erred by a share of that ended 4.2e-6 m off.
+    const auto c = random_patches_case(1'032'180, Mood::wild);
+    REQUIRE(c);
+    Tally tally;
+    const auto breach = feel(*c, tally, false);
+    CAPTURE(breach ? breach->tick : 0);
+    CHECK((breach ? breach->law : "") == "");
+    CHECK(tally.walks > 50);
+}
+
+TEST_CASE("of two hundred gentle slides under friction at most three are unproven",
+          "[stress][surface][law]") {
+    // Counted here: 37 of 4,147 on whole surfaces, 39 of 3,870 on joined ones (1 %). In seeds 1 to
+    // 300 they are 346 of 16,504 (2.1 %), 80 of them in one scene.
+    Slides whole;
+    Slides joined;
+    for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+        const SurfaceCase c = random_surface_case(seed, Mood::gentle);
+        if (c.spec.friction.none()) {
+            continue;
+        }
+        whole.add(c);
+        if (const auto pieces = random_patches_case(seed, Mood::gentle)) {
+            joined.add(*pieces);
+        }
+    }
+    CAPTURE(whole.all, whole.unproven, joined.all, joined.unproven);
+    CHECK(whole.all > 3000);
+    CHECK(joined.all > 3000);
+    CHECK(200 * whole.unproven <= 3 * whole.all);
+    CHECK(200 * joined.unproven <= 3 * joined.all);
 }

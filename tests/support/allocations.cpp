@@ -11,7 +11,7 @@ std::atomic<std::size_t> count{0};
 }  // namespace
 
 // The sanitizers bring an allocator of their own, which must stay: there the law is not checked.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef PALPATE_SANITIZED
 
 namespace {
 

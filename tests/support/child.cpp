@@ -54,8 +54,8 @@ pid_t guard_of(pid_t palpate) {
     return -1;
 }
 
-void wait_a_little() {
-    poll(nullptr, 0, 1);
+void wait_a_little(int ms) {
+    poll(nullptr, 0, ms);
 }
 
 }  // namespace palpate::tests

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include <sys/types.h>
+
+#include "engine/base/clock.hpp"
 
 namespace palpate::tests {
 
@@ -16,17 +19,18 @@ void die_with(pid_t parent);
 /// The guard that `palpate` has started; -1: there is none.
 [[nodiscard]] pid_t guard_of(pid_t palpate);
 
-/// 1 ms.
-void wait_a_little();
+void wait_a_little(int ms = 1);
 
-/// Lets up to 20 s pass until `done`. @return done
+/// Lets up to 50 s pass until `done`, and looks less and less often, up to every 8 ms: who looks on
+/// keeps no board from its turn. @return done
 template <class Done>
 bool eventually(const Done& done) {
-    for (int waited = 0; waited < 20'000; ++waited) {
+    const std::int64_t end = monotonic_ns() + 50'000 * kMillisecond;
+    for (int looks = 0; monotonic_ns() < end; ++looks) {
         if (done()) {
             return true;
         }
-        wait_a_little();
+        wait_a_little(std::min(1 + looks / 10, 8));
     }
     return done();
 }

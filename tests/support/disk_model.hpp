@@ -18,7 +18,8 @@ struct DiskCall {
         write,   ///< `bytes` at `at`
         resize,  ///< to `at` bytes
         sync,    ///< of a file's bytes, or of a folder's names
-        name,  ///< in the folder `node`: `text` is `child` now, or nobody's (-1), and `gone` is nobody's
+        /// In the folder `node`: `text` is `child` now, or nobody's (-1), and `gone` is nobody's.
+        name,
     };
     Kind kind{};
     int node = 0;

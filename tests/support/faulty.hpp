@@ -142,7 +142,8 @@ public:
         in_range = in_range && trial.number >= 1 && trial.number <= trial.total;
         return protocols::Signal::go_on;
     }
-    protocols::Exploring explore(const protocols::TrialView& /*trial*/, double elapsed_s) override {
+    protocols::ExplorationStep explore(const protocols::TrialView& /*trial*/,
+                                       double elapsed_s) override {
         return {.signal = elapsed_s >= 0.3 ? protocols::Signal::done : protocols::Signal::go_on,
                 .at_s = elapsed_s};
     }

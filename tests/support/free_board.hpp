@@ -62,8 +62,10 @@ public:
         CHECK((silent_ || eventually([&] { return emulator_.program().out().size() > before; })));
     }
 
-    /// What the motors give now, as an open board says: "0, 0, 0".
-    [[nodiscard]] std::string motors() {
+    void signal(int number) { emulator_.program().signal(number); }
+
+    /// What the board says of its motors now, and a Haply board of its resets.
+    [[nodiscard]] std::string said() {
         const std::size_t before = emulator_.program().out().size();
         emulator_.type("motors");
         std::string said;
@@ -71,6 +73,11 @@ public:
             said = emulator_.program().out().substr(before);
             return said.find("mN m\n") != std::string::npos;
         }));
+        return said;
+    }
+    /// What the motors give now, as the board says: "0, 0, 0".
+    [[nodiscard]] std::string motors() {
+        const std::string said = this->said();
         const std::size_t from = said.find("give ") + 5;
         return said.substr(from, said.find(" mN m") - from);
     }

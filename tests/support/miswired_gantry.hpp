@@ -71,10 +71,10 @@ public:
                                           : engine::DeviceFault::unreachable;
         return reading;
     }
-    engine::Applied write(const engine::Vec2& force) noexcept override {
+    engine::AppliedForce write(const engine::Vec2& force) noexcept override {
         return press(engine::Vec3(force, 0.0));
     }
-    engine::Applied press(const engine::Vec3& force) noexcept override {
+    engine::AppliedForce press(const engine::Vec3& force) noexcept override {
         strongest = std::max(strongest, glm::length(force));
         last = force;
         force_ = waiting_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <deque>
 
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/device/emulator/free_handle.hpp"
@@ -26,6 +27,8 @@ public:
     }
     /// The disc of an encoder slips on its shaft, rad.
     void slip(std::size_t joint, double angle) noexcept { slipped_[joint] += angle; }
+    /// From now on its answers are of so long ago, s.
+    void lag(double seconds) noexcept { lag_ = seconds; }
     [[nodiscard]] engine::JointAngles true_angles() const noexcept { return handle_.angles(); }
 
     void set_torque(const engine::Vec2& torque) noexcept override {
@@ -33,12 +36,21 @@ public:
         const engine::Vec2 came = motors_.swapped ? engine::Vec2{torque.y, torque.x} : torque;
         handle_.set_torque(engine::Vec2{motors_.factor[0], motors_.factor[1]} * came);
     }
-    void advance(double seconds) noexcept override { handle_.advance(seconds); }
+    void advance(double seconds) noexcept override {
+        handle_.advance(seconds);
+        time_ += seconds;
+        past_.push_back({time_, handle_.angles()});
+        while (past_.size() > 1 && past_[1].first <= time_ - lag_) {
+            past_.pop_front();
+        }
+    }
     [[nodiscard]] engine::JointAngles angles() const noexcept override {
+        const engine::JointAngles& now =
+            lag_ > 0.0 && !past_.empty() ? past_.front().second : handle_.angles();
         engine::JointAngles seen = home_;
         for (std::size_t i = 0; i < 2; ++i) {
             const std::size_t joint = encoders_.swapped ? 1 - i : i;
-            seen[i] += encoders_.factor[i] * (handle_.angles()[joint] - home_[joint]) + slipped_[i];
+            seen[i] += encoders_.factor[i] * (now[joint] - home_[joint]) + slipped_[i];
         }
         return seen;
     }
@@ -56,6 +68,9 @@ private:
     engine::FreeHandle handle_;
     engine::JointAngles home_{};
     engine::JointAngles slipped_{};
+    double lag_ = 0.0;
+    double time_ = 0.0;
+    std::deque<std::pair<double, engine::JointAngles>> past_;
 };
 
 }  // namespace palpate::tests

@@ -75,7 +75,7 @@ public:
         }
         return reading;
     }
-    engine::Applied write(const engine::Vec2& force) noexcept override {
+    engine::AppliedForce write(const engine::Vec2& force) noexcept override {
         max_asked_ = std::fmax(max_asked_, glm::length(force));
         const engine::Vec2 asked = fix_ ? machine_.drive(*fix_, force).torque : engine::Vec2{};
         engine::Vec2 given{};

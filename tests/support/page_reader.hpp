@@ -1,10 +1,18 @@
 #pragma once
 
+#include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <initializer_list>
 #include <map>
+#include <set>
+#include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
@@ -90,14 +98,42 @@ inline Browsed browsed(const TemporaryFolder& folder,
         return {};
     }
     Browsed all{.there = true};
-    all.done = Process({"chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
-                        "--disable-background-networking", "--disable-component-update",
-                        "--no-first-run", "--enable-logging=stderr", "--window-size=1000,1400",
-                        "--user-data-dir=" + folder.file("profile"),
-                        "--log-net-log=" + folder.file("net.json"), what, "file://" + page})
-                   .wait();
+    all.done =
+        Process({"chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
+                 "--disable-background-networking", "--disable-component-update", "--no-first-run",
+                 "--allow-file-access-from-files", "--enable-logging=stderr",
+                 "--window-size=1000,1400", "--user-data-dir=" + folder.file("profile"),
+                 "--log-net-log=" + folder.file("net.json"), what, "file://" + page})
+            .wait();
     all.net = slurp(folder.file("net.json"));
     return all;
+}
+
+/// Each number of a JSON, in the fewest digits that read back to the same bits.
+inline void add_numbers(const nlohmann::ordered_json& json, std::set<std::string>& all) {
+    if (json.is_number()) {
+        all.insert(fmt::format("{}", json.get<double>()));
+    }
+    if (json.is_structured()) {
+        for (const auto& one : json) {
+            add_numbers(one, all);
+        }
+    }
+}
+
+/// The fields of a CSV that are numbers, as add_numbers() writes them.
+inline std::vector<std::string> numbers_of(std::string csv) {
+    std::vector<std::string> numbers;
+    std::ranges::replace(csv, '\n', ',');
+    std::istringstream fields(csv);
+    for (std::string field; std::getline(fields, field, ',');) {
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+        if (error == std::errc() && end == field.data() + field.size()) {
+            numbers.push_back(fmt::format("{}", value));
+        }
+    }
+    return numbers;
 }
 
 }  // namespace palpate::tests

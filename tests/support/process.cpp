@@ -138,7 +138,7 @@ std::string palpate_program() {
 }
 
 bool others_load_extension() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef PALPATE_SANITIZED
     std::fprintf(stderr, "built with a sanitizer: no other program can load the extension\n");
     return false;
 #else

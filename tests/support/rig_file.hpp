@@ -32,7 +32,7 @@ inline std::string commissioned_rig(const TemporaryFolder& folder,
     const engine::Vec2 home =
         machine.home.value_or(pantograph.locate(pantograph.angles({0, 0}))->hip);
     MiswiredMachine right(plant, {}, {});
-    engine::Commissioned done =
+    engine::CommissioningResult done =
         engine::commission(right, machine, engine::places_to_commission(machine, home),
                            engine::Vec3(plant.handle_mass),
                            {.bring =

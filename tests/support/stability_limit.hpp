@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/thesis/curve_tracker.hpp"
+#include "tests/figures/thesis/curve_tracker.hpp"
 
 namespace palpate::tests {
 
@@ -13,9 +13,9 @@ inline bool settles(const engine::NurbsCurve<2>& curve,
                     const engine::Vec2& hip,
                     double period) {
     constexpr double kBeside = 1e-7;
-    const engine::CurveTracker tracker(curve,
-                                       {.kind = engine::TrackerKind::feedback, .gain = gain});
-    engine::TrackerState state = tracker.start_at(u + kBeside);
+    const figures::CurveTracker tracker(curve,
+                                        {.kind = figures::TrackerKind::feedback, .gain = gain});
+    figures::TrackerState state = tracker.start_at(u + kBeside);
     for (int i = 0; i < 6000; ++i) {
         tracker.step(state, hip, period);
         if (std::fabs(state.u - u) > 100.0 * kBeside) {
@@ -26,13 +26,13 @@ inline bool settles(const engine::NurbsCurve<2>& curve,
 }
 
 /// The largest gain at which the feedback tracker settles on the foot u of a resting HIP, found by
-/// bisection without the formula, over the formula engine::critical_gain. NaN if neither half of
+/// bisection without the formula, over the formula figures::critical_gain. NaN if neither half of
 /// the formula is stable nor its double unstable.
 inline double stability_limit_ratio(const engine::NurbsCurve<2>& curve,
                                     double u,
                                     const engine::Vec2& hip,
                                     double period) {
-    const double formula = engine::critical_gain(curve, u, hip, period);
+    const double formula = figures::critical_gain(curve, u, hip, period);
     double stable = 0.5 * formula;
     double unstable = 2.0 * formula;
     if (!settles(curve, stable, u, hip, period) || settles(curve, unstable, u, hip, period)) {

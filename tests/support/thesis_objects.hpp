@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -23,16 +24,30 @@ inline engine::NurbsCurve<2> line(engine::Vec2 from, engine::Vec2 to) {
     return bezier({from, to});
 }
 
+/// Control polygons of one object: four points a curve, m, the object on the right of travel.
+using Polygons = std::vector<std::vector<engine::Vec2>>;
+
 /// Two convex cubics, 0.1 m wide, that meet in a vertex of 22 degrees: the kind of object that
-/// chapter 3.2.1 of the thesis is about. Open, the object below.
+/// chapter 3.2.1 of the thesis is about. Both ends open.
+inline Polygons two_polygons() {
+    constexpr double kHalfTurn = 11.0 * std::numbers::pi / 180.0;
+    const double fall = 0.02 * std::tan(kHalfTurn);
+    const engine::Vec2 top{0.0, 0.032};
+    return {{{-0.05, 0.0}, {-0.042, 0.012}, {-0.02, top.y - fall}, top},
+            {top, {0.02, top.y - fall}, {0.042, 0.012}, {0.05, 0.0}}};
+}
+
+/// The curves of the polygons, u in [0, 1] on each.
+inline std::vector<engine::NurbsCurve<2>> curves_of(const Polygons& polygons) {
+    std::vector<engine::NurbsCurve<2>> curves;
+    for (const std::vector<engine::Vec2>& polygon : polygons) {
+        curves.push_back(bezier(polygon));
+    }
+    return curves;
+}
+
 inline std::vector<engine::NurbsCurve<2>> two_cubics() {
-    using engine::Vec2;
-    const double rise = 0.02 * std::tan(11.0 * 3.14159265358979323846 / 180.0);
-    const Vec2 top{0.0, 0.032};
-    const Vec2 left{-0.02, 0.032 - rise};
-    const Vec2 right{0.02, 0.032 - rise};
-    return {bezier({Vec2{-0.05, 0.0}, Vec2{-0.042, 0.012}, left, top}),
-            bezier({top, right, Vec2{0.042, 0.012}, Vec2{0.05, 0.0}})};
+    return curves_of(two_polygons());
 }
 
 /// Distance from `h` to the nearest point of all curves, m, good to about 1e-12: 400 samples a

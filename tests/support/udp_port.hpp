@@ -1,7 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <span>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -20,6 +25,42 @@ inline std::uint16_t free_udp_port() {
     const bool good = bind(one, any, size) == 0 && getsockname(one, any, &size) == 0;
     close(one);
     return good ? ntohs(here.sin_port) : throw std::runtime_error("no UDP port is free");
+}
+
+/// The port of the first program of this machine that speaks to `port` alone; 0: there is none.
+inline std::uint16_t host_of(std::uint16_t port) {
+    std::ifstream sockets("/proc/net/udp");
+    unsigned from = 0;
+    unsigned to = 0;
+    for (std::string line; std::getline(sockets, line);) {
+        if (std::sscanf(line.c_str(), " %*d: %*8x:%4x %*8x:%4x", &from, &to) == 2 && to == port) {
+            return static_cast<std::uint16_t>(from);
+        }
+    }
+    return 0;
+}
+
+/// Sends a datagram as though it came from another program's port.
+/// @return false: that is for root alone
+inline bool send_as(std::uint16_t from, std::uint16_t to, std::span<const std::uint8_t> bytes) {
+    const int raw = socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_UDP);
+    std::vector<std::uint8_t> packet;
+    const auto put = [&](std::size_t number) {
+        packet.push_back(static_cast<std::uint8_t>(number >> 8U));
+        packet.push_back(static_cast<std::uint8_t>(number & 0xFFU));
+    };
+    for (const std::size_t word : {std::size_t{from}, std::size_t{to}, 8 + bytes.size()}) {
+        put(word);
+    }
+    put(0);  // no checksum
+    packet.insert(packet.end(), bytes.begin(), bytes.end());
+    sockaddr_in there{};
+    there.sin_family = AF_INET;
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const bool sent = sendto(raw, packet.data(), packet.size(), 0,
+                             reinterpret_cast<sockaddr*>(&there), sizeof there) > 0;
+    close(raw);
+    return sent;
 }
 
 }  // namespace palpate::tests

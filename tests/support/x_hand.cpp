@@ -189,12 +189,14 @@ void XHand::chord(const std::string& name) {
     release("Control_L");
 }
 
-std::uint64_t XHand::pixels(const Window& window) {
+std::uint64_t XHand::pixels(const Window& window, double from) {
     const ScreenImage shown = image(window);
-    return shown.pixels.empty()
-             ? 0
-             : std::hash<std::string_view>{}({reinterpret_cast<const char*>(shown.pixels.data()),
-                                              shown.pixels.size() * sizeof(std::uint32_t)});
+    const std::string_view all{reinterpret_cast<const char*>(shown.pixels.data()),
+                               shown.pixels.size() * sizeof(std::uint32_t)};
+    const auto rows = static_cast<std::size_t>(from * shown.height);
+    return all.empty() ? 0
+                       : std::hash<std::string_view>{}(all.substr(
+                             rows * static_cast<std::size_t>(shown.width) * sizeof(std::uint32_t)));
 }
 
 ScreenImage XHand::image(const Window& window) {

@@ -55,7 +55,8 @@ public:
     void hide(const Window& window);
     void show(const Window& window);
     /// Checksum of the window's pixels as the screen shows them; 0: it is gone.
-    [[nodiscard]] std::uint64_t pixels(const Window& window);
+    /// @param from  share of its height above what is looked at
+    [[nodiscard]] std::uint64_t pixels(const Window& window, double from = 0.0);
     /// What the window shows; empty: it is gone.
     [[nodiscard]] ScreenImage image(const Window& window);
 

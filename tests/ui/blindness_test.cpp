@@ -73,7 +73,7 @@ public:
         subject.join();
         return signal;
     }
-    Exploring explore(const TrialView& trial, double elapsed_s) override {
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
         // One and the same trial number for all: only the condition differs between the trials.
         TrialView view = trial;
         view.number = 1;
@@ -178,7 +178,7 @@ TEST_CASE(
                        .dead_man = dead_man,
                        .on_hold = {},
                        .on_stop = {}}) {}
-        Exploring explore(const TrialView& trial, double elapsed_s) override {
+        ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
             TrialView view = trial;
             view.number = 1;
             view.total = 1;  // of practice and of the others: distinguished by what is counted
@@ -253,7 +253,7 @@ TEST_CASE(
             }
             return Signal::go_on;
         }
-        Exploring explore(const TrialView& trial, double elapsed_s) override {
+        ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
             if (looks_++ % 4 == 0) {
                 const std::size_t interval = elapsed_s < 0.1 ? 1 : 2;
                 static_cast<void>(screen_.explore(of(trial, interval), elapsed_s));

@@ -19,7 +19,7 @@ public:
     engine::Reading read() noexcept override {
         return {.fault = good_-- > 0 ? engine::DeviceFault::none : engine::DeviceFault::silent};
     }
-    engine::Applied write(const engine::Vec2& force) noexcept override {
+    engine::AppliedForce write(const engine::Vec2& force) noexcept override {
         worst_ += force == engine::Vec2{} ? 0 : 1;
         return {};
     }

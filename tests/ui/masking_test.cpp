@@ -76,7 +76,7 @@ public:
         silent_while_ready += player_.wanted ? 0 : 1;
         return Patient::ready(trial);
     }
-    Exploring explore(const TrialView& trial, double elapsed_s) override {
+    ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
         silent_under_force += player_.full() ? 0 : 1;
         ++explored;
         return Patient::explore(trial, elapsed_s);

@@ -28,10 +28,10 @@ struct Rig {
         };
         return all;
     }
-    Exploring explore_until_quiet(double elapsed_s) {
-        Exploring last;
+    ExplorationStep explore_until_quiet(double elapsed_s) {
+        ExplorationStep last;
         for (int i = 0; i < 20; ++i) {
-            const Exploring now = screen.explore(kTrial, elapsed_s);
+            const ExplorationStep now = screen.explore(kTrial, elapsed_s);
             last = now.signal != Signal::go_on ? now : last;
         }
         return last;

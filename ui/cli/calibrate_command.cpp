@@ -127,6 +127,20 @@ void declare(CommandWords& words, CalibrateOptions& options) {
     words.add("-o,--output", options.output, "The calibration file to write").required();
 }
 
+/// None: standard input ended.
+std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& device,
+                                                           const std::vector<Vec2>& marks) {
+    std::vector<engine::MarkReading> readings;
+    for (const Vec2& mark : marks) {
+        if (!wait_for_enter(fmt::format("Bring the handle to {} and press Enter. ",
+                                        engine::place_text({mark, 0.0}, 2)))) {
+            return std::nullopt;
+        }
+        readings.push_back(read_mark(device, mark));
+    }
+    return readings;
+}
+
 int run(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
     if (calibration.gantry) {
@@ -142,19 +156,15 @@ int run(const CalibrateOptions& options) {
     say("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
         calibration.pantograph.name, counted(marks.size(), "mark"));
 
-    std::vector<engine::MarkReading> readings;
-    for (const Vec2& mark : marks) {
-        if (!wait_for_enter(fmt::format("Bring the handle to {} and press Enter. ",
-                                        engine::place_text({mark, 0.0}, 2)))) {
-            say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
-            return kExitStopped;
-        }
-        readings.push_back(read_mark(*device, mark));
+    const auto readings = read_marks(*device, marks);
+    if (!readings) {
+        say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
+        return kExitStopped;
     }
     const engine::Homing homing =
-        engine::find_home(calibration.pantograph, readings, options.scale);
+        engine::find_home(calibration.pantograph, *readings, options.scale);
     calibration = engine::calibrated(calibration, homing);
-    print_found(calibration, homing, readings);
+    print_found(calibration, homing, *readings);
 
     const std::string text = protocols::to_toml(calibration);
     write_whole(options.output, text);

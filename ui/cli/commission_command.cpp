@@ -32,6 +32,7 @@ struct CommissionOptions {
     double handle_g = 0.0;           ///< 0: not given
     std::string moved_g;             ///< X_G,Y_G,Z_G of three axes
     bool handle_free = false;
+    std::string stop_button;  ///< as RunOptions::stop_button
     std::string output;
 };
 
@@ -39,6 +40,7 @@ constexpr double kPeriod = 1e-3;
 
 /// A device whose handle nobody holds, and how it comes to a place.
 struct Rig {
+    std::unique_ptr<StopLines> stops;
     std::unique_ptr<engine::EmulatedHaply> emulated;
     std::unique_ptr<engine::Device> own;
     engine::Device* device = nullptr;
@@ -89,8 +91,10 @@ Rig emulated_rig(engine::Calibration& machine) {
 Rig real_rig(const CommissionOptions& options,
              const DeviceChoice& choice,
              const engine::Calibration& machine) {
+    auto button = named_button(options.stop_button);
     ask_for_home(machine, options.handle_free);
     Rig rig;
+    rig.stops = stops_of_pulses(std::move(button));
     rig.own = open_device(choice, machine, kPeriod);
     rig.device = rig.own.get();
     rig.desk = {
@@ -208,6 +212,19 @@ void print_found(const engine::RigRecord& record, bool straight) {
     say("usable stiffness at 1 kHz: {:.0f} N/m\n", record.stiffness);
 }
 
+void write_rig(const CommissionOptions& options,
+               engine::Calibration& machine,
+               engine::RigRecord& record) {
+    (machine.gantry ? machine.gantry->damping : machine.pantograph.damping) = record.damping;
+    record.device = options.device;
+    record.program = PALPATE_VERSION;
+    record.calibration = protocols::calibration_id(machine);
+    print_found(record, machine.gantry.has_value());
+    write_whole(options.output, protocols::to_toml(machine, record));
+    say("Rig {} written to {}: give it by --calibration\n", record.calibration.substr(0, kShownId),
+        options.output);
+}
+
 int run(const CommissionOptions& options) {
     engine::Calibration machine = calibration_of(parse_device(options.device), options.calibration);
     if (parse_device(options.device).kind == DeviceChoice::Kind::haply_emulator) {
@@ -221,11 +238,11 @@ int run(const CommissionOptions& options) {
     Rig rig = open_rig(options, machine);
     say("{}: {} with the numbers of {}; the handle is free\n", options.output, rig.device->name(),
         machine.name());
-    engine::Commissioned done;
+    engine::CommissioningResult done;
     try {
         in_real_time(
             [&] { done = engine::commission(*rig.device, machine, places, mass, rig.desk); });
-    } catch (const PulsesStopped&) {
+    } catch (const StopDuringPulses&) {
         done.given_up = true;
     }
     if (done.given_up) {
@@ -237,14 +254,7 @@ int run(const CommissionOptions& options) {
         throw std::runtime_error(
             fmt::format("{}. The motors are off and nothing was written", done.refused));
     }
-    (machine.gantry ? machine.gantry->damping : machine.pantograph.damping) = done.record.damping;
-    done.record.device = options.device;
-    done.record.program = PALPATE_VERSION;
-    done.record.calibration = protocols::calibration_id(machine);
-    print_found(done.record, machine.gantry.has_value());
-    write_whole(options.output, protocols::to_toml(machine, done.record));
-    say("Rig {} written to {}: give it by --calibration\n",
-        done.record.calibration.substr(0, kShownId), options.output);
+    write_rig(options, machine, done.record);
     return 0;
 }
 
@@ -268,6 +278,7 @@ void declare(CommandWords& words, CommissionOptions& options) {
     words.add(
         "--handle-free", options.handle_free,
         "Says beforehand that nobody holds the handle and that it rests at home, for scripts");
+    words.add("--stop-button", options.stop_button, std::string(kStopButtonWords));
     words.add("-o,--output", options.output, "The file to write: calibration, record and hash")
         .required();
 }

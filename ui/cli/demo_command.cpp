@@ -53,8 +53,7 @@ void declare(CommandWords& words, DemoOptions& options) {
     add_screen_words(words, options.screen);
 }
 
-int run(const DemoOptions& options) {
-    catch_signals();
+RigSpec rig_of(const DemoOptions& options) {
     RigSpec spec;
     spec.device = parse_device(options.device);
     const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
@@ -64,7 +63,11 @@ int run(const DemoOptions& options) {
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = kWindowSpeed;
     }
-    data::Database database(options.database, data::Access::write);
+    return spec;
+}
+
+/// Goes on with a demo that was not finished, or begins another session.
+void follow_last(data::Database& database, const DemoOptions& options, RigSpec& spec) {
     spec.key.participant = kParticipant;
     const auto last = data::latest_session(database, spec.study.protocol.id, kParticipant);
     if (last) {  // a finished demo is followed by another session, an unfinished one goes on
@@ -73,6 +76,14 @@ int run(const DemoOptions& options) {
     spec.key.secret = last && !last->finished ? last->secret : std::string(data::kDemoSecret);
     spec.seed =
         options.seed.value_or(last && !last->finished ? last->seed : spec.study.protocol.seed);
+}
+
+int run(const DemoOptions& options) {
+    catch_signals();
+    RigSpec spec = rig_of(options);
+    const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
+    data::Database database(options.database, data::Access::write);
+    follow_last(database, options, spec);
 
     say("Ten trials of the study. The participant and the device are simulated.\n");
     if (emulated) {

@@ -204,7 +204,7 @@ int run(const DoctorOptions& options) {
     report.look("kernel", check_kernel);
     look_at_timing(report, plan.rate_hz, options.seconds);
     report.look("host", [&] { return check_host(before); });
-    report.look("display", check_display);
+    report.look("display", [&] { return check_display(held_by_a_person(plan.device.kind)); });
     report.look("audio", check_audio);
     report.look("font", [&] { return check_font(options.font); });
     report.look("disk", [&] { return check_disk(options.database); });

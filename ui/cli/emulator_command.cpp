@@ -1,10 +1,7 @@
-#include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -13,6 +10,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "engine/base/parsed.hpp"
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
@@ -48,48 +46,20 @@ struct EmulatorOptions {
 constexpr int kStepUs = 250;
 constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a step
 
-void declare(CommandWords& words, EmulatorOptions& options) {
-    words.add("--link", options.link,
-              "A symbolic link to its terminal, for --device haply:LINK or board:LINK");
-    words
-        .add("--preset", options.preset,
-             "2diy_gen3, 2diy_gen2, haplet, or a calibration file, with --open also of three axes")
-        .with_default();
-    words
-        .add("--delay-ms", options.delay_ms,
-             "How long after a packet its answer goes out, ms; a USB port needs about 1. A line "
-             "delay MS "
-             "on standard input changes it")
-        .within(0.0, 1000.0)
-        .with_default();
-    words.add("--open", options.open,
-              "An open board's firmware instead of a Haply board, for --device board:LINK. A line "
-              "motors on standard input prints what the motors give, unplug N pulls the cable of "
-              "encoder N, plug N puts it in again; on a Haply board misread makes it take the next "
-              "packet for a reset, and with stranger N another program sends it N torques");
-    words
-        .add("--udp", options.udp,
-             "The open board behind this UDP port of this machine, 0 for any that is free; what "
-             "it prints stands behind --device board:")
-        .within(0, 65535)
-        .needs("--open")
-        .excludes("--link");
-    words.add(
-        "--free", options.free,
-        "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
-        "it there (X_MM,Y_MM,Z_MM on a machine of three axes), gain G lets motors give G times "
-        "what they are asked for, motor N G does so of one; hold, explore and let go bring a hand "
-        "to it, still or on its way, and take it away. On three axes swap N M lets two motors "
-        "change places, friction N and weight N burden the handle");
+void declare_free_handle(CommandWords& words, EmulatorOptions& options) {
+    words.add("--free", options.free,
+              "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input "
+              "brings it there (X_MM,Y_MM,Z_MM on a machine of three axes), gain G lets motors "
+              "give G times what they are asked for, motor N G does so of one; hold, explore and "
+              "let go bring a hand to it, still or on its way, and take it away. On three axes "
+              "swap N M lets two motors change places, friction N and weight N burden the handle");
     words
         .add("--at", options.at,
              "Where a free handle rests at first, X_MM,Y_MM or X_MM,Y_MM,Z_MM; left out: at home")
         .needs("--free");
     words
         .add("--start", options.start,
-             "Where a hand that explores rests between its ways, X_MM,Y_MM: the protocol's "
-             "start_mm. "
-             "Left out: 0,60")
+             "Where a hand that explores rests, X_MM,Y_MM: start_mm. Left out: 0,60")
         .needs("--free");
     words
         .add("--handle-g", options.handle_g,
@@ -98,9 +68,8 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         .with_default()
         .needs("--free");
     words
-        .add(
-            "--handle-damping", options.handle_damping,
-            "What brakes it at the handle itself, beside its joints, N s/m: a plate, a sleeve, air")
+        .add("--handle-damping", options.handle_damping,
+             "What brakes it at the handle itself, N s/m: a plate, a sleeve, air")
         .within(0.0, 100.0)
         .with_default()
         .needs("--free");
@@ -110,6 +79,36 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         .within(0.0, 10.0)
         .with_default()
         .needs("--free");
+}
+
+void declare(CommandWords& words, EmulatorOptions& options) {
+    words.add("--link", options.link,
+              "A link to its terminal, for --device haply:LINK or board:LINK");
+    words
+        .add("--preset", options.preset,
+             "2diy_gen3, 2diy_gen2, haplet, or a calibration file, with --open also of three axes")
+        .with_default();
+    words
+        .add("--delay-ms", options.delay_ms,
+             "How long after a packet its answer goes out, ms; a USB port needs about 1. A line "
+             "delay MS on standard input changes it")
+        .within(0.0, 1000.0)
+        .with_default();
+    words.add(
+        "--open", options.open,
+        "An open board's firmware instead of a Haply board, for --device board:LINK. A line "
+        "motors on standard input prints what the motors give, unplug N pulls the cable of "
+        "encoder N, plug N puts it in again; on a Haply board misread makes it take the next "
+        "packet for a reset, with stranger N another program sends it N torques, turned N turns "
+        "its last encoder by N degrees, and old N makes its answers N answers old");
+    words
+        .add("--udp", options.udp,
+             "The open board behind this UDP port of this machine, 0 for any that is free; what "
+             "it prints stands behind --device board:")
+        .within(0, 65535)
+        .needs("--open")
+        .excludes("--link");
+    declare_free_handle(words, options);
 }
 
 /// Lines of standard input that are there, without waiting for one.
@@ -152,10 +151,8 @@ std::optional<double> number_after(const std::string& line,
     if (!line.starts_with(word)) {
         return std::nullopt;
     }
-    const char* const end = line.data() + line.size();
-    double number = 0.0;
-    const auto [stop, error] = std::from_chars(line.data() + word.size(), end, number);
-    if (error != std::errc{} || stop != end || !(number >= least && number <= max)) {
+    const auto number = parsed<double>(std::string_view(line).substr(word.size()));
+    if (!number || !(*number >= least && *number <= max)) {
         throw std::invalid_argument(
             fmt::format("{}: give a number from {:g} to {:g}, as in {}2", line, least, max, word));
     }
@@ -191,10 +188,18 @@ void serve(Port& port, const SetDelay& set_delay, const Obey& obey, double delay
 /// Lines about what befalls a Haply board's wire. @return false: it is another line
 bool obey_wire(engine::HaplyBoard& board, const std::string& line) {
     if (line == "motors") {
-        say("The motors give {:g}, {:g} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y);
+        say("{} of {} resets came with a torque on; the motors give {:g}, {:g} mN m\n",
+            board.journal().hot_resets, board.journal().resets, 1e3 * board.torque().x,
+            1e3 * board.torque().y);
     } else if (line == "misread") {
         board.misread_next();
         say("The next packet arrives as a reset\n");
+    } else if (const auto degrees = number_after(line, "turned ", -90.0, 90.0)) {
+        board.turn_answers(*degrees);
+        say("The last encoder says {:g} degrees more\n", *degrees);
+    } else if (const auto before = number_after(line, "old ", 0.0, 1000.0)) {
+        board.age_answers(static_cast<std::size_t>(*before));
+        say("Answers say where the handle was {:g} answers before\n", *before);
     } else if (const auto packets = number_after(line, "stranger ", 1.0, 1e6)) {
         board.meddle(static_cast<int>(*packets));
         say("Another program sends {:g} packets of 0.1 N m\n", *packets);
@@ -205,15 +210,14 @@ bool obey_wire(engine::HaplyBoard& board, const std::string& line) {
 }
 
 /// Lines about motors and encoders. @return false: it is another line
-bool obey_cables(engine::OpenBoard& board, const std::string& line, std::size_t axes) {
-    const auto max = static_cast<double>(axes);
+bool obey_cables(engine::OpenBoard& board, const std::string& line, double axes) {
     if (line == "motors") {
         say("The motors give {:g}, {:g}{} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y,
             axes > 2 ? fmt::format(", {:g}", 1e3 * board.torque_3()) : std::string());
         return true;
     }
-    const auto out = number_after(line, "unplug ", 1.0, max);
-    const auto in = number_after(line, "plug ", 1.0, max);
+    const auto out = number_after(line, "unplug ", 1.0, axes);
+    const auto in = number_after(line, "plug ", 1.0, axes);
     if (out || in) {
         const auto axis = static_cast<std::size_t>(out.value_or(in.value_or(1.0)));
         board.unplug_encoder(axis - 1, out.has_value());
@@ -238,11 +242,11 @@ void live(const EmulatorOptions& options,
     }
     engine::OpenBoard board(plant, machine, *machine.board);
     board.delay_answers(delay);
-    const auto set_delay = [&](double s) {
+    const SetDelay set_delay = [&](double s) {
         board.delay_answers(s);
     };
     const Obey obey_board = [&](const std::string& line) {
-        return obey_cables(board, line, machine.axes()) || obey(line);
+        return obey_cables(board, line, static_cast<double>(machine.axes())) || obey(line);
     };
     if (options.udp) {
         engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
@@ -364,17 +368,11 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
 
 int run(const EmulatorOptions& options) {
     const engine::Calibration machine = protocols::load_calibration(options.preset);
-    if (options.open && !machine.board) {
+    if (options.open ? !machine.board : !machine.haply) {
         throw std::invalid_argument(fmt::format(
-            "--preset {}: this machine has no open board; give 2diy_gen3 or a file with "
-            "[pantograph.board]",
-            options.preset));
-    }
-    if (!options.open && !machine.haply) {
-        throw std::invalid_argument(fmt::format(
-            "--preset {}: this machine has no Haply board; give 2diy_gen3, 2diy_gen2 or "
-            "haplet",
-            options.preset));
+            "--preset {}: this machine has no {}", options.preset,
+            options.open ? "open board; give 2diy_gen3 or a file with [pantograph.board]"
+                         : "Haply board; give 2diy_gen3, 2diy_gen2 or haplet"));
     }
     if (machine.gantry) {
         live_in_space(options, machine);

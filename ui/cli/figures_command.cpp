@@ -1,12 +1,9 @@
-#include <algorithm>
-#include <filesystem>
-#include <iterator>
-#include <vector>
+#include <cerrno>
+#include <cstring>
 
-#include <fmt/format.h>
+#include <unistd.h>
 
-#include "engine/base/files.hpp"
-#include "data/report/figure_list.hpp"
+#include "ui/command/beside.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
@@ -22,22 +19,12 @@ void declare(CommandWords& words, FigureOptions& options) {
         .with_default();
 }
 
+/// A program of its own computes them, in the place of this one.
 int run(const FigureOptions& options) {
-    const std::filesystem::path directory(options.directory);
-    make_folder(directory);
-    std::vector<data::FigureFile> files;
-    for (const data::NamedFigure& figure : data::thesis_figures()) {
-        std::ranges::move(data::files_of(figure), std::back_inserter(files));
-    }
-    for (const data::FigureFile& file : files) {  // all of them, or none
-        require_writable(directory / file.name, file.text);
-    }
-    for (const data::FigureFile& file : files) {
-        const std::filesystem::path path = directory / file.name;
-        write_whole(path, file.text);
-        say("{}\n", path.string());
-    }
-    return 0;
+    const std::string program = beside_program("palpate-figures", "palpate_figures").string();
+    execl(program.c_str(), program.c_str(), options.directory.c_str(), nullptr);
+    warn("{}: cannot be started: {}", program, std::strerror(errno));
+    return kExitFailure;
 }
 
 }  // namespace

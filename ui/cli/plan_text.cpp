@@ -60,6 +60,24 @@ std::string steps_of(std::string_view factor,
     return text;
 }
 
+/// How few whole shuffles keep the limits.
+std::string acceptance_text(const Protocol& protocol) {
+    const auto trials = block_trials(protocol, 0);
+    const protocols::RunLimits limits = block_limits(protocol.design);
+    const auto all = acceptance_of(trials, limits);
+    std::string text = fmt::format(
+        "acceptance of whole shuffles{}: {:.3g} ({})\n",
+        block_count(protocol) > 1 ? " of a block" : "", all.share,
+        all.exact ? std::string("exact") : fmt::format("estimate, +- {:.1g} %", 100.0 * all.error));
+    const auto object = acceptance_of_one(trials, &Condition::object, limits.object);
+    const auto friction = acceptance_of_one(trials, &Condition::friction, limits.friction);
+    if (object && friction) {
+        text += fmt::format("  of the limits alone, exact: object {:.3g}, friction {:.3g}\n",
+                            *object, *friction);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string limits_text(const Protocol& protocol,
@@ -84,21 +102,9 @@ std::string limits_text(const Protocol& protocol,
         }
         text += '\n';
     }
-    const auto trials = block_trials(protocol, 0);
-    const protocols::RunLimits limits = block_limits(design);
-    const auto all = acceptance_of(trials, limits);
-    text += fmt::format(
-        "acceptance of whole shuffles{}: {:.3g} ({})\n",
-        block_count(protocol) > 1 ? " of a block" : "", all.share,
-        all.exact ? std::string("exact") : fmt::format("estimate, +- {:.1g} %", 100.0 * all.error));
-    const auto object = acceptance_of_one(trials, &Condition::object, limits.object);
-    const auto friction = acceptance_of_one(trials, &Condition::friction, limits.friction);
-    if (object && friction) {
-        text += fmt::format("  of the limits alone, exact: object {:.3g}, friction {:.3g}\n",
-                            *object, *friction);
-    }
-    return text + fmt::format("order: uniform over all within the limits; {}, {} proposed\n",
-                              to_string(plan.way), plan.attempts);
+    return text + acceptance_text(protocol) +
+           fmt::format("order: uniform over all within the limits; {}, {} proposed\n",
+                       to_string(plan.way), plan.attempts);
 }
 
 std::string breaks_text(const PlanSummary& summary) {
@@ -137,23 +143,31 @@ std::string steps_text(const Protocol& protocol, const PlanSummary& summary) {
            steps_of("friction", protocol.frictions, summary.friction_steps);
 }
 
+namespace {
+
+std::string soft_line(const Protocol& protocol,
+                      const protocols::ObjectSpec& object,
+                      std::string_view whose) {
+    const double c = object.compliance;
+    if (!(c > 0.0)) {
+        return {};
+    }
+    const double k = protocol.apparatus.stiffness;
+    const engine::SoftShape shape(outline_of(protocol, object), c,
+                                  1.0 / protocol.apparatus.rate_hz);
+    return fmt::format(
+        "  soft: {} {} gives way by {:.3g} mm/N at its vertex, with the contact's {:.6g} N/m by "
+        "{:.3g} mm/N\n    in all ({:.4g} N/m), and by {:.3g} mm at the most, from {:.3g} N on\n",
+        object.name, whose, 1e3 * c, k, 1e3 * (c + 1.0 / k), 1.0 / (c + 1.0 / k),
+        1e3 * shape.deepest(), shape.deepest() / c);
+}
+
+}  // namespace
+
 std::string softness_text(const Protocol& protocol) {
     std::string text;
-    const double k = protocol.apparatus.stiffness;
     const auto add = [&](const protocols::ObjectSpec& object, std::string_view whose) {
-        if (!(object.compliance > 0.0)) {
-            return;
-        }
-        const double c = object.compliance;
-        const engine::SoftShape shape(outline_of(protocol, object), c,
-                                      1.0 / protocol.apparatus.rate_hz);
-        text += fmt::format(
-            "  soft: {} {} gives way by {:.3g} mm/N at its vertex, with the contact's {:.6g} N/m "
-            "by "
-            "{:.3g} mm/N\n    in all ({:.4g} N/m), and by {:.3g} mm at the most, from {:.3g} N "
-            "on\n",
-            object.name, whose, 1e3 * c, k, 1e3 * (c + 1.0 / k), 1.0 / (c + 1.0 / k),
-            1e3 * shape.deepest(), shape.deepest() / c);
+        text += soft_line(protocol, object, whose);
     };
     const bool varied =
         protocol.procedure && protocol.procedure->varies == protocols::Varies::compliance;
@@ -172,7 +186,7 @@ std::string softness_text(const Protocol& protocol) {
         text += fmt::format(
             "    Curve and contact give back no more than they took, whatever the compliance: the "
             "device has to\n    damp what {:.6g} N/m ask for, and no more.\n",
-            k);
+            protocol.apparatus.stiffness);
     }
     return text;
 }

@@ -14,6 +14,7 @@ namespace palpate::ui {
                                       const protocols::Plan& plan,
                                       const protocols::PlanSummary& summary);
 
+/// Before which trials a break comes, counted from 1.
 [[nodiscard]] std::string breaks_text(const protocols::PlanSummary& summary);
 
 /// Trials of each condition by phase and block.

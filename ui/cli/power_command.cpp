@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/parsed.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/observer_file.hpp"
@@ -40,29 +40,11 @@ struct PowerOptions {
     std::int64_t threads = 0;
     std::optional<std::uint64_t> seed;
     std::string drawing;
+    bool json = false;
 };
 
-void declare(CommandWords& words, PowerOptions& options) {
-    words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
-        .required();
-    words
-        .add("--effect", options.effect,
-             "What friction does to the log odds of a right answer, as -0.5; or observer: what the "
-             "observer file says, in bias and in sensitivity")
-        .required();
-    words
-        .add("--effect-sd", options.effect_sd,
-             "How much people differ in that, a standard deviation in logit")
-        .within(0.0, 5.0)
-        .with_default();
-    words.add("--participants", options.participants, "For which numbers of them, from 2 to 200")
-        .with_default();
-    words.add("--observer", options.observer, "Who they are: an observer file, or typical")
-        .with_default();
-    words.add("--friction", options.friction,
-              "Which one is compared with the least; without it the largest");
-    words.add("--test", options.test, "Another primary test than that of the protocol's [analysis]")
-        .among({protocols::kPrimaryTests.begin(), protocols::kPrimaryTests.end()});
+/// How many are simulated, and how.
+void declare_studies(CommandWords& words, PowerOptions& options) {
     words.add("--studies", options.studies, "So many simulated studies for each number")
         .within(10, 1'000'000)
         .with_default();
@@ -86,16 +68,39 @@ void declare(CommandWords& words, PowerOptions& options) {
         .with_default();
     words.add("--seed", options.seed, "Instead of the protocol's");
     words.add("--svg", options.drawing, "The curve, as a drawing");
+    words.add("--json", options.json, "For programs, to standard output");
+}
+
+void declare(CommandWords& words, PowerOptions& options) {
+    words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
+        .required();
+    words
+        .add("--effect", options.effect,
+             "What friction does to the log odds of a right answer, as -0.5; or observer: what the "
+             "observer file says, in bias and in sensitivity")
+        .required();
+    words
+        .add("--effect-sd", options.effect_sd,
+             "How much people differ in that, a standard deviation in logit")
+        .within(0.0, 5.0)
+        .with_default();
+    words.add("--participants", options.participants, "For which numbers of them, from 2 to 200")
+        .with_default();
+    words.add("--observer", options.observer, "Who they are: an observer file, or typical")
+        .with_default();
+    words.add("--friction", options.friction,
+              "Which one is compared with the least; without it the largest");
+    words.add("--test", options.test, "Another primary test than that of the protocol's [analysis]")
+        .among({protocols::kPrimaryTests.begin(), protocols::kPrimaryTests.end()});
+    declare_studies(words, options);
 }
 
 std::vector<std::size_t> numbers_of(const std::string& text) {
     std::vector<std::size_t> numbers;
     std::istringstream parts(text);
     for (std::string part; std::getline(parts, part, ',');) {
-        std::size_t number = 0;
-        const auto read = std::from_chars(part.data(), part.data() + part.size(), number);
-        if (read.ec != std::errc() || read.ptr != part.data() + part.size() || number < 2 ||
-            number > kMax) {
+        const std::size_t number = parsed<std::size_t>(part).value_or(0);
+        if (number < 2 || number > kMax) {
             throw std::invalid_argument(fmt::format(
                 "--participants {}: give numbers from 2 to {} with commas between, as 8,12,16,24",
                 text, kMax));
@@ -181,19 +186,11 @@ void describe_people(const protocols::JudgedPeople& people,
     report.people_sd = std::sqrt(std::max(0.0, squares / kPeople - mean * mean));
 }
 
-int run(const PowerOptions& options) {
-    const auto participants = numbers_of(options.participants);
-    const auto effect = effect_of(options);
-    const protocols::ObserverModel model = protocols::load_observer(options.observer);
-    SimulatedStudy study{.study = load_study(options.protocol),
-                         .seed = 0,
-                         .secret = std::string(data::kDemoSecret),
-                         .observer = model};
-    const protocols::Protocol& protocol = study.study.protocol;
-    protocols::require_judged(protocol);
-    study.seed = options.seed.value_or(protocol.seed);
-    const protocols::FrictionPair pair = pair_of(protocol, options.friction);
-    require_writable(options.drawing, "<svg");
+/// What is asked for, without numbers.
+data::PowerReport report_of(const PowerOptions& options,
+                            const protocols::Protocol& protocol,
+                            const protocols::FrictionPair& pair,
+                            const std::optional<protocols::LogitEffect>& effect) {
     data::PowerReport report{.study = protocol.id,
                              .friction = protocol.frictions[pair.with].name,
                              .against = protocol.frictions[pair.without].name,
@@ -214,46 +211,81 @@ int run(const PowerOptions& options) {
     report.effect = effect
                       ? fmt::format("{:g} logit (sd {:g} over people)", effect->mean, effect->sd)
                       : fmt::format("what {} says of friction", options.observer);
+    return report;
+}
+
+/// How many people it takes, and whether there is anything to find.
+void add_truth(data::PowerStudies& studies, bool no_effect, data::PowerReport& report) {
+    report.true_difference = studies.truth();
+    report.none = no_effect || std::fabs(report.true_difference) < data::kNoEffect;
+    if (report.none) {  // no number of people finds it
+        for (data::PowerPoint& point : report.points) {
+            point.exaggeration.reset();
+            point.wrong_sign.reset();
+        }
+        return;
+    }
+    for (const double power : {0.8, 0.9}) {
+        report.least.push_back(studies.least(power, kMax));
+    }
+}
+
+/// The studies of people, and those of people without an effect.
+void add_points(data::PowerPeople people,
+                data::PowerPeople nobody,
+                const std::vector<std::size_t>& participants,
+                bool no_effect,
+                data::PowerReport& report) {
+    data::PowerSpec null_spec = report.spec;
+    null_spec.studies = report.null_studies;
+    data::PowerStudies studies(report.spec, std::move(people));
+    data::PowerStudies null(null_spec, std::move(nobody));
+    static_cast<void>(studies.at(participants.back()));  // the truth is known of all of them
+    for (const std::size_t number : participants) {
+        report.points.push_back(studies.at(number));
+        report.null.push_back(null.at(number));
+    }
+    add_truth(studies, no_effect, report);
+}
+
+/// People who differ as much, and in the mean by nothing.
+protocols::LogitEffect no_effect(const std::optional<protocols::LogitEffect>& effect,
+                                 protocols::PrimaryTest test) {
+    return {.mean = 0.0,
+            .sd = effect ? effect->sd : 0.0,
+            .in_shares = test != protocols::PrimaryTest::mixed};
+}
+
+int run(const PowerOptions& options) {
+    const auto participants = numbers_of(options.participants);
+    const auto effect = effect_of(options);
+    const protocols::ObserverModel model = protocols::load_observer(options.observer);
+    SimulatedStudy study{.study = load_study(options.protocol),
+                         .seed = 0,
+                         .secret = std::string(data::kDemoSecret),
+                         .observer = model};
+    const protocols::Protocol& protocol = study.study.protocol;
+    protocols::require_judged(protocol);
+    study.seed = options.seed.value_or(protocol.seed);
+    const protocols::FrictionPair pair = pair_of(protocol, options.friction);
+    require_writable(options.drawing, "<svg");
+    data::PowerReport report = report_of(options, protocol, pair, effect);
     catch_signals();
     const std::vector<protocols::FeltTrial> hands =
         felt_hands(study, static_cast<std::size_t>(options.hands), report.spec.threads);
     report.hands = hands.size();
 
     const protocols::JudgedPeople people(protocol, model, hands, pair, effect);
-    const double sd = effect ? effect->sd : 0.0;
-    const protocols::JudgedPeople nobody(
-        protocol, model, hands, pair,
-        protocols::LogitEffect{.mean = 0.0, .sd = sd, .in_shares = !mixed});
+    const protocols::JudgedPeople nobody(protocol, model, hands, pair,
+                                         no_effect(effect, report.spec.test));
     report.trials = people.person(study.seed, 0, 0).trials;
     describe_people(people, study.seed, report);
-    data::PowerSpec null_spec = report.spec;
-    null_spec.studies = report.null_studies;
-    data::PowerStudies studies(report.spec, people_of(people, study.seed));
-    data::PowerStudies null(null_spec, people_of(nobody, study.seed + 1));
-    static_cast<void>(studies.at(participants.back()));  // the truth is known of all of them
-    for (const std::size_t number : participants) {
-        report.points.push_back(studies.at(number));
-        report.null.push_back(null.at(number));
-    }
-    report.true_difference = studies.truth();
-    report.none =
-        (effect && effect->mean == 0.0) || std::fabs(report.true_difference) < data::kNoEffect;
-    if (report.none) {
-        for (data::PowerPoint& point : report.points) {
-            point.exaggeration.reset();
-            point.wrong_sign.reset();
-        }
-    }
-    for (const double power : {0.8, 0.9}) {
-        if (report.none) {
-            break;  // no number of people finds it
-        }
-        report.least.push_back(studies.least(power, kMax));
-    }
+    add_points(people_of(people, study.seed), people_of(nobody, study.seed + 1), participants,
+               effect && effect->mean == 0.0, report);
     if (!options.drawing.empty()) {
         data::write_svg(options.drawing, power_figure(report));
     }
-    say("{}", power_text(report));
+    say("{}", options.json ? power_json(report) : power_text(report));
     return 0;
 }
 

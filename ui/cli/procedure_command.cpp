@@ -113,6 +113,22 @@ std::vector<double> shown_in(const Procedure& procedure,
     return shown;
 }
 
+std::string line_of(const Procedure& procedure,
+                    std::size_t row,
+                    const std::vector<double>& shown,
+                    std::size_t outcome,
+                    bool tracks) {
+    std::string line = fmt::format("{}", row + 1);
+    for (const double x : shown) {
+        add(line, x);
+    }
+    line += fmt::format(",{}", outcome);
+    if (tracks) {
+        line += fmt::format(",{}", procedure.track());
+    }
+    return line;
+}
+
 std::string replayed(Procedure procedure,
                      const data::NumberTable& table,
                      const std::string& file,
@@ -128,14 +144,7 @@ std::string replayed(Procedure procedure,
         }
         const std::vector<double> shown = shown_in(procedure, table, row);
         const std::size_t outcome = outcome_of(procedure, table, row, file);
-        std::string line = fmt::format("{}", row + 1);
-        for (const double x : shown) {
-            add(line, x);
-        }
-        line += fmt::format(",{}", outcome);
-        if (tracks) {
-            line += fmt::format(",{}", procedure.track());
-        }
+        std::string line = line_of(procedure, row, shown, outcome, tracks);
         try {
             procedure.update(shown, outcome);
         } catch (const std::invalid_argument& e) {

@@ -269,20 +269,14 @@ void declare(CommandWords& words, RunOptions& options) {
         "--handle-free", options.handle_free,
         "Says beforehand that nobody holds the handle and that it rests at home: a rig that was "
         "commissioned is then opened without a question, and without its second mark");
-    words.add("--stop-button", options.stop_button,
-              "A button that switches the force off, as a file of /dev/input/by-id; palpate alone "
-              "gets its presses, and without it there is no force");
+    words.add("--stop-button", options.stop_button, std::string(kStopButtonWords));
     words.add("--no-sound", options.screen.no_sound,
               "No masking noise, whatever the protocol asks for; recorded with the session");
     add_screen_words(words, options.screen);
 }
 
-int run(const RunOptions& options) {
-    catch_signals();
-    check_participant(options.participant);
-    if (options.secret) {
-        data::check_secret(*options.secret);
-    }
+/// All that can be refused before a file is made or a device is touched, refused.
+RigSpec rig_spec(const RunOptions& options) {
     RigSpec spec;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
@@ -306,25 +300,14 @@ int run(const RunOptions& options) {
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
     }
-    if (!options.stop_button.empty()) {
-        spec.stop_button = std::make_shared<StopButton>(options.stop_button);
-    }
+    spec.stop_button = named_button(options.stop_button);
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made
-    std::error_code unknown;
-    std::optional<OpenedApparatus> felt;
-    const bool fresh = !std::filesystem::exists(options.database, unknown);
-    if (fresh && held_by_a_person(spec.device.kind)) {  // a device that is refused makes no file
-        check_consent({}, options, spec);
-        check_handedness({}, options, spec);
-        require_writable(options.database, "");
-        felt = open_and_check(spec);
-    }
-    data::Database database(options.database, data::Access::write);
-    check_known(database, options.participant, options.another);
-    if (options.secret) {
-        data::set_secret(database, *options.secret);
-    }
+    return spec;
+}
+
+/// The session that goes on or begins: its key and seed are in `spec` from here on.
+void choose(data::Database& database, const RunOptions& options, RigSpec& spec) {
     const SessionChoice choice =
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;
@@ -336,15 +319,15 @@ int run(const RunOptions& options) {
                         spec.study.protocol.id, choice.last + 1));
     }
     require_kind(choice, spec.study, spec.kind, options.database);  // before a device is touched
-    if (!choice.begun && !options.new_version) {
+    if (choice.begun) {
+        check_goes_on(database, spec);
+    } else if (!options.new_version) {
         check_version(database, spec.study, spec.kind);
     }
-    if (!felt) {
-        const Person person = data::find_participant(database, options.participant);
-        check_consent(person, options, spec);
-        check_handedness(person, options, spec);
-    }
-    const RigEnd end = run_rig(database, spec, std::move(felt));
+}
+
+/// What the experimenter reads at the end, and the code of the program's exit.
+int say_end(const RigEnd& end, const RunOptions& options, const RigSpec& spec) {
     if (!end.head.empty()) {
         say("Seal {}: note it in the lab book, verify prints it.\n", end.head);
     }
@@ -364,6 +347,36 @@ int run(const RunOptions& options) {
             break;
     }
     throw std::runtime_error(given_up_text(end.session));
+}
+
+int run(const RunOptions& options) {
+    catch_signals();
+    check_participant(options.participant);
+    if (options.secret) {
+        data::check_secret(*options.secret);
+    }
+    RigSpec spec = rig_spec(options);
+    std::error_code unknown;
+    std::optional<OpenedApparatus> felt;
+    const bool fresh = !std::filesystem::exists(options.database, unknown);
+    if (fresh && held_by_a_person(spec.device.kind)) {  // a device that is refused makes no file
+        check_consent({}, options, spec);
+        check_handedness({}, options, spec);
+        require_writable(options.database, "");
+        felt = open_and_check(spec);
+    }
+    data::Database database(options.database, data::Access::write);
+    check_known(database, options.participant, options.another);
+    if (options.secret) {
+        data::set_secret(database, *options.secret);
+    }
+    choose(database, options, spec);
+    if (!felt) {
+        const Person person = data::find_participant(database, options.participant);
+        check_consent(person, options, spec);
+        check_handedness(person, options, spec);
+    }
+    return say_end(run_rig(database, spec, std::move(felt)), options, spec);
 }
 
 }  // namespace

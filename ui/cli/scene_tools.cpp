@@ -2,18 +2,23 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "engine/base/whole_text.hpp"
+#include "engine/base/files.hpp"
 #include "engine/surface/surface_scene.hpp"
-#include "engine/thesis/thesis_scene.hpp"
 #include "ui/cli/trajectory.hpp"
+#include "ui/command/command.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -70,54 +75,26 @@ private:
     bool first_ = true;
 };
 
+/// Segment and u are those of the closest point, on a vertex the end of the segment before it; the
+/// god-object out of contact is that point.
 constexpr std::string_view kPlaneHead =
     "t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven";
 constexpr std::string_view kSpaceHead =
     "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n,"
     "held,slewed,unproven";
 
-/// Where the god-object stopped elsewhere than at the first place in its cone, and whether that is
-/// proven.
-struct Marks {
-    bool held = false;      ///< by an open end, a border or a crease
-    bool slewed = false;    ///< the budget of the vertex slew ended the walk
-    bool unproven = false;  ///< the search was broken off
-};
-
-void add_marks(Lines& lines, const Marks& marks) {
+void add_marks(Lines& lines, const PlaneTick::Marks& marks) {
     for (const bool mark : {marks.held, marks.slewed, marks.unproven}) {
         lines.add(std::size_t{mark});
     }
 }
 
-struct Spot {
-    std::size_t segment = 0;
-    double u = 0.0;
-};
-
-Spot spot_of(const engine::Outline& outline, const engine::Place& place) {
-    const engine::SegmentPlace named = engine::segment_place(outline, place);
-    return {named.segment, named.u};
-}
-
-/// What both kinds of scene answer.
-struct PlaneTick {
-    engine::Mode mode = engine::Mode::free;
-    Spot spot{};
-    Vec2 cp{};
-    Vec2 go{};
-    double fn = 0.0;
-    double ft = 0.0;
-    Vec2 force{};
-    Marks marks{};
-};
-
 void add_row(Lines& lines, double t, const PlaneTick& tick) {
     lines.begin();
     lines.add(t);
     lines.add(mode_text(tick.mode));
-    lines.add(tick.spot.segment);
-    lines.add(tick.spot.u);
+    lines.add(tick.place.segment);
+    lines.add(tick.place.u);
     lines.add_point<2>(tick.cp);
     lines.add_point<2>(tick.go);
     lines.add(tick.fn);
@@ -130,27 +107,26 @@ void add_row(Lines& lines, double t, const PlaneTick& tick) {
 /// Writes the row of a tick.
 using Feel = std::function<void(Lines&, const Trajectory::Tick&)>;
 
-Feel plane_feel(const SceneFile& file, double period) {
+/// Our own renderer.
+PlaneFeel plane_feel(const SceneFile& file, double period) {
     const auto outline = std::make_shared<const engine::Outline>(protocols::outline_of(file));
     const auto scene = std::make_shared<engine::Scene>(outline, protocols::spec_of(file, period));
     return [outline, scene, state = engine::ContactState{}, track = engine::TrackState{}](
-               Lines& lines, const Trajectory::Tick& tick) mutable {
-        if (tick.period != scene->spec().period) {
-            scene->set_period(tick.period);
+               const Vec2& hip, double now) mutable -> PlaneTick {
+        if (now != scene->spec().period) {
+            scene->set_period(now);
         }
-        const Vec2 hip{tick.hip.x, tick.hip.y};
         const engine::Contact felt = scene->tick(state, hip);
         const engine::ClosestPoint cp = scene->closest(track, hip);
         const engine::Contact c = shown(felt, cp);
-        add_row(lines, tick.t,
-                {c.mode,
-                 spot_of(*outline, cp.place),
-                 cp.point,
-                 c.go,
-                 c.normal_force,
-                 c.tangential_force,
-                 c.force,
-                 {c.held(), c.vertex_slew, c.unproven}});
+        return {.mode = c.mode,
+                .place = engine::segment_place(*outline, cp.place),
+                .cp = cp.point,
+                .go = c.go,
+                .fn = c.normal_force,
+                .ft = c.tangential_force,
+                .force = c.force,
+                .marks = {c.held(), c.vertex_slew, c.unproven}};
     };
 }
 
@@ -181,23 +157,6 @@ Feel surface_feel(const SceneFile& file, double period) {
     };
 }
 
-engine::ThesisSpec thesis_spec(const SceneFile& file, double period) {
-    const Law law = file.friction.law;
-    engine::ThesisSpec spec{.stiffness = file.renderer.stiffness,
-                            .period = period,
-                            .tracker = file.renderer.tracker,
-                            .law = law == Law::thesis_literal ? engine::ThesisLaw::literal
-                                 : law == Law::thesis_latched ? engine::ThesisLaw::latched
-                                                              : engine::ThesisLaw::frictionless,
-                            .mu_s = file.friction.set.mu_s,
-                            .mu_d = file.friction.set.mu_d,
-                            .dead_band = file.friction.dead_band};
-    if (file.renderer.certified) {  // the nearest that the thesis' renderer knows
-        spec.tracker = {.kind = engine::TrackerKind::newton, .iterations = 2};
-    }
-    return spec;
-}
-
 void check_even(const Trajectory& path) {
     for (Trajectory::Rows rows(path); rows.next();) {
         if (rows.tick().period != path.first_period()) {
@@ -209,28 +168,15 @@ void check_even(const Trajectory& path) {
     }
 }
 
-Feel thesis_feel(const SceneFile& file, double period) {
-    const bool closed = protocols::outline_of(file).closed();
-    const auto scene =
-        std::make_shared<const engine::ThesisScene>(file.curves, closed, thesis_spec(file, period));
-    return
-        [scene, state = engine::ThesisState{}](Lines& lines, const Trajectory::Tick& tick) mutable {
-            const engine::ThesisTick t = scene->tick(state, {tick.hip.x, tick.hip.y});
-            add_row(lines, tick.t,
-                    {t.mode, {t.cp_segment, t.cp_u}, t.cp, t.go, t.fn, t.ft, t.force, {}});
-        };
-}
-
 /// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker
 /// decides the force. With friction our law needs no tracker in contact; the column cp alone would
 /// differ.
 bool by_thesis(const SceneFile& file) {
-    const Law law = file.friction.law;
-    return law == Law::thesis_literal || law == Law::thesis_latched ||
-           (!file.renderer.certified && law == Law::frictionless);
+    return is_thesis_law(file.friction.law) ||
+           (!file.renderer.certified() && file.friction.law == Law::frictionless);
 }
 
-Feel feel_of(const SceneFile& scene, double period) {
+Feel feel_of(const SceneFile& scene, double period, MakePlaneFeel thesis) {
     if (!scene.surfaces.empty()) {
         return surface_feel(scene, period);
     }
@@ -239,15 +185,14 @@ Feel feel_of(const SceneFile& scene, double period) {
             "curves in space cannot be felt, only asked for the closest point: give plane curves "
             "or [[surface]] tables");
     }
-    return by_thesis(scene) ? thesis_feel(scene, period) : plane_feel(scene, period);
+    const MakePlaneFeel make = by_thesis(scene) ? thesis : plane_feel;
+    return [feel = make(scene, period)](Lines& lines, const Trajectory::Tick& tick) {
+        add_row(lines, tick.t, feel({tick.hip.x, tick.hip.y}, tick.period));
+    };
 }
 
-/// So many bytes are written at once.
-constexpr std::size_t kPiece = std::size_t{1} << 16U;
-
 template <int D>
-std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
-                              const data::NumberTable& points) {
+Feel nearest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves) {
     std::vector<engine::RationalBezier<D>> spans;
     std::vector<engine::SpanName> names;
     for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -256,63 +201,46 @@ std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
             names.push_back(name);
         }
     }
-    const engine::PieceTree<D> tree(std::move(spans));
-    Lines lines(D == 2 ? "segment,u,cp_x_m,cp_y_m,distance_m"
-                       : "segment,u,cp_x_m,cp_y_m,cp_z_m,distance_m");
-    for (std::size_t i = 0; i < points.rows(); ++i) {
+    return [tree = std::make_shared<const engine::PieceTree<D>>(std::move(spans)), names](
+               Lines& lines, const Trajectory::Tick& tick) {
         Vec<D> h{};
         for (int k = 0; k < D; ++k) {
-            h[k] = points.at(i, static_cast<std::size_t>(k));
+            h[k] = tick.hip[k];
         }
-        const engine::Foot<D> foot = tree.closest(h);
+        const engine::Foot<D> foot = tree->closest(h);
         lines.begin();
         lines.add(names[foot.span].segment);
         lines.add(names[foot.span].parameter(foot.u));
         lines.template add_point<D>(foot.point);
         lines.add(std::sqrt(foot.distance2));
         lines.end();
-    }
-    return lines.text();
+    };
 }
 
-std::string closest_on_surfaces(const SceneFile& scene, const data::NumberTable& points) {
-    const engine::SurfaceFeet feet(std::make_shared<const engine::SurfaceObject>(scene.surfaces));
-    Lines lines("segment,u,v,cp_x_m,cp_y_m,cp_z_m,distance_m");
-    for (std::size_t i = 0; i < points.rows(); ++i) {
-        const engine::SurfaceClosest cp =
-            feet.closest({points.at(i, 0), points.at(i, 1), points.at(i, 2)});
+Feel nearest_on_surfaces(const SceneFile& scene) {
+    return [feet = std::make_shared<const engine::SurfaceFeet>(
+                std::make_shared<const engine::SurfaceObject>(scene.surfaces)),
+            surface_of = scene.surface_of](Lines& lines, const Trajectory::Tick& tick) {
+        const engine::SurfaceClosest cp = feet->closest(tick.hip);
         lines.begin();
-        lines.add(scene.surface_of[cp.place.surface]);
+        lines.add(surface_of[cp.place.surface]);
         lines.add(cp.u);
         lines.add(cp.v);
         lines.add_point<3>(cp.point);
         lines.add(cp.distance);
         lines.end();
-    }
-    return lines.text();
+    };
 }
 
-}  // namespace
-
-void render_csv(const SceneFile& scene,
-                const std::string& scene_name,
-                const std::filesystem::path& path,
-                const std::filesystem::path& output) {
-    const Trajectory trajectory(path, scene.dimension());
-    const bool space = !scene.surfaces.empty();
-    if (!space && by_thesis(scene)) {
-        check_even(trajectory);
-    }
-    Feel feel;
-    try {
-        feel = feel_of(scene, trajectory.first_period());
-    } catch (const std::invalid_argument& e) {  // the curves do not make an object
-        throw protocols::ProtocolError(fmt::format("{}:1:1: {}", scene_name, e.what()));
-    }
-    const std::string_view head = space ? kSpaceHead : kPlaneHead;
+/// Row by row: paths may be longer than the memory.
+void write_rows(const std::filesystem::path& output,
+                std::string_view head,
+                const Trajectory& path,
+                const Feel& feel) {
+    constexpr std::size_t kPiece = std::size_t{1} << 16U;  // bytes written at once
     WholeText whole(output, fmt::format("{}\n", head));
     Lines lines(head);
-    for (Trajectory::Rows rows(trajectory); rows.next();) {
+    for (Trajectory::Rows rows(path); rows.next();) {
         feel(lines, rows.tick());
         if (lines.text().size() > kPiece) {
             whole.add(lines.text());
@@ -323,12 +251,69 @@ void render_csv(const SceneFile& scene,
     whole.finish();
 }
 
-std::string closest_csv(const SceneFile& scene, const data::NumberTable& points) {
-    if (!scene.surfaces.empty()) {
-        return closest_on_surfaces(scene, points);
+/// A scene and a table of points.
+struct SceneOptions {
+    std::string scene;
+    std::string points;
+    std::string output;  ///< empty: standard output
+};
+
+void declare_scene(CommandWords& words, SceneOptions& options, const std::string& points) {
+    words.add("SCENE", options.scene, "A scene file (TOML)").required();
+    words.add(points, options.points, "A CSV file with a head").required();
+    words.add("-o,--output", options.output, "Where to write; standard output without it");
+}
+
+int render(const SceneOptions& options, MakePlaneFeel thesis) {
+    const SceneFile scene = protocols::load_scene(options.scene);
+    const Trajectory path(options.points, scene.dimension(), true);
+    const bool space = !scene.surfaces.empty();
+    if (!space && by_thesis(scene)) {
+        check_even(path);
     }
-    return scene.curves.empty() ? closest_on_curves<3>(scene.space_curves, points)
-                                : closest_on_curves<2>(scene.curves, points);
+    Feel feel;
+    try {
+        feel = feel_of(scene, path.first_period(), thesis);
+    } catch (const std::invalid_argument& e) {  // the curves do not make an object
+        throw protocols::ProtocolError(fmt::format("{}:1:1: {}", options.scene, e.what()));
+    }
+    write_rows(options.output, space ? kSpaceHead : kPlaneHead, path, feel);
+    return 0;
+}
+
+int closest(const SceneOptions& options) {
+    const SceneFile scene = protocols::load_scene(options.scene);
+    const Trajectory points(options.points, scene.dimension(), false);
+    if (!scene.surfaces.empty()) {
+        write_rows(options.output, "segment,u,v,cp_x_m,cp_y_m,cp_z_m,distance_m", points,
+                   nearest_on_surfaces(scene));
+    } else if (scene.curves.empty()) {
+        write_rows(options.output, "segment,u,cp_x_m,cp_y_m,cp_z_m,distance_m", points,
+                   nearest_on_curves<3>(scene.space_curves));
+    } else {
+        write_rows(options.output, "segment,u,cp_x_m,cp_y_m,distance_m", points,
+                   nearest_on_curves<2>(scene.curves));
+    }
+    return 0;
+}
+
+}  // namespace
+
+/// @param thesis  feels the scenes whose law or tracker is the thesis', at even ticks
+Command render_command(MakePlaneFeel thesis) {
+    const auto options = std::make_shared<SceneOptions>();
+    return {"render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
+            [options](CommandWords& words) { declare_scene(words, *options, "TRAJECTORY"); },
+            [options, thesis] {
+                return render(*options, thesis);
+            }};
+}
+
+Command closest_command() {
+    return make_command<SceneOptions>(
+        "closest", "Global closest points of a scene (x_m,y_m[,z_m])",
+        [](CommandWords& words, SceneOptions& options) { declare_scene(words, options, "POINTS"); },
+        closest);
 }
 
 }  // namespace palpate::ui

@@ -38,6 +38,24 @@ struct SimulateOptions {
     bool example = false;
 };
 
+/// What is kept, and where it is made.
+void declare_keeping(CommandWords& words, SimulateOptions& options) {
+    words.add("--no-traces", options.no_traces,
+              "Keep no ticks: trials, answers and what was added up of them, in a hundredth of the "
+              "room");
+    words.add(
+        "--scratch", options.scratch,
+        "A folder on a disk of this machine for the growing file, where the other one is on a "
+        "network");
+    words
+        .add("--slurm", options.slurm,
+             "Only print a batch script for Slurm that simulates so many shards into -o")
+        .within(1, 100'000)
+        .needs("-o,--output");
+    words.add("--example", options.example,
+              "Only print an observer file: typical, with what each key means");
+}
+
 void declare(CommandWords& words, SimulateOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required_unless("--example");
@@ -66,20 +84,7 @@ void declare(CommandWords& words, SimulateOptions& options) {
         .add("--secret", options.secret,
              "What orders, hands and answers are drawn with, 32 hexadecimal digits")
         .with_default();
-    words.add("--no-traces", options.no_traces,
-              "Keep no ticks: trials, answers and what was added up of them, in a hundredth of the "
-              "room");
-    words.add(
-        "--scratch", options.scratch,
-        "A folder on a disk of this machine for the growing file, where the other one is on a "
-        "network");
-    words
-        .add("--slurm", options.slurm,
-             "Only print a batch script for Slurm that simulates so many shards into -o")
-        .within(1, 100'000)
-        .needs("-o,--output");
-    words.add("--example", options.example,
-              "Only print an observer file: typical, with what each key means");
+    declare_keeping(words, options);
 }
 
 SimulationSpec spec_of(const SimulateOptions& options) {
@@ -168,6 +173,31 @@ std::string look_at(const protocols::Protocol& protocol, const std::string& file
     return fmt::format("{} {} --kind simulated", protocol.procedure ? "fit" : "stats", file);
 }
 
+/// Simulates, and says how far it came. @param trials  a session
+int make(SimulationSpec& spec, std::size_t trials) {
+    const std::size_t all = participants_of(spec.shard, spec.participants);
+    const std::string file = spec.file.string();
+    spec.progress = [all](const std::string& code, std::size_t kept) {
+        say("{}: {} of {}\n", code, kept, all);
+    };
+    const std::int64_t begun = monotonic_ns();
+    switch (simulate(spec)) {
+        case SimulationEnd::was_there:
+            say("{}: already done, {}.\n", file, counted(all, "participant"));
+            return 0;
+        case SimulationEnd::stopped:
+            say("Stopped; the same command goes on with what is there.\n");
+            return kExitStopped;
+        case SimulationEnd::made:
+            break;
+    }
+    say("{}: {} of {}{}, in {:.1f} s.\nNext: palpate {}\n", file,
+        counted(all, "simulated participant"), counted(trials, "trial"), all == 1 ? "" : " each",
+        static_cast<double>(monotonic_ns() - begun) * 1e-9,
+        look_at(spec.people.study.protocol, shell_word(file)));
+    return 0;
+}
+
 int run(const SimulateOptions& options) {
     if (options.example) {
         say("{}", protocols::observer_example());
@@ -185,31 +215,11 @@ int run(const SimulateOptions& options) {
     if (!options.scratch.empty()) {
         make_folder(options.scratch);
     }
-    const std::size_t all = participants_of(spec.shard, spec.participants);
-    const std::string file = spec.file.string();
     const SimulatedSession first(spec.people, spec.shard.number);
     for (const std::string& finding : first.findings()) {
         warn("{}", finding);
     }
-    spec.progress = [all](const std::string& code, std::size_t kept) {
-        say("{}: {} of {}\n", code, kept, all);
-    };
-    const std::int64_t begun = monotonic_ns();
-    switch (simulate(spec)) {
-        case SimulationEnd::was_there:
-            say("{}: already done, {}.\n", file, counted(all, "participant"));
-            return 0;
-        case SimulationEnd::stopped:
-            say("Stopped; the same command goes on with what is there.\n");
-            return kExitStopped;
-        case SimulationEnd::made:
-            break;
-    }
-    say("{}: {} of {}{}, in {:.1f} s.\nNext: palpate {}\n", file,
-        counted(all, "simulated participant"), counted(first.plan().trials.size(), "trial"),
-        all == 1 ? "" : " each", static_cast<double>(monotonic_ns() - begun) * 1e-9,
-        look_at(spec.people.study.protocol, shell_word(file)));
-    return 0;
+    return make(spec, first.plan().trials.size());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/friction/laws/law.hpp"
 #include "protocols/design/duration.hpp"
 #include "protocols/file/keys.hpp"
 
@@ -58,6 +59,20 @@ bool compares_friction(const protocols::Protocol& protocol) {
            (protocol.procedure && protocol.procedure->varies == protocols::Varies::mu);
 }
 
+std::vector<std::string_view> what_it_does(const engine::LawTraits& law) {
+    std::vector<std::string_view> does;
+    if (law.creeps) {
+        does.emplace_back("creeps under a load that it should hold");
+    }
+    if (law.chatters) {
+        does.emplace_back("chatters where an encoder counts once in several ticks");
+    }
+    if (!law.passive) {
+        does.emplace_back("is not passive, so the energy limit may end a trial");
+    }
+    return does;
+}
+
 /// Laws of friction that do what nobody may have meant: they creep, chatter or give energy.
 void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string>& all) {
     for (const protocols::FrictionSpec& friction : protocol.frictions) {
@@ -80,16 +95,7 @@ void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string
                 "higher limit",
                 friction.name, stiffness, stored, protocol.safety.energy_limit));
         }
-        std::vector<std::string_view> does;
-        if (law.creeps) {
-            does.emplace_back("creeps under a load that it should hold");
-        }
-        if (law.chatters) {
-            does.emplace_back("chatters where an encoder counts once in several ticks");
-        }
-        if (!law.passive) {
-            does.emplace_back("is not passive, so the energy limit may end a trial");
-        }
+        const std::vector<std::string_view> does = what_it_does(law);
         if (!does.empty()) {
             all.push_back(
                 fmt::format("friction \"{}\": the law {} ({}) {}; \"gos\" does none of that",
@@ -118,16 +124,10 @@ Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Pl
     return longest;
 }
 
-std::vector<std::string> advice_on(const protocols::Protocol& protocol,
-                                   const protocols::Plan& plan) {
-    std::vector<std::string> all;
-    advise_on_plan(protocol, plan, all);
-    advise_on_laws(protocol, all);
-    if (compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
-        all.push_back(
-            "friction is compared without masking noise, and motors can be heard: give "
-            "[masking] noise = \"pink\"");
-    }
+namespace {
+
+/// Instructions that stand in another language alone.
+void advise_on_language(const protocols::Protocol& protocol, std::vector<std::string>& all) {
     const auto chosen = static_cast<std::size_t>(protocol.language);
     for (const auto& key : protocols::keys_of<InstructionTexts>()) {
         const auto is_empty = [&](std::size_t language) {
@@ -143,6 +143,21 @@ std::vector<std::string> advice_on(const protocols::Protocol& protocol,
             }
         }
     }
+}
+
+}  // namespace
+
+std::vector<std::string> advice_on(const protocols::Protocol& protocol,
+                                   const protocols::Plan& plan) {
+    std::vector<std::string> all;
+    advise_on_plan(protocol, plan, all);
+    advise_on_laws(protocol, all);
+    if (compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
+        all.push_back(
+            "friction is compared without masking noise, and motors can be heard: give "
+            "[masking] noise = \"pink\"");
+    }
+    advise_on_language(protocol, all);
     if (protocol.masking.noise != protocols::Noise::none &&
         protocol.masking.level_db > kCutsPeaks) {
         all.push_back(

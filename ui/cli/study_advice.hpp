@@ -22,6 +22,7 @@ struct Stretch {
     std::size_t trials = 0;
     double seconds = 0.0;
 };
+/// Of several as long the first one.
 [[nodiscard]] Stretch longest_stretch(const protocols::Protocol& protocol,
                                       const protocols::Plan& plan);
 

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -18,10 +20,8 @@ constexpr double kLongestPeriod = 3600.0;  ///< s
 /// Tick period of a path of a single row, s.
 constexpr double kUsualPeriod = 0.001;
 
-}  // namespace
-
-std::span<const std::string_view> point_columns(int dimension, bool with_time) {
-    const std::size_t first = with_time ? 0 : 1;
+std::span<const std::string_view> columns_of(int dimension, bool timed) {
+    const std::size_t first = timed ? 0 : 1;
     return std::span(kColumns).subspan(first, static_cast<std::size_t>(dimension) + 1 - first);
 }
 
@@ -36,8 +36,10 @@ void check_reach(const std::string& file,
     }
 }
 
-Trajectory::Trajectory(const std::filesystem::path& file, int dimension)
-    : text_(file), dimension_(dimension), first_(kUsualPeriod) {
+}  // namespace
+
+Trajectory::Trajectory(const std::filesystem::path& file, int dimension, bool timed)
+    : text_(file), dimension_(dimension), timed_(timed), first_(kUsualPeriod) {
     Rows rows(*this);
     std::size_t count = 0;
     double begin = 0.0;
@@ -46,7 +48,7 @@ Trajectory::Trajectory(const std::filesystem::path& file, int dimension)
         begin = count == 0 ? rows.tick().t : begin;
         second = count == 1 ? rows.tick().t : second;
     }
-    if (count > 1) {
+    if (timed && count > 1) {
         mean_ = (rows.tick().t - begin) / static_cast<double>(count - 1);
         first_ = evened(second - begin);
     }
@@ -57,7 +59,7 @@ double Trajectory::evened(double period) const noexcept {
 }
 
 Trajectory::Rows::Rows(const Trajectory& path)
-    : path_(path), rows_(path.text_, point_columns(path.dimension_, true)) {}
+    : path_(path), rows_(path.text_, columns_of(path.dimension_, path.timed_)) {}
 
 bool Trajectory::Rows::next() {
     if (!rows_.next()) {
@@ -65,13 +67,13 @@ bool Trajectory::Rows::next() {
     }
     const std::string& file = path_.name();
     const double before = tick_.t;
-    tick_ = {.t = rows_.at(0), .period = path_.first_};
+    tick_ = {.t = path_.timed_ ? rows_.at(0) : 0.0, .period = path_.first_};
     for (int k = 0; k < path_.dimension_; ++k) {
-        const auto column = static_cast<std::size_t>(k) + 1;
-        tick_.hip[k] = rows_.at(column);
-        check_reach(file, rows_.line(), kColumns.at(column), tick_.hip[k]);
+        const auto column = static_cast<std::size_t>(k);
+        tick_.hip[k] = rows_.at(column + (path_.timed_ ? 1 : 0));
+        check_reach(file, rows_.line(), kColumns.at(column + 1), tick_.hip[k]);
     }
-    if (read_++ == 0) {
+    if (!path_.timed_ || read_++ == 0) {
         return true;
     }
     const double period = tick_.t - before;

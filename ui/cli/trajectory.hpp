@@ -2,30 +2,22 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <span>
 #include <string>
-#include <string_view>
 
 #include "engine/geometry/vec.hpp"
-#include "data/csv/number_rows.hpp"
+#include "data/csv/number_table.hpp"
 
 /// Tables of points that the offline tools read: t_s, x_m, y_m and in space z_m.
 namespace palpate::ui {
 
-/// The columns that points of so many dimensions need, with or without time before them.
-[[nodiscard]] std::span<const std::string_view> point_columns(int dimension, bool with_time);
-
-/// A coordinate is within protocols::kFarthest.
-/// @throws data::CsvError if not: file:line, the value and a remedy
-void check_reach(const std::string& file, std::size_t line, std::string_view column, double metres);
-
-/// A path of a hand, checked as a whole when it is made and then read again row by row: it may be
-/// longer than the memory.
+/// A path of a hand, or points at no time, checked as a whole when it is made and then read again
+/// row by row: it may be longer than the memory.
 class Trajectory {
 public:
+    /// @param timed  false: there is no column t_s; ticks have no time
     /// @throws data::CsvError for what is no table of finite numbers, a place out of reach, a time
     ///         that does not grow or a tick above an hour: file:line, the value and a remedy
-    Trajectory(const std::filesystem::path& file, int dimension);
+    Trajectory(const std::filesystem::path& file, int dimension, bool timed);
 
     struct Tick {
         double t = 0.0;       ///< s
@@ -60,6 +52,7 @@ private:
 
     data::RereadableText text_;
     int dimension_;
+    bool timed_;
     double mean_ = 0.0;   ///< period, s; 0: not known yet
     double first_ = 0.0;  ///< period, s
 };

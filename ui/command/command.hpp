@@ -51,6 +51,7 @@ struct Word {
     std::string only_beside{};    ///< the name of a word that has to be there too
     std::string needed_unless{};  ///< this word has to be there, or that one
 
+    /// Each says one thing more of the word and returns it, so that they can be chained.
     Word& required() { return needed = true, *this; }
     Word& with_default() { return shows_default = true, *this; }
     Word& again_for_each() { return one_by_one = true, *this; }
@@ -64,24 +65,24 @@ struct Word {
     Word& required_unless(std::string word) { return needed_unless = std::move(word), *this; }
 };
 
-inline constexpr const char* kVersionsHelp =
-    "Versions of a protocol in one file: apart, each a study of its own by its id and hash, or "
-    "together, as one";
-
 /// All words of one command.
 struct CommandWords {
     std::deque<Word> all{};           ///< a word stays where it is while others are added
     std::vector<std::string> line{};  ///< the whole command line, the program's name first
 
+    /// @param name   "--file", "-n,--number" or "file": an option or a place
+    /// @param value  gets what is typed, and is the default; outlives the parse
     template <class T>
     Word& add(std::string name, T& value, std::string help) {
         return all.emplace_back(Word{std::move(name), &value, std::move(help)});
     }
 };
 
+/// One of the program's commands.
 struct Command {
     std::string name;
     std::string what;  ///< a line of `palpate --help`
+    /// Adds the command's words; called once, before the line is parsed.
     std::function<void(CommandWords&)> declare;
     std::function<int()> run;  ///< the exit code; throws for what went wrong
 };
@@ -100,17 +101,19 @@ template <class Options>
             }};
 }
 
+/// The command to run, or none.
+struct ParseResult {
+    std::optional<std::size_t> command{};
+    int code = 0;  ///< without one: the exit code
+};
+
 /// The command that the line names, its words read; else help, version or what is wrong is printed.
 /// @param version  "0.1.0"
 /// @return an index into `commands`, or the exit code of what was printed: 0, or kExitUsage for
 /// wrong words
-struct Parsed {
-    std::optional<std::size_t> command{};
-    int code = 0;
-};
-[[nodiscard]] Parsed parse_command_line(const std::vector<Command>& commands,
-                                        const std::string& version,
-                                        int argc,
-                                        const char* const* argv);
+[[nodiscard]] ParseResult parse_command_line(const std::vector<Command>& commands,
+                                             const std::string& version,
+                                             int argc,
+                                             const char* const* argv);
 
 }  // namespace palpate::ui

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -36,9 +36,7 @@ std::string finite_number(const std::string& given) {
 /// CLI11 takes -1 for 2^64 - 1, what is too large for the largest, and nothing for no word at all.
 template <class Whole>
 std::string whole_number(const std::string& given) {
-    Whole value{};
-    const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
-    return error == std::errc{} && end == given.data() + given.size()
+    return parsed<Whole>(given)
              ? ""
              : fmt::format("\"{}\" is no whole number from {} to {}", given,
                            std::numeric_limits<Whole>::min(), std::numeric_limits<Whole>::max());
@@ -63,6 +61,35 @@ CLI::Range range_of(const Word& word) {
              : CLI::Range(static_cast<int>(min), static_cast<int>(max));
 }
 
+/// What a value must be, by its type and by what the word says.
+void check_values(CLI::Option& option, const Word& word) {
+    if (std::holds_alternative<double*>(word.target)) {
+        option.check(finite_number);
+    }
+    if (std::holds_alternative<std::optional<std::uint64_t>*>(word.target)) {
+        option.check(whole_number<std::uint64_t>);
+    }
+    if (std::holds_alternative<std::optional<std::int64_t>*>(word.target) ||
+        std::holds_alternative<std::int64_t*>(word.target)) {
+        option.check(whole_number<std::int64_t>);
+    }
+    if (word.positive) {
+        option.check(CLI::PositiveNumber);
+    }
+    if (word.not_negative) {
+        option.check(CLI::NonNegativeNumber);
+    }
+    if (word.range) {
+        option.check(range_of(word));
+    }
+    if (!word.choices.empty()) {
+        option.check(one_of(word.choices));
+    }
+    if (word.is_text) {
+        option.check(kept_text);
+    }
+}
+
 CLI::Option* added(CLI::App& app, const Word& word) {
     CLI::Option* option = std::visit(
         [&](auto* value) -> CLI::Option* {
@@ -79,31 +106,7 @@ CLI::Option* added(CLI::App& app, const Word& word) {
     if (word.one_by_one) {
         option->allow_extra_args(false);
     }
-    if (std::holds_alternative<double*>(word.target)) {
-        option->check(finite_number);
-    }
-    if (std::holds_alternative<std::optional<std::uint64_t>*>(word.target)) {
-        option->check(whole_number<std::uint64_t>);
-    }
-    if (std::holds_alternative<std::optional<std::int64_t>*>(word.target) ||
-        std::holds_alternative<std::int64_t*>(word.target)) {
-        option->check(whole_number<std::int64_t>);
-    }
-    if (word.positive) {
-        option->check(CLI::PositiveNumber);
-    }
-    if (word.not_negative) {
-        option->check(CLI::NonNegativeNumber);
-    }
-    if (word.range) {
-        option->check(range_of(word));
-    }
-    if (!word.choices.empty()) {
-        option->check(one_of(word.choices));
-    }
-    if (word.is_text) {
-        option->check(kept_text);
-    }
+    check_values(*option, word);
     if (word.shows_default) {
         option->capture_default_str();
     }
@@ -144,26 +147,27 @@ int said(const CLI::App& app, const CLI::Error& e) {
     return code;
 }
 
+std::string unknown_command(const CLI::App& app, const std::string& word) {
+    if (word.starts_with('-')) {
+        return fmt::format("palpate has no option {}{}; palpate --help lists them", word,
+                           suggestion(word, std::vector<std::string>{"--help", "--version"}, ""));
+    }
+    std::vector<std::string> known;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        known.push_back(command->get_name());
+    }
+    return fmt::format("there is no command \"{}\"{}; palpate --help lists them", word,
+                       suggestion(word, known, ""));
+}
+
 /// The first word that is no command or no option of it, as a sentence: it is the reason of
 /// whatever else is missing. Empty if all are known.
 std::string unknown_word(const CLI::App& app, int argc, const char* const* argv) {
     const auto chosen = app.get_subcommands();
-    std::vector<std::string> known;
     if (chosen.empty()) {
-        if (argc < 2) {
-            return {};
-        }
-        if (argv[1][0] == '-') {
-            return fmt::format(
-                "palpate has no option {}{}; palpate --help lists them", argv[1],
-                suggestion(argv[1], std::vector<std::string>{"--help", "--version"}, ""));
-        }
-        for (const CLI::App* command : app.get_subcommands({})) {
-            known.push_back(command->get_name());
-        }
-        return fmt::format("there is no command \"{}\"{}; palpate --help lists them", argv[1],
-                           suggestion(argv[1], known, ""));
+        return argc < 2 ? std::string() : unknown_command(app, argv[1]);
     }
+    std::vector<std::string> known;
     const CLI::App& command = *chosen.front();
     for (const CLI::Option* option : command.get_options()) {
         for (const std::string& name : option->get_lnames()) {
@@ -180,12 +184,20 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
     return {};
 }
 
+void say_why(const CLI::App& app, const CLI::ParseError& error, const std::string& unknown) {
+    if (unknown.empty()) {
+        said(app, error);
+    } else {
+        warn("{}", unknown);
+    }
+}
+
 }  // namespace
 
-Parsed parse_command_line(const std::vector<Command>& commands,
-                          const std::string& version,
-                          int argc,
-                          const char* const* argv) {
+ParseResult parse_command_line(const std::vector<Command>& commands,
+                               const std::string& version,
+                               int argc,
+                               const char* const* argv) {
     CLI::App app{
         "palpate: psychophysics of felt shape. Runs the sessions, renders the forces, keeps the "
         "data."};
@@ -206,12 +218,7 @@ Parsed parse_command_line(const std::vector<Command>& commands,
     } catch (const CLI::Success& e) {  // help, version
         return {.code = said(app, e)};
     } catch (const CLI::ParseError& e) {
-        const std::string unknown = unknown_word(app, argc, argv);
-        if (!unknown.empty()) {
-            warn("{}", unknown);
-        } else {
-            said(app, e);
-        }
+        say_why(app, e, unknown_word(app, argc, argv));
         return {.code = kExitUsage};
     }
     const auto chosen = std::find(added.begin(), added.end(), app.get_subcommands().front());

@@ -8,6 +8,7 @@
 
 namespace palpate::ui {
 
+/// What a check came to.
 enum class CheckStatus : std::uint8_t {
     ok,
     warn,  ///< sessions run, but something is worse than it could be

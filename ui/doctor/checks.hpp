@@ -27,6 +27,7 @@ struct DeviceDemand {
     engine::Vec3 start{};  ///< where the handle starts, object frame, m
 };
 
+/// For who reads the device once more while it is open; and how it is opened.
 using LookAgain = std::function<void(const engine::Device&)>;
 using OpenDevice = std::function<std::shared_ptr<engine::Device>()>;
 
@@ -89,6 +90,7 @@ struct ProcessorTime {
 /// None where there is no /proc/stat.
 [[nodiscard]] std::optional<ProcessorTime> processor_time();
 
+/// Its name, and whether it is a real-time kernel; never a warning.
 [[nodiscard]] Check check_kernel();
 /// @param before  processor_time() some seconds ago
 [[nodiscard]] Check check_host(const std::optional<ProcessorTime>& before);
@@ -97,7 +99,9 @@ struct ProcessorTime {
 
 // --- screen_checks.cpp: the only ones with SDL
 
-[[nodiscard]] Check check_display();
+/// The display and the sound device that a session would get; nothing is shown or played.
+/// @param needed  a person holds the device: run refuses where no display is named
+[[nodiscard]] Check check_display(bool needed);
 [[nodiscard]] Check check_audio();
 /// @param asked  a TrueType file; empty: the system's
 [[nodiscard]] Check check_font(const std::string& asked);

@@ -15,6 +15,7 @@ struct Cyclictest {
     std::int64_t overflows = 0;        ///< beyond the last bin
     double max_us = 0.0;
 
+    /// Cycles, overflows counted.
     [[nodiscard]] std::int64_t total() const;
     /// Lateness that `share` of the cycles do not exceed, us; between the ends of a bin by
     /// proportion. max_us among the overflows, 0 without cycles.
@@ -25,6 +26,7 @@ struct Cyclictest {
 /// cycle.
 [[nodiscard]] std::optional<Cyclictest> parse_cyclictest(std::string_view output);
 
+/// It is on the PATH.
 [[nodiscard]] bool cyclictest_installed();
 
 /// Runs it: one thread, absolute sleeps on CLOCK_MONOTONIC.

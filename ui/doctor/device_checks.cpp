@@ -126,6 +126,52 @@ Worst worst_of(const Linkage& linkage) {
     return worst;
 }
 
+void say_readings(Check& check, const std::string& of, const Readings& readings, bool in_space) {
+    check.detail = fmt::format(
+        "{}: {} of {} readings good, slowest {:.0f} us, handle at ({:.1f}, {:.1f}{}) mm", of,
+        readings.good, kReadings, readings.slowest_us, 1e3 * readings.last.hip.x,
+        1e3 * readings.last.hip.y,
+        in_space ? fmt::format(", {:.1f}", 1e3 * readings.last.hip_z) : std::string());
+    check.numbers = {{"readings", kReadings},
+                     {"good", readings.good},
+                     {"fresh", readings.fresh},
+                     {"slowest_us", readings.slowest_us},
+                     {"x_mm", 1e3 * readings.last.hip.x},
+                     {"y_mm", 1e3 * readings.last.hip.y}};
+    if (in_space) {
+        check.numbers.emplace_back("z_mm", 1e3 * readings.last.hip_z);
+    }
+}
+
+/// @param weakest  force at the start, N; none: not known
+void judge(Check& check,
+           const engine::Device& device,
+           const Readings& readings,
+           double wanted,
+           const std::optional<double>& weakest) {
+    if (readings.good < kReadings) {
+        check.status = CheckStatus::fail;
+        check.remedy = device.trouble();
+        if (check.remedy.empty()) {
+            check.remedy = "check its cable and power, and that the handle is in the workspace";
+        }
+    } else if (weakest && wanted > *weakest) {
+        check.status = CheckStatus::warn;
+        check.remedy = fmt::format(
+            "the protocol allows {:.1f} N: forces above {:.1f} N will be "
+            "weaker than rendered; lower the protocol's force limit",
+            wanted, *weakest);
+    }
+}
+
+void say_force(Check& check, bool gives_force, const std::optional<double>& weakest) {
+    check.detail += gives_force ? "" : "; it gives no force";
+    if (weakest) {
+        check.detail += fmt::format("; at least {:.1f} N at the start", *weakest);
+        check.numbers.emplace_back("weakest_force_n", *weakest);
+    }
+}
+
 }  // namespace
 
 Check check_device(const std::string& word,
@@ -145,42 +191,10 @@ Check check_device(const std::string& word,
     const Readings readings = read_for_a_while(*device);
     const engine::DeviceTraits traits = device->traits();
     device->write(Vec2{});
-    check.detail = fmt::format(
-        "{} ({}): {} of {} readings good, slowest {:.0f} us, handle at "
-        "({:.1f}, {:.1f}{}) mm",
-        word, device->name(), readings.good, kReadings, readings.slowest_us,
-        1e3 * readings.last.hip.x, 1e3 * readings.last.hip.y,
-        traits.axes > 2 ? fmt::format(", {:.1f}", 1e3 * readings.last.hip_z) : std::string());
-    check.numbers = {{"readings", kReadings},
-                     {"good", readings.good},
-                     {"fresh", readings.fresh},
-                     {"slowest_us", readings.slowest_us},
-                     {"x_mm", 1e3 * readings.last.hip.x},
-                     {"y_mm", 1e3 * readings.last.hip.y}};
-    if (traits.axes > 2) {
-        check.numbers.emplace_back("z_mm", 1e3 * readings.last.hip_z);
-    }
-    if (!traits.gives_force) {
-        check.detail += "; it gives no force";
-    }
+    say_readings(check, word + " (" + device->name() + ')', readings, traits.axes > 2);
     const auto weakest = device->weakest_force(demand.start);
-    if (weakest) {
-        check.detail += fmt::format("; at least {:.1f} N at the start", *weakest);
-        check.numbers.emplace_back("weakest_force_n", *weakest);
-    }
-    if (readings.good < kReadings) {
-        check.status = CheckStatus::fail;
-        check.remedy = device->trouble();
-        if (check.remedy.empty()) {
-            check.remedy = "check its cable and power, and that the handle is in the workspace";
-        }
-    } else if (weakest && demand.force_n > *weakest) {
-        check.status = CheckStatus::warn;
-        check.remedy = fmt::format(
-            "the protocol allows {:.1f} N: forces above {:.1f} N will be "
-            "weaker than rendered; lower the protocol's force limit",
-            demand.force_n, *weakest);
-    }
+    say_force(check, traits.gives_force, weakest);
+    judge(check, *device, readings, demand.force_n, weakest);
     if (traits.round_trip > 0.0) {
         tell_answers(check, readings, traits);
     }
@@ -190,15 +204,11 @@ Check check_device(const std::string& word,
     return check;
 }
 
-Check check_feasible(const protocols::Protocol& protocol, const engine::Device& device) {
-    Check check{
-        .name = "passivity and force", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
-    const protocols::ApparatusSpec& asked = protocol.apparatus;
-    const protocols::Margins margins = protocols::margins_of(protocol, device);
-    if (!device.traits().gives_force) {
-        check.detail = "the device gives no force: nothing to check";
-        return check;
-    }
+namespace {
+
+void say_margins(Check& check,
+                 const protocols::ApparatusSpec& asked,
+                 const protocols::Margins& margins) {
     check.detail =
         fmt::format("{:.6g} N/m at {:.6g} Hz needs {:.3g} N s/m, the device damps {}",
                     asked.stiffness, asked.rate_hz, margins.needed_damping,
@@ -222,6 +232,20 @@ Check check_feasible(const protocols::Protocol& protocol, const engine::Device& 
         check.numbers.emplace_back("reading_error_m", *margins.reading_error);
         check.numbers.emplace_back("resting_friction_n", margins.resting_friction);
     }
+}
+
+}  // namespace
+
+Check check_feasible(const protocols::Protocol& protocol, const engine::Device& device) {
+    Check check{
+        .name = "passivity and force", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    const protocols::ApparatusSpec& asked = protocol.apparatus;
+    const protocols::Margins margins = protocols::margins_of(protocol, device);
+    if (!device.traits().gives_force) {
+        check.detail = "the device gives no force: nothing to check";
+        return check;
+    }
+    say_margins(check, asked, margins);
     for (const protocols::Finding& finding : protocols::check_feasibility(protocol, device)) {
         const bool refused = finding.verdict == protocols::Verdict::refuse;
         check.status = std::max(check.status, refused ? CheckStatus::fail : CheckStatus::warn);

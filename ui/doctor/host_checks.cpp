@@ -82,6 +82,25 @@ Check check_kernel() {
             .picture = {}};
 }
 
+namespace {
+
+/// @return the share of the time since `before` that the host of a virtual machine took
+double add_stolen(Check& check, const std::optional<ProcessorTime>& before) {
+    const auto after = processor_time();
+    if (!before || !after || !(after->all > before->all)) {
+        return 0.0;
+    }
+    const double stolen = (after->stolen - before->stolen) / (after->all - before->all);
+    if (after->stolen > 0.0) {
+        check.detail += fmt::format(", {:.2f} % of the time taken by the virtual machine's host",
+                                    100.0 * stolen);
+    }
+    check.numbers.emplace_back("steal_share", stolen);
+    return stolen;
+}
+
+}  // namespace
+
 Check check_host(const std::optional<ProcessorTime>& before) {
     const unsigned count = std::thread::hardware_concurrency();
     const std::string governor =
@@ -97,18 +116,8 @@ Check check_host(const std::optional<ProcessorTime>& before) {
         check.status = CheckStatus::warn;
         check.remedy += (check.remedy.empty() ? "" : "; ") + remedy;
     };
-    const auto after = processor_time();
-    if (before && after && after->all > before->all) {
-        const double stolen = (after->stolen - before->stolen) / (after->all - before->all);
-        if (after->stolen > 0.0) {
-            check.detail += fmt::format(
-                ", {:.2f} % of the time taken by the virtual machine's host", 100.0 * stolen);
-        }
-        check.numbers.emplace_back("steal_share", stolen);
-        if (stolen > 0.002) {
-            advise(
-                "this is a virtual machine on a busy host: run sessions on a machine of its own");
-        }
+    if (const auto stolen = add_stolen(check, before); stolen > 0.002) {
+        advise("this is a virtual machine on a busy host: run sessions on a machine of its own");
     }
     if (count < 2) {
         advise("the screen and the force loop share one processor: use a machine with two or more");
@@ -119,19 +128,38 @@ Check check_host(const std::optional<ProcessorTime>& before) {
     return check;
 }
 
-Check check_disk(const std::string& database) {
+namespace {
+
+double free_gib(const std::filesystem::path& folder) {
     constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+    struct statvfs system {};
+    if (statvfs(folder.c_str(), &system) != 0) {
+        throw std::runtime_error(std::strerror(errno));
+    }
+    return static_cast<double>(system.f_bavail) * static_cast<double>(system.f_frsize) / kGiB;
+}
+
+void judge_disk(Check& check, double room_gib, double sync_ms) {
+    if (room_gib < 1.0) {
+        check.status = CheckStatus::warn;
+        check.remedy = "a session needs some 100 MiB: make room, or give --db on another disk";
+    } else if (sync_ms > 50.0) {
+        check.status = CheckStatus::warn;
+        check.remedy =
+            "this disk is slow (a network folder or a USB stick?): keep the database "
+            "on an inner disk and copy it afterwards";
+    }
+}
+
+}  // namespace
+
+Check check_disk(const std::string& database) {
     constexpr int kSyncs = 15;
     const std::filesystem::path parent = std::filesystem::absolute(database).parent_path();
     Check check{
         .name = "disk", .detail = parent.string(), .remedy = "", .numbers = {}, .picture = {}};
     try {
-        struct statvfs system {};
-        if (statvfs(parent.c_str(), &system) != 0) {
-            throw std::runtime_error(std::strerror(errno));
-        }
-        const double room =
-            static_cast<double>(system.f_bavail) * static_cast<double>(system.f_frsize) / kGiB;
+        const double room = free_gib(parent);
         Scratch scratch(parent);
         std::array<double, kSyncs> times{};
         for (double& time : times) {
@@ -143,15 +171,7 @@ Check check_disk(const std::string& database) {
                                     room, median, kSyncs, times.back());
         check.numbers = {
             {"free_gib", room}, {"sync_median_ms", median}, {"sync_worst_ms", times.back()}};
-        if (room < 1.0) {
-            check.status = CheckStatus::warn;
-            check.remedy = "a session needs some 100 MiB: make room, or give --db on another disk";
-        } else if (median > 50.0) {
-            check.status = CheckStatus::warn;
-            check.remedy =
-                "this disk is slow (a network folder or a USB stick?): keep the database "
-                "on an inner disk and copy it afterwards";
-        }
+        judge_disk(check, room, median);
     } catch (const std::exception& e) {
         check.status = CheckStatus::fail;
         check.detail += fmt::format(": cannot write there: {}", e.what());

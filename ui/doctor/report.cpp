@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "data/export/json_text.hpp"
+#include "data/csv/json_text.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -27,19 +27,53 @@ private:
     bool works_;
 };
 
+std::string display_text(const FoundDisplay& found,
+                         const SDL_DisplayMode& mode,
+                         const char* driver) {
+    std::string monitors;  // where there is a choice
+    for (std::size_t i = 0; i < found.monitors.size() && found.monitors.size() > 1; ++i) {
+        monitors += fmt::format("; --monitor {}: {}", i + 1, found.monitors[i]);
+    }
+    return fmt::format(
+        "{} x {} pixels, {}, driver {}{}", mode.w, mode.h,
+        mode.refresh_rate > 0 ? fmt::format("{} Hz", mode.refresh_rate) : "refresh rate not known",
+        driver == nullptr ? "none" : driver, monitors);
+}
+
+/// What the default device gives; none: it cannot be opened.
+std::optional<SDL_AudioSpec> default_audio() {
+    SDL_AudioSpec wanted{};
+    wanted.freq = 48000;
+    wanted.format = AUDIO_F32SYS;
+    wanted.channels = 2;
+    wanted.samples = 1024;
+    SDL_AudioSpec got{};
+    const SDL_AudioDeviceID device =
+        SDL_OpenAudioDevice(nullptr, 0, &wanted, &got, SDL_AUDIO_ALLOW_ANY_CHANGE);
+    if (device == 0) {
+        return std::nullopt;
+    }
+    SDL_CloseAudioDevice(device);
+    return got;
+}
+
+constexpr const char* kNeedsScreen =
+    "participants need a screen, and run on a device refuses without one: start "
+    "both in the "
+    "desktop session that will show it (DISPLAY or WAYLAND_DISPLAY set)";
+
 }  // namespace
 
-Check check_display() {
+Check check_display(bool needed) {
     Check check{.name = "display",
                 .status = CheckStatus::warn,
                 .detail = "none",
-                .remedy =
-                    "participants need a screen: run this in the desktop session that will "
-                    "show it (DISPLAY or WAYLAND_DISPLAY set)",
+                .remedy = kNeedsScreen,
                 .numbers = {},
                 .picture = {}};
     const FoundDisplay found = find_display();
     if (found.state == FoundDisplay::State::none) {
+        check.status = needed ? CheckStatus::fail : CheckStatus::warn;
         return check;
     }
     if (found.state == FoundDisplay::State::broken) {
@@ -55,14 +89,7 @@ Check check_display() {
         return check;
     }
     const char* driver = SDL_GetCurrentVideoDriver();
-    std::string monitors;  // where there is a choice
-    for (std::size_t i = 0; i < found.monitors.size() && found.monitors.size() > 1; ++i) {
-        monitors += fmt::format("; --monitor {}: {}", i + 1, found.monitors[i]);
-    }
-    check.detail = fmt::format(
-        "{} x {} pixels, {}, driver {}{}", mode.w, mode.h,
-        mode.refresh_rate > 0 ? fmt::format("{} Hz", mode.refresh_rate) : "refresh rate not known",
-        driver == nullptr ? "none" : driver, monitors);
+    check.detail = display_text(found, mode, driver);
     check.numbers = {{"width", mode.w}, {"height", mode.h}, {"refresh_hz", mode.refresh_rate}};
     if (is_real(driver)) {
         check.status = CheckStatus::ok;
@@ -85,23 +112,16 @@ Check check_audio() {
     if (!audio.works()) {
         return check;
     }
-    SDL_AudioSpec wanted{};
-    wanted.freq = 48000;
-    wanted.format = AUDIO_F32SYS;
-    wanted.channels = 2;
-    wanted.samples = 1024;
-    SDL_AudioSpec got{};
-    const SDL_AudioDeviceID device =
-        SDL_OpenAudioDevice(nullptr, 0, &wanted, &got, SDL_AUDIO_ALLOW_ANY_CHANGE);
-    if (device == 0) {
+    const std::optional<SDL_AudioSpec> got = default_audio();
+    if (!got) {
         check.detail = fmt::format("cannot be opened: {}", SDL_GetError());
         return check;
     }
-    SDL_CloseAudioDevice(device);
     const char* driver = SDL_GetCurrentAudioDriver();
-    check.detail = fmt::format("{} Hz, {} channels, driver {}", got.freq,
-                               static_cast<int>(got.channels), driver == nullptr ? "none" : driver);
-    check.numbers = {{"rate_hz", got.freq}, {"channels", got.channels}};
+    check.detail =
+        fmt::format("{} Hz, {} channels, driver {}", got->freq, static_cast<int>(got->channels),
+                    driver == nullptr ? "none" : driver);
+    check.numbers = {{"rate_hz", got->freq}, {"channels", got->channels}};
     if (is_real(driver)) {
         check.status = CheckStatus::ok;
         check.remedy.clear();

@@ -26,12 +26,10 @@ double us(std::int64_t ns) {
     return static_cast<double>(ns) * 1e-3;
 }
 
-}  // namespace
+constexpr int kReads = 200'000;
 
-Check check_clock() {
-    constexpr int kReads = 200'000;
-    timespec resolution{};
-    clock_getres(CLOCK_MONOTONIC, &resolution);
+/// What a reading costs, ns, and how often one was earlier than the one before.
+std::pair<double, int> read_clock() {
     int back = 0;
     const std::int64_t start = monotonic_ns();
     std::int64_t last = start;
@@ -40,7 +38,15 @@ Check check_clock() {
         back += now < last ? 1 : 0;
         last = now;
     }
-    const double cost = static_cast<double>(last - start) / kReads;
+    return {static_cast<double>(last - start) / kReads, back};
+}
+
+}  // namespace
+
+Check check_clock() {
+    timespec resolution{};
+    clock_getres(CLOCK_MONOTONIC, &resolution);
+    const auto [cost, back] = read_clock();
     const std::string source =
         first_line("/sys/devices/system/clocksource/clocksource0/current_clocksource");
     Check check{
@@ -107,10 +113,30 @@ JitterRun run_jitter(double rate_hz, double seconds) {
     return run;
 }
 
-Check check_jitter(const JitterRun& run) {
-    const engine::LatenessHistogram& lateness = run.all.lateness;
+namespace {
+
+void judge_lateness(Check& check, const engine::LatenessHistogram& lateness, bool all_rights) {
     const double ticks = std::max(1.0, static_cast<double>(lateness.count()));
     const double late = static_cast<double>(lateness.late()) / ticks;
+    const char* rights = all_rights ? "" : ", grant what was refused above";
+    if (lateness.count() == 0 || late > 0.01) {
+        check.status = CheckStatus::fail;
+        check.remedy = fmt::format(
+            "more than 1 % of the ticks are late: close other programs{}, run on the machine "
+            "itself "
+            "instead of a virtual one, or lower the protocol's rate",
+            rights);
+    } else if (late > 0.0002 || lateness.missed() > 0) {
+        check.status = CheckStatus::warn;
+        check.remedy =
+            fmt::format("close other programs{}; every late tick is marked in the data", rights);
+    }
+}
+
+}  // namespace
+
+Check check_jitter(const JitterRun& run) {
+    const engine::LatenessHistogram& lateness = run.all.lateness;
     const std::int64_t p99 = lateness.quantile_ns(0.99);
     Check check{.name = "jitter",
                 .detail = fmt::format("{:.0f} Hz: {}; {:.1f} % of a processor", run.rate_hz,
@@ -126,19 +152,7 @@ Check check_jitter(const JitterRun& run) {
                             {"missed", static_cast<double>(lateness.missed())},
                             {"processor_share", run.all.processor_share}},
                 .picture = bars(lateness)};
-    const char* rights = run.all.rights.complete() ? "" : ", grant what was refused above";
-    if (lateness.count() == 0 || late > 0.01) {
-        check.status = CheckStatus::fail;
-        check.remedy = fmt::format(
-            "more than 1 % of the ticks are late: close other programs{}, run on the machine "
-            "itself "
-            "instead of a virtual one, or lower the protocol's rate",
-            rights);
-    } else if (late > 0.0002 || lateness.missed() > 0) {
-        check.status = CheckStatus::warn;
-        check.remedy =
-            fmt::format("close other programs{}; every late tick is marked in the data", rights);
-    }
+    judge_lateness(check, lateness, run.all.rights.complete());
     return check;
 }
 
@@ -172,21 +186,26 @@ Check check_cyclictest(const JitterRun& run) {
     return check;
 }
 
+namespace {
+
+struct BarBound {
+    std::int64_t ns;
+    const char* name;
+};
+constexpr std::array<BarBound, 10> kBarBounds{{{1'000, "1 us"},
+                                               {5'000, "5 us"},
+                                               {10'000, "10 us"},
+                                               {20'000, "20 us"},
+                                               {50'000, "50 us"},
+                                               {100'000, "100 us"},
+                                               {200'000, "200 us"},
+                                               {500'000, "500 us"},
+                                               {1'000'000, "1 ms"},
+                                               {10'000'000, "10 ms"}}};
+
+}  // namespace
+
 std::vector<std::string> bars(const engine::LatenessHistogram& histogram) {
-    struct Bound {
-        std::int64_t ns;
-        const char* name;
-    };
-    constexpr std::array<Bound, 10> kBounds{{{1'000, "1 us"},
-                                             {5'000, "5 us"},
-                                             {10'000, "10 us"},
-                                             {20'000, "20 us"},
-                                             {50'000, "50 us"},
-                                             {100'000, "100 us"},
-                                             {200'000, "200 us"},
-                                             {500'000, "500 us"},
-                                             {1'000'000, "1 ms"},
-                                             {10'000'000, "10 ms"}}};
     constexpr double kLongest = 40.0;
     std::vector<std::string> lines;
     const auto line = [&](const char* sign, const char* name, std::int64_t count) {
@@ -198,7 +217,7 @@ std::vector<std::string> bars(const engine::LatenessHistogram& histogram) {
             fmt::format("{:<2}{:>7} {:>8}  {}", sign, name, count, std::string(marks, '#')));
     };
     std::int64_t before = 0;
-    for (const Bound& bound : kBounds) {
+    for (const BarBound& bound : kBarBounds) {
         const std::int64_t below = histogram.below(bound.ns);
         if (below > 0 || !lines.empty()) {
             line("<", bound.name, below - before);
@@ -209,7 +228,7 @@ std::vector<std::string> bars(const engine::LatenessHistogram& histogram) {
         }
     }
     if (before < histogram.count()) {
-        line(">=", kBounds.back().name, histogram.count() - before);
+        line(">=", kBarBounds.back().name, histogram.count() - before);
     }
     return lines;
 }

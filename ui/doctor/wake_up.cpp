@@ -6,6 +6,7 @@
 
 #include "engine/device/device.hpp"
 #include "engine/realtime/thread_servo.hpp"
+#include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 
 namespace palpate::ui {
@@ -14,7 +15,7 @@ namespace {
 class NoDevice : public engine::Device {
 public:
     engine::Reading read() noexcept override { return {.hip = {0.0, 0.06}}; }
-    engine::Applied write(const engine::Vec2& /*force*/) noexcept override { return {}; }
+    engine::AppliedForce write(const engine::Vec2& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "none"; }
 };
 

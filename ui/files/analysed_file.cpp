@@ -1,8 +1,25 @@
 #include "ui/files/analysed_file.hpp"
 
+#include <utility>
+
 #include "data/store/analysed.hpp"
 
 namespace palpate::ui {
+
+Word& add_kind(CommandWords& words, std::string& kind, std::string help) {
+    return words.add("--kind", kind, std::move(help))
+        .among({"real", "pilot", "simulated"})
+        .with_default();
+}
+
+void add_versions(CommandWords& words, std::string& versions) {
+    words
+        .add("--versions", versions,
+             "Versions of a protocol in one file: apart, each a study of its own by its id and "
+             "hash, or together, as one")
+        .among({"apart", "together"})
+        .with_default();
+}
 
 void analyse(data::Database& database, const std::string& versions, const std::string& study) {
     data::analyse(database,

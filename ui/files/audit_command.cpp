@@ -9,6 +9,7 @@ namespace {
 struct AuditWords {
     std::string versions = "apart";
     std::string database;
+    bool json = false;
     std::string kind = "real";
     std::string study;
     double place_mm = 2.0;
@@ -18,9 +19,8 @@ struct AuditWords {
 
 void declare(CommandWords& words, AuditWords& options) {
     words.add("FILE", options.database, "A palpate database").required();
-    words.add("--kind", options.kind, "Which sessions: real, pilot or simulated")
-        .among({"real", "pilot", "simulated"})
-        .with_default();
+    words.add("--json", options.json, "For programs, to standard output");
+    add_kind(words, options.kind, "Which sessions: real, pilot or simulated");
     words.add("--study", options.study, "Of a file with several studies, which");
     words.add("--place-mm", options.place_mm, "Start poses that are so near are the same, mm")
         .within(1e-6, 100.0)
@@ -33,17 +33,16 @@ void declare(CommandWords& words, AuditWords& options) {
     words.add("--share", options.share, "Shares of ticks or trials that are so near are the same")
         .within(1e-9, 1.0)
         .with_default();
-    words.add("--versions", options.versions, kVersionsHelp)
-        .among({"apart", "together"})
-        .with_default();
+    add_versions(words, options.versions);
 }
 
 int run(const AuditWords& words) {
     data::Database database(words.database, data::Access::read);
     analyse(database, words.versions, words.study);
-    say("{}", data::audit_text(
-                  database, {.kind = words.kind, .study = words.study},
-                  {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share}));
+    const auto audit = words.json ? data::audit_json : data::audit_text;
+    say("{}",
+        audit(database, {.kind = words.kind, .study = words.study},
+              {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share}));
     return 0;
 }
 

@@ -1,10 +1,9 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
-#include "data/analysis/left_out.hpp"
 #include "data/export/export.hpp"
 #include "ui/command/command.hpp"
-#include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -18,6 +17,7 @@ struct ExportWords {
     bool details = false;
     bool traces = false;
     bool keep_codes = false;
+    bool json = false;
 };
 
 void declare(CommandWords& words, ExportWords& options) {
@@ -32,6 +32,8 @@ void declare(CommandWords& words, ExportWords& options) {
     words.add("--kind", options.kind, "Which sessions: real, pilot, simulated or all")
         .among({"real", "pilot", "simulated", "all"})
         .with_default();
+    words.add("--json", options.json,
+              "For programs, to standard output: what is in the folder, and who is not");
     words.add("--with-details", options.details,
               "Operators, wall clock, notes, details of participants, provenance as well");
     words.add("--traces", options.traces, "Every servo tick as well");
@@ -40,21 +42,29 @@ void declare(CommandWords& words, ExportWords& options) {
 }
 
 int run(const ExportWords& options) {
-    const data::Exported done =
+    const data::ExportSummary done =
         data::export_file(options.database, data::parse_export_format(options.format),
                           {.kind = options.kind,
                            .details = options.details,
                            .traces = options.traces,
                            .keep_codes = options.keep_codes},
                           options.directory);
+    if (options.json) {
+        say("{}\n", data::json_text({{"folder", options.directory},
+                                     {"format", options.format},
+                                     {"kind", options.kind},
+                                     {"sessions", done.sessions},
+                                     {"details", options.details},
+                                     {"traces", options.traces},
+                                     {"codes", options.keep_codes},
+                                     {"left_out", data::left_out_json(done.left_out)}}));
+        return 0;
+    }
     say("{}: {} as {}{}.\n", options.directory, counted(done.sessions, "session"), options.format,
         options.details      ? ", with details"
         : options.keep_codes ? ", with the participants' codes"
                              : ", de-identified");
-    data::Database database(options.database, data::Access::read);
-    analyse(database, "apart");
-    for (const data::LeftOut& one :
-         data::left_out_everywhere(database, options.kind, options.keep_codes)) {
+    for (const data::LeftOut& one : done.left_out) {
         say("{}", data::left_out_text(one));
     }
     say("  The folder holds nothing of who does not consent and of withdrawn sessions; whom a rule "

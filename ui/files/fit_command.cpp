@@ -1,4 +1,3 @@
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/parsed.hpp"
 #include "data/choice/identification.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/fit/stored_answers.hpp"
@@ -46,14 +46,13 @@ struct FitWords {
 /// @throws std::invalid_argument that names the option
 double number_of(const std::string& option, std::string_view text, std::string_view words = "") {
     const auto one = [&](std::string_view part) {
-        double value = 0.0;
-        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-        if (error != std::errc{} || end != part.data() + part.size() || !std::isfinite(value)) {
+        const auto value = parsed<double>(part);
+        if (!value || !std::isfinite(*value)) {
             throw std::invalid_argument(
                 fmt::format("{} is \"{}\": give a number, as 0.5 or 1/3{}{}", option, text,
                             words.empty() ? "" : ", or ", words));
         }
-        return value;
+        return *value;
     };
     const std::size_t slash = text.find('/');
     return slash == std::string_view::npos
@@ -82,6 +81,19 @@ void set_prior(data::CurveSpec& spec, const std::string& text) {
                           number_of("--prior " + name, text.substr(comma + 1))};
 }
 
+void check_priors(const data::CurveSpec& spec) {
+    if (spec.guess_prior && !spec.guess_free) {
+        throw std::invalid_argument(
+            "--prior guess says what is believed of a rate that is given: give --guess free, or no "
+            "such prior");
+    }
+    if (spec.lapse_prior && !spec.lapse_free) {
+        throw std::invalid_argument(
+            "--prior lapse says what is believed of a rate that is given: give --lapse free, or no "
+            "such prior");
+    }
+}
+
 data::CurveSpec spec_of(const FitWords& words, bool database) {
     data::CurveSpec spec;
     for (std::size_t i = 0; i < protocols::kFamilyWords.size(); ++i) {
@@ -106,18 +118,32 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
     for (const std::string& prior : words.priors) {
         set_prior(spec, prior);
     }
-    if (spec.guess_prior && !spec.guess_free) {
-        throw std::invalid_argument(
-            "--prior guess says what is believed of a rate that is given: give --guess free, or no "
-            "such prior");
-    }
-    if (spec.lapse_prior && !spec.lapse_free) {
-        throw std::invalid_argument(
-            "--prior lapse says what is believed of a rate that is given: give --lapse free, or no "
-            "such prior");
-    }
+    check_priors(spec);
     check(spec);
     return spec;
+}
+
+/// How often it is resampled, what is written, and which answers of a database are taken.
+void declare_study(CommandWords& words, FitWords& options) {
+    words.add("--bootstrap", options.bootstrap, "Samples of the bootstrap; 0: none")
+        .within(0, 1000000)
+        .with_default();
+    words.add("--seed", options.seed, "Of the bootstrap; 1 without it");
+    words.add("--json", options.json, "For programs, to standard output");
+    words.add("--svg", options.svg, "Also a drawing of the curves, into this file");
+    words.add("--baseline", options.baseline,
+              "The condition that others are compared with; without it the first by name, of a "
+              "database the first run or the least friction");
+    add_kind(words, options.kind, "Of a database, which sessions: real, pilot or simulated");
+    words.add("--study", options.study, "Of a database with several studies, which");
+    words
+        .add("--item", options.items,
+             "Of identifications: NAME=VALUE, what an item is ordered by; again for each. Of a "
+             "database without it the curvature")
+        .again_for_each();
+    words.add("--keep-codes", options.keep_codes,
+              "Of a database: people by the lab's codes, not by their numbers in exports");
+    add_versions(words, options.versions);
 }
 
 void declare(CommandWords& words, FitWords& options) {
@@ -148,37 +174,12 @@ void declare(CommandWords& words, FitWords& options) {
              "lapse=A,B (beta)")
         .again_for_each();
     words.add("--at", options.at, "Also the stimulus at which this share of answers is 1");
-    words.add("--bootstrap", options.bootstrap, "Samples of the bootstrap; 0: none")
-        .within(0, 1000000)
-        .with_default();
-    words.add("--seed", options.seed, "Of the bootstrap; 1 without it");
-    words.add("--json", options.json, "For programs, to standard output");
-    words.add("--svg", options.svg, "Also a drawing of the curves, into this file");
-    words.add("--baseline", options.baseline,
-              "The condition that others are compared with; without it the first by name, of a "
-              "database the first run or the least friction");
-    words.add("--kind", options.kind, "Of a database, which sessions: real, pilot or simulated")
-        .among({"real", "pilot", "simulated"})
-        .with_default();
-    words.add("--study", options.study, "Of a database with several studies, which");
-    words
-        .add("--item", options.items,
-             "Of identifications: NAME=VALUE, what an item is ordered by; again for each. Of a "
-             "database without it the curvature")
-        .again_for_each();
-    words.add("--keep-codes", options.keep_codes,
-              "Of a database: people by the lab's codes, not by their numbers in exports");
-    words.add("--versions", options.versions, kVersionsHelp)
-        .among({"apart", "together"})
-        .with_default();
+    declare_study(words, options);
 }
 
 /// The head of a CSV names what was answered: trials of identification, not counts.
 bool is_trial_csv(const std::string& file) {
-    std::ifstream in(file);
-    std::string head;
-    std::getline(in, head);
-    return head.find("response") != std::string::npos;
+    return first_line(file).find("response") != std::string::npos;
 }
 
 int fit_identifications(const FitWords& words, bool database) {
@@ -253,24 +254,7 @@ std::string source_of(const FitWords& words, bool database, const std::string& s
     return (database && !words.keep_codes ? "study " + study : words.file) + kind;
 }
 
-int run(const FitWords& words) {
-    const bool database = data::is_database(words.file);
-    bool identifications = !database && is_trial_csv(words.file);
-    if (database) {
-        data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study);
-        const data::StoredChoice choice{.kind = words.kind, .study = words.study};
-        identifications = data::answers_are_names(file, choice);
-    }
-    if (identifications) {
-        refuse_words_of_curves(words);
-        return fit_identifications(words, database);
-    }
-    if (!words.items.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{} holds no identifications: --item is for answers that name one of several items",
-            words.file));
-    }
+data::FitOptions options_of(const FitWords& words, bool database) {
     data::FitOptions options{.spec = spec_of(words, database),
                              .bootstrap = static_cast<std::size_t>(words.bootstrap),
                              .seed = words.seed.value_or(1)};
@@ -281,15 +265,41 @@ int run(const FitWords& words) {
                 fmt::format("--at is {}: give a share between 0 and 1", *words.at));
         }
     }
-    data::StoredAnswers answers;
-    if (database) {
-        data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study);
-        answers = data::stored_answers(
-            file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
-    } else {
-        answers.all = data::read_answers(words.file);
+    return options;
+}
+
+data::StoredAnswers answers_of(const FitWords& words, bool database) {
+    if (!database) {
+        return {.all = data::read_answers(words.file)};
     }
+    data::Database file(words.file, data::Access::read);
+    analyse(file, words.versions, words.study);
+    return data::stored_answers(
+        file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
+}
+
+bool holds_identifications(const FitWords& words, bool database) {
+    if (!database) {
+        return is_trial_csv(words.file);
+    }
+    data::Database file(words.file, data::Access::read);
+    analyse(file, words.versions, words.study);
+    return data::answers_are_names(file, {.kind = words.kind, .study = words.study});
+}
+
+int run(const FitWords& words) {
+    const bool database = data::is_database(words.file);
+    if (holds_identifications(words, database)) {
+        refuse_words_of_curves(words);
+        return fit_identifications(words, database);
+    }
+    if (!words.items.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "{} holds no identifications: --item is for answers that name one of several items",
+            words.file));
+    }
+    data::FitOptions options = options_of(words, database);
+    const data::StoredAnswers answers = answers_of(words, database);
     options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
     data::FitReport report =

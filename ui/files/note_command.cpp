@@ -42,10 +42,7 @@ void require_text(const std::string& text, std::string_view what) {
 
 /// The session meant: the last one begun, of the only study in question.
 data::SessionRow session_of(data::Database& database, const NoteOptions& options) {
-    auto all = data::sessions_of(database, options.participant, options.session);
-    std::erase_if(all, [&](const data::SessionRow& row) {
-        return !options.study.empty() && row.study != options.study;
-    });
+    auto all = data::sessions_of(database, options.participant, options.session, options.study);
     if (all.empty()) {
         const auto other = data::similar_participant(database, options.participant);
         if (other) {
@@ -106,7 +103,7 @@ int mark(const MarkOptions& options) {
     require_text(undo ? options.undo : options.reason,
                  undo ? "the reason of --undo" : "the reason of --invalid");
     data::Database database = open_there(options.database);
-    const data::Marked marked =
+    const data::MarkResult marked =
         undo ? data::undo_mark(database, options.trial, options.undo, options.operator_name)
              : data::mark_invalid(database, options.trial, options.reason, options.operator_name);
     if (undo) {

@@ -101,10 +101,8 @@ int give_away(data::Database& database, const ParticipantOptions& options) {
     if (options.reason.empty()) {
         throw std::invalid_argument("--is-really: give --reason TEXT as well: it is kept");
     }
-    auto sessions = data::sessions_of(database, options.participant, options.session);
-    std::erase_if(sessions, [&](const data::SessionRow& row) {
-        return !options.study.empty() && row.study != options.study;
-    });
+    auto sessions =
+        data::sessions_of(database, options.participant, options.session, options.study);
     if (sessions.empty()) {
         throw std::invalid_argument(
             fmt::format("{}: {} has no such session", options.database, options.participant));
@@ -154,8 +152,7 @@ int destroy(data::Database& database, const ParticipantOptions& options) {
     return 0;
 }
 
-int run(const ParticipantOptions& options) {
-    check_participant(options.participant, "the participant");
+data::ParticipantNotes notes_of(const ParticipantOptions& options) {
     data::ParticipantNotes notes{.handedness = options.handedness};
     if (!options.consent.empty()) {
         notes.consent = options.consent == "yes";
@@ -163,6 +160,12 @@ int run(const ParticipantOptions& options) {
     for (const std::string& word : options.details) {
         notes.details.push_back(detail_of(word));
     }
+    return notes;
+}
+
+int run(const ParticipantOptions& options) {
+    check_participant(options.participant, "the participant");
+    const data::ParticipantNotes notes = notes_of(options);
     if (!options.registers) {  // nothing is to be made for a wrong name
         const data::Database there(options.database, data::Access::inspect);
     }

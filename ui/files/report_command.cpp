@@ -27,27 +27,7 @@ struct ReportWords {
     std::int64_t bootstrap = 500;
 };
 
-void declare(CommandWords& words, ReportWords& options) {
-    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
-    words.add("-o,--output", options.output, "The page, as report.html").required();
-    words.add(
-        "--trial", options.trial,
-        "A page of one trial instead, by its trial_id: what the hand did, its path, every tick "
-        "to zoom into");
-    words.add("--kind", options.kind, "Which sessions: real, pilot or simulated; never two of them")
-        .among({"real", "pilot", "simulated"})
-        .with_default()
-        .excludes("--trial");
-    words.add("--study", options.study, "Of a file with several studies, which")
-        .excludes("--trial");
-    words.add("--keep-codes", options.keep_codes,
-              "People by the lab's codes, not by numbers of the page");
-    words
-        .add("--signal", options.signals,
-             "Of answers yes and no: a shape for which yes is right, as of palpate stats; again "
-             "for each")
-        .again_for_each()
-        .excludes("--trial");
+void declare_samples(CommandWords& words, ReportWords& options) {
     words
         .add("--simulations", options.simulations,
              "Of the mixed model without an effect, for its p, as of palpate stats; 0: none")
@@ -61,9 +41,29 @@ void declare(CommandWords& words, ReportWords& options) {
         .within(0, 1000000)
         .with_default()
         .excludes("--trial");
-    words.add("--versions", options.versions, kVersionsHelp)
-        .among({"apart", "together"})
-        .with_default();
+    add_versions(words, options.versions);
+}
+
+void declare(CommandWords& words, ReportWords& options) {
+    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
+    words.add("-o,--output", options.output, "The page, as report.html").required();
+    words.add(
+        "--trial", options.trial,
+        "A page of one trial instead, by its trial_id: what the hand did, its path, every tick "
+        "to zoom into");
+    add_kind(words, options.kind, "Which sessions: real, pilot or simulated; never two of them")
+        .excludes("--trial");
+    words.add("--study", options.study, "Of a file with several studies, which")
+        .excludes("--trial");
+    words.add("--keep-codes", options.keep_codes,
+              "People by the lab's codes, not by numbers of the page");
+    words
+        .add("--signal", options.signals,
+             "Of answers yes and no: a shape for which yes is right, as of palpate stats; again "
+             "for each")
+        .again_for_each()
+        .excludes("--trial");
+    declare_samples(words, options);
 }
 
 int run(const ReportWords& words) {

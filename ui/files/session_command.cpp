@@ -35,11 +35,8 @@ void declare(CommandWords& words, SessionOptions& options) {
 }
 
 data::SessionRow session_of(data::Database& database, const SessionOptions& options) {
-    auto all =
-        data::sessions_of(database, options.participant, static_cast<std::size_t>(options.number));
-    std::erase_if(all, [&](const data::SessionRow& row) {
-        return !options.study.empty() && row.study != options.study;
-    });
+    auto all = data::sessions_of(database, options.participant,
+                                 static_cast<std::size_t>(options.number), options.study);
     if (all.size() != 1) {
         throw std::invalid_argument(fmt::format(
             "{}: {} has {} session {}{}", options.database, options.participant,

@@ -1,15 +1,14 @@
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "data/analysis/left_out.hpp"
 #include "data/shell/sql_shell.hpp"
+#include "ui/command/beside.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
@@ -39,6 +38,14 @@ void hint(data::Database& database) {
     }
 }
 
+/// @param fresh  a statement begins
+void prompt(bool person, bool fresh) {
+    if (person) {
+        say("{}", fresh ? "palpate> " : "    ...> ");
+    }
+    std::fflush(stdout);
+}
+
 /// Statements from standard input. At a terminal it goes on after an error.
 int read_input(data::SqlShell& shell, const std::string& file) {
     const bool person = isatty(STDIN_FILENO) != 0;
@@ -49,14 +56,9 @@ int read_input(data::SqlShell& shell, const std::string& file) {
     std::string text;
     std::size_t first = 1;
     std::size_t lines = 0;
-    const auto prompt = [&] {
-        if (person) {
-            say("{}", text.empty() ? "palpate> " : "    ...> ");
-        }
-        std::fflush(stdout);
-    };
-    prompt();
-    for (std::string line; !shell.quit() && std::getline(std::cin, line); prompt()) {
+    prompt(person, true);
+    for (std::string line; !shell.quit() && std::getline(std::cin, line);
+         prompt(person, text.empty())) {
         ++lines;
         first = text.empty() ? lines : first;
         text += line + '\n';
@@ -90,9 +92,10 @@ void declare(CommandWords& words, SqlOptions& options) {
         .among({"apart", "together"});
     words.add("--attach", options.attach, "Let ATTACH read other databases too");
     words
-        .add("--steps", options.steps,
-             "Steps of SQLite after which a statement is ended; a million rows need some ten "
-             "million")
+        .add(
+            "--steps", options.steps,
+            "Steps of SQLite, and us of the processor, after which a statement is ended; a million "
+            "rows need some ten million")
         .with_default();
 }
 
@@ -119,19 +122,7 @@ int run(const SqlOptions& options) {
 }
 
 int print_extension(const NoOptions& /*none*/) {
-    // Beside a program that was built, and in its own folder of one that was installed.
-    std::error_code unknown;
-    const auto folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
-    auto module = folder / "palpate_sample.so";
-    if (!std::filesystem::exists(module)) {
-        module = folder.parent_path() / "lib" / "palpate" / "palpate_sample.so";
-    }
-    if (unknown || !std::filesystem::exists(module)) {
-        warn("{} is not there, nor beside the program: build the target palpate_sample",
-             module.string());
-        return kExitFailure;
-    }
-    fmt::print("{}\n", module.string());
+    fmt::print("{}\n", beside_program("palpate_sample.so", "palpate_sample").string());
     return 0;
 }
 

@@ -33,6 +33,34 @@ struct StatsWords {
     bool keep_codes = false;
 };
 
+/// How exactly it is computed, and which trials of a database are taken.
+void declare_numbers(CommandWords& words, StatsWords& options) {
+    words
+        .add("--permutations", options.permutations,
+             "Of each person's answers, for the bits that a guesser shows; 0: none")
+        .within(0, 1000000)
+        .with_default();
+    words
+        .add("--simulations", options.simulations,
+             "Of the mixed model without an effect, for its p; 0: none")
+        .within(0, 1000000)
+        .with_default();
+    words.add("--nodes", options.nodes, "Of the adaptive Gauss-Hermite quadrature, a side")
+        .within(1, 40)
+        .with_default();
+    words
+        .add("--prior-scale", options.prior_scale,
+             "r of the Bayes factor's Cauchy prior of the standardised effect")
+        .within(0.01, 100.0)
+        .with_default();
+    words.add("--seed", options.seed, "Of permutations and simulations; 1 without it");
+    add_kind(words, options.kind, "Of a database, which sessions: real, pilot or simulated");
+    words.add("--study", options.study, "Of a database with several studies, which");
+    words.add("--keep-codes", options.keep_codes,
+              "Of a database: people by the lab's codes, not by their numbers in exports");
+    add_versions(words, options.versions);
+}
+
 void declare(CommandWords& words, StatsWords& options) {
     words
         .add("FILE", options.file,
@@ -57,34 +85,7 @@ void declare(CommandWords& words, StatsWords& options) {
     words.add("--other-answers", options.other_answers,
               "Of a CSV: answers that name no shape are pictures that nobody felt, and wrong; "
               "without it they are refused");
-    words
-        .add("--permutations", options.permutations,
-             "Of each person's answers, for the bits that a guesser shows; 0: none")
-        .within(0, 1000000)
-        .with_default();
-    words
-        .add("--simulations", options.simulations,
-             "Of the mixed model without an effect, for its p; 0: none")
-        .within(0, 1000000)
-        .with_default();
-    words.add("--nodes", options.nodes, "Of the adaptive Gauss-Hermite quadrature, a side")
-        .within(1, 40)
-        .with_default();
-    words
-        .add("--prior-scale", options.prior_scale,
-             "r of the Bayes factor's Cauchy prior of the standardised effect")
-        .within(0.01, 100.0)
-        .with_default();
-    words.add("--seed", options.seed, "Of permutations and simulations; 1 without it");
-    words.add("--kind", options.kind, "Of a database, which sessions: real, pilot or simulated")
-        .among({"real", "pilot", "simulated"})
-        .with_default();
-    words.add("--study", options.study, "Of a database with several studies, which");
-    words.add("--keep-codes", options.keep_codes,
-              "Of a database: people by the lab's codes, not by their numbers in exports");
-    words.add("--versions", options.versions, kVersionsHelp)
-        .among({"apart", "together"})
-        .with_default();
+    declare_numbers(words, options);
 }
 
 /// The trials beside a script: its name, with .csv.

@@ -26,10 +26,9 @@ int run(const StopOptions& options) {
         options.database && !std::filesystem::exists(*options.database, unknown)) {
         throw std::invalid_argument(fmt::format("{}: there is no such file", *options.database));
     }
-    const Stopped stopped = stop_sessions(options.database);
+    const StopResult stopped = stop_sessions(options.database);
     if (stopped.sessions > 0) {
-        say("No force any more in {}:\n{}Ctrl+Shift+P at the participant's screen goes on.\n",
-            counted(stopped.sessions, "session"), stopped.labels);
+        say("No force any more in {}:\n{}", counted(stopped.sessions, "session"), stopped.labels);
     }
     if (stopped.silent > 0) {
         throw std::runtime_error(

@@ -11,6 +11,7 @@ namespace {
 struct SummaryOptions {
     std::string versions = "apart";
     std::string database;
+    bool json = false;
 };
 
 void declare(CommandWords& words, SummaryOptions& options) {
@@ -19,15 +20,14 @@ void declare(CommandWords& words, SummaryOptions& options) {
              "A palpate database; each study and kind of session, real, pilot or simulated, by "
              "itself")
         .required();
-    words.add("--versions", options.versions, kVersionsHelp)
-        .among({"apart", "together"})
-        .with_default();
+    words.add("--json", options.json, "For programs, to standard output");
+    add_versions(words, options.versions);
 }
 
 int run(const SummaryOptions& options) {
     data::Database database(options.database, data::Access::read);
     analyse(database, options.versions);
-    say("{}", data::summary_text(database));
+    say("{}", options.json ? data::summary_json(database) : data::summary_text(database));
     return 0;
 }
 

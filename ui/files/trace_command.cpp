@@ -32,6 +32,20 @@ std::string why_left_out(data::Database& database, std::int64_t trial) {
     return row.bind(1, trial).step() && !row.null(0) ? row.text(0) : "";
 }
 
+/// A line a tick.
+std::string rows_text(const std::vector<std::vector<std::int64_t>>& columns) {
+    std::string text;
+    std::string line;
+    for (std::size_t tick = 0; tick < columns.front().size(); ++tick) {
+        line.clear();
+        for (const auto& column : columns) {
+            line += fmt::format("{}{}", line.empty() ? "" : ",", column[tick]);
+        }
+        text += line + '\n';
+    }
+    return text;
+}
+
 /// The columns that every chunk holds, as data/trace/read_trace.py and read_trace.R print them.
 int run(const TraceOptions& options) {
     data::Database database(options.database, data::Access::read);
@@ -48,7 +62,7 @@ int run(const TraceOptions& options) {
     std::string line;
     for (std::size_t i = 0; i < data::kStoredColumns; ++i) {
         columns.push_back(
-            reader.column(options.trial, static_cast<data::Stored>(i), options.interval));
+            reader.column(options.trial, static_cast<data::ColumnId>(i), options.interval));
         line += fmt::format("{}{}", i == 0 ? "" : ",", data::stored_columns()[i].name);
     }
     if (columns.front().empty()) {
@@ -58,15 +72,7 @@ int run(const TraceOptions& options) {
     if (const std::string why = why_left_out(database, options.trial); !why.empty()) {
         warn("{}: trial {} is in no analysis: {}", options.database, options.trial, why);
     }
-    std::string text = line + '\n';
-    for (std::size_t tick = 0; tick < columns.front().size(); ++tick) {
-        line.clear();
-        for (const auto& column : columns) {
-            line += fmt::format("{}{}", line.empty() ? "" : ",", column[tick]);
-        }
-        text += line + '\n';
-    }
-    say_to(stdout, text);
+    say_to(stdout, line + '\n' + rows_text(columns));
     return 0;
 }
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
-#include "data/export/json_text.hpp"
+#include "data/csv/json_text.hpp"
 #include "data/verify/verify.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"

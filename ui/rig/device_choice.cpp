@@ -1,11 +1,11 @@
 #include "ui/rig/device_choice.hpp"
 
 #include <array>
-#include <charconv>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/drivers/udp_link.hpp"
 
@@ -25,13 +25,10 @@ std::optional<std::string> after(std::string_view text, std::string_view word) {
 DeviceChoice replay_of(std::string file) {
     DeviceChoice choice{.kind = Kind::replay, .file = std::move(file)};
     const std::size_t colon = choice.file.rfind(':');
-    if (colon != std::string::npos && colon > 0 && colon + 1 < choice.file.size()) {
-        const char* begin = choice.file.data() + colon + 1;
-        const char* end = choice.file.data() + choice.file.size();
-        std::int64_t trial = 0;
-        const auto [stop, error] = std::from_chars(begin, end, trial);
-        if (error == std::errc{} && stop == end) {
-            choice.trial = trial;
+    if (colon != std::string::npos && colon > 0) {
+        const auto trial = parsed<std::int64_t>(std::string_view(choice.file).substr(colon + 1));
+        if (trial) {
+            choice.trial = *trial;
             choice.file.resize(colon);
         }
     }

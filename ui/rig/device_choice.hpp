@@ -20,8 +20,9 @@ struct DeviceChoice {
         board,
         comedi
     } kind = Kind::simulated;
-    std::string
-        file;  ///< replay: the database; haply, board: the port, board also udp:HOST:PORT; comedi: the card's file
+    /// replay: the database; haply, board: the port, board also udp:HOST:PORT; comedi: the card's
+    /// file.
+    std::string file;
     std::optional<std::int64_t> trial{};  ///< replay: trial id; none: the file's trials in turn
 };
 

@@ -1,8 +1,6 @@
 #include "ui/rig/emulator_behind.hpp"
 
-#include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -11,6 +9,8 @@
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
+#include "engine/base/files.hpp"
+#include "engine/base/parsed.hpp"
 #include "engine/device/drivers/udp_link.hpp"
 
 namespace palpate::ui {
@@ -21,13 +21,6 @@ namespace fs = std::filesystem;
 constexpr unsigned kFirstPtyMajor = 136;  // Unix98 slaves: 136 to 143, 256 of them each
 constexpr unsigned kLastPtyMajor = 143;
 constexpr const char* kName = "haply-emulator";  // engine::run_like_a_board gives it
-
-std::string text_of(const fs::path& file) {
-    std::ifstream in(file);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
 
 /// What stands in /proc/PID/fdinfo of the master, if `port` is a pseudo-terminal.
 std::string master_words(const std::string& port) {
@@ -46,11 +39,9 @@ std::string socket_words(const std::string& port) {
     if (address.host != "localhost" && address.host != "::1" && !address.host.starts_with("127.")) {
         return {};
     }
-    int number = 0;
-    std::from_chars(address.port.data(), address.port.data() + address.port.size(), number);
-    const std::string local = fmt::format(":{:04X}", number);
+    const std::string local = fmt::format(":{:04X}", parsed<int>(address.port).value_or(0));
     for (const char* table : {"/proc/net/udp", "/proc/net/udp6"}) {
-        std::istringstream lines(text_of(table));
+        std::istringstream lines(file_text(table));
         for (std::string line; std::getline(lines, line);) {
             std::istringstream words(line);
             std::string word;
@@ -75,7 +66,7 @@ bool holds(const fs::path& process, const std::string& words) {
          fs::directory_iterator(process / (is_socket ? "fd" : "fdinfo"), unseen)) {
         std::error_code gone;
         const std::string said =
-            is_socket ? fs::read_symlink(file.path(), gone).string() : text_of(file.path());
+            is_socket ? fs::read_symlink(file.path(), gone).string() : file_text(file.path());
         if (said.find(words) != std::string::npos) {
             return true;
         }
@@ -95,14 +86,12 @@ Behind behind(const DeviceChoice& choice) {
     std::error_code unread;
     for (const auto& entry : fs::directory_iterator("/proc", unread)) {
         const std::string name = entry.path().filename().string();
-        pid_t id = 0;
-        const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
-        if (words.empty() || error != std::errc{} || end != name.data() + name.size() ||
-            !holds(entry.path(), words)) {
+        const auto id = parsed<pid_t>(name);
+        if (words.empty() || !id || !holds(entry.path(), words)) {
             continue;
         }
-        if (text_of(entry.path() / "comm") == std::string(kName) + "\n") {
-            return {.emulator = id};
+        if (file_text(entry.path() / "comm") == std::string(kName) + "\n") {
+            return {.emulator = *id};
         }
         seen = true;
     }

@@ -1,14 +1,16 @@
 #include "ui/rig/interrupt.hpp"
 
+#include <atomic>
 #include <csignal>
 
 namespace palpate::ui {
 namespace {
 
-volatile std::sig_atomic_t arrived = 0;
+std::atomic<bool> arrived{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal sets it");
 
 extern "C" void on_signal(int signal) {
-    arrived = 1;
+    arrived = true;
     std::signal(signal, SIG_DFL);
 }
 
@@ -21,8 +23,12 @@ void catch_signals() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
+void interrupt() noexcept {
+    arrived = true;
+}
+
 bool interrupted() noexcept {
-    return arrived != 0;
+    return arrived;
 }
 
 }  // namespace palpate::ui

@@ -7,7 +7,10 @@ namespace palpate::ui {
 /// standard output that goes away (SIGPIPE) ends nothing.
 void catch_signals();
 
-/// A signal arrived.
+/// As a signal does.
+void interrupt() noexcept;
+
+/// A signal arrived, or interrupt() was called.
 [[nodiscard]] bool interrupted() noexcept;
 
 }  // namespace palpate::ui

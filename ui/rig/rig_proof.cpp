@@ -13,6 +13,7 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/commissioning/place_proof.hpp"
+#include "engine/commissioning/short_form.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/session/trust.hpp"
@@ -36,11 +37,10 @@ std::string commission_words(const std::string& device,
            (straight ? " --moved-g X_G,Y_G,Z_G -o rig.toml" : " -o rig.toml");
 }
 
-/// A line of standard input, byte by byte: a signal that asks to stop ends it while nobody types.
-/// @return none: it ended, or the program is to stop
+/// A line of standard input, byte by byte: a signal that asks to stop ends it while nobody types,
+/// and so does Escape. @return none: it ended, or the program is to stop
 std::optional<std::string> typed_line() {
     constexpr int kLookMs = 100;
-    const TypedAnswer answering;
     std::string line;
     while (!interrupted()) {
         pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
@@ -54,6 +54,9 @@ std::optional<std::string> typed_line() {
         }
         if (got > 0 && byte == '\n') {
             return line;
+        }
+        if (got > 0 && byte == kEscapeByte) {
+            interrupt();
         }
         line.append(got > 0 ? 1 : 0, byte);
     }
@@ -123,7 +126,7 @@ protocols::RigProof::Step step_of(const engine::Calibration& calibration,
                                            ticks_until(period, stopped));
                 form = look(runner, device);
             });
-        } catch (const PulsesStopped&) {
+        } catch (const StopDuringPulses&) {
             form = {.refused = "no force is wanted, so that the rig was not proved", .found = {}};
         }
         return form;
@@ -159,6 +162,7 @@ std::string objection(const engine::RigRecord* record,
 }
 
 std::optional<std::string> typed_after(const std::string& question) {
+    const TypedAnswer answering;  // before anybody can answer
     say("{}", question);
     return typed_line();
 }
@@ -172,8 +176,7 @@ void ask_for_yes(const std::string& text, bool beforehand) {
         return;
     }
     for (std::optional<std::string> line; line != "yes" && line != "y";) {
-        say("{} Type yes: ", text);
-        line = typed_line();
+        line = typed_after(text + " Type yes: ");
         if (!line) {
             throw std::runtime_error(
                 interrupted() ? "stopped at the question; nothing was begun"
@@ -217,53 +220,71 @@ engine::PulseRunner::Wait wall_ticks(double period) {
 
 engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped) {
     return [tick = wall_ticks(period), stopped = std::move(stopped)]() mutable {
-        return stopped() ? throw PulsesStopped{} : tick();
+        return stopped() ? throw StopDuringPulses{} : tick();
     };
+}
+
+OpeningFact prove_motors(engine::PulseRunner& runner,
+                         const engine::Calibration& calibration,
+                         const engine::RigRecord& record,
+                         double delay) {
+    const engine::ShortForm form = prove_again(runner, calibration, record, delay);
+    if (!form.refused.empty()) {
+        throw std::runtime_error(form.refused +
+                                 ". No session was begun; if nobody held the "
+                                 "handle, commission the rig again");
+    }
+    return {.key = std::string(protocols::kRigCheck),
+            .value = form.found,
+            .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)};
+}
+
+std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button) {
+    return std::make_unique<StopLines>(
+        "", "weak pulses that prove a rig\n", std::move(button),
+        StopLines::Acts{
+            .stop = [](const char*) { interrupt(); }, .bar = [](const char*) {}, .pipes = false});
 }
 
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
     const bool at_home = engine::starts_at_home(calibration);
-    ask_for_yes(
-        fmt::format("Nobody may hold the handle now: weak pulses will move it by some mm. {}",
-                    at_home ? fmt::format("It has to rest at home, {}.",
-                                          engine::place_text(engine::home_of(calibration),
-                                                             calibration.axes()))
-                            : std::string("Let it rest in the middle of the workspace.")),
-        beforehand);
+    ask_for_yes(fmt::format("Nobody may hold the handle now: weak pulses will move it by some mm, "
+                            "and Escape here stops "
+                            "them. {}",
+                            at_home ? fmt::format("It has to rest at home, {}.",
+                                                  engine::place_text(engine::home_of(calibration),
+                                                                     calibration.axes()))
+                                    : std::string("Let it rest in the middle of the workspace.")),
+                beforehand);
 }
 
 std::vector<OpeningFact> prove_opening(engine::Device& device,
                                        const engine::Calibration& calibration,
                                        const engine::RigRecord& record,
                                        double period,
-                                       bool beforehand) {
+                                       bool beforehand,
+                                       std::shared_ptr<StopButton> button) {
     std::vector<OpeningFact> facts;
+    const auto stops = stops_of_pulses(std::move(button));
     const auto prove = [&] {
         engine::PulseRunner runner(device, engine::Machine(calibration), period,
                                    ticks_until(period, interrupted));
-        prove_rest(runner, calibration);
-        if (record.mark && !beforehand) {
-            facts.push_back(prove_mark(runner, calibration, *record.mark));
-        } else {
-            facts.push_back(
-                {.key = std::string(protocols::kStartPose),
-                 .value = "the operator's word",
-                 .text = "the handle rested; that it was at home is the operator's word"});
+        {
+            const TypedAnswer early;  // Enter before it is asked for answers the next question
+            prove_rest(runner, calibration);
         }
-        const engine::ShortForm form =
-            prove_again(runner, calibration, record, device.traits().delay_ticks * period);
-        if (!form.refused.empty()) {
-            throw std::runtime_error(form.refused +
-                                     ". No session was begun; if nobody held the "
-                                     "handle, commission the rig again");
-        }
-        facts.push_back({.key = std::string(protocols::kRigCheck),
-                         .value = form.found,
-                         .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)});
+        facts.push_back(record.mark && !beforehand
+                            ? prove_mark(runner, calibration, *record.mark)
+                            : OpeningFact{.key = std::string(protocols::kStartPose),
+                                          .value = "the operator's word",
+                                          .text = "the handle rested; that it was at home is the "
+                                                  "operator's word"});
+        facts.push_back(
+            prove_motors(runner, calibration, record, device.traits().delay_ticks * period));
     };
     try {
         in_real_time(prove);
-    } catch (const PulsesStopped&) {
+    } catch (const StopDuringPulses&) {
         throw std::runtime_error(
             "stopped while the rig was proved: its motors are off, no session was begun");
     }

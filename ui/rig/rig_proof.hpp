@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "engine/device/calibration.hpp"
 #include "engine/device/device.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
+#include "ui/rig/stop_lines.hpp"
 
 /// Before a person holds a handle that gives force: is this the rig that was commissioned, does its
 /// handle rest where it should, and does it still move as it did?
@@ -52,9 +54,13 @@ void in_real_time(const std::function<void()>& work);
 [[nodiscard]] engine::PulseRunner::Wait wall_ticks(double period);
 
 /// Thrown within a pulse, whose motors are then at zero.
-struct PulsesStopped {};
-/// The same until somebody wants no force: then it throws PulsesStopped.
+struct StopDuringPulses {};
+/// The same until somebody wants no force: then it throws StopDuringPulses.
 [[nodiscard]] engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped);
+
+/// While this lives, before there is a session, Escape or Enter at the terminal, `palpate stop` and
+/// the rig's button do what a signal does. @param button  none: there is no button
+[[nodiscard]] std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button);
 
 /// Before the device is opened: the handle has to be free, and at home, which the device takes its
 /// pose for. @throws as ask_for_yes
@@ -68,7 +74,8 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
                                                      const engine::Calibration& calibration,
                                                      const engine::RigRecord& record,
                                                      double period,
-                                                     bool beforehand);
+                                                     bool beforehand,
+                                                     std::shared_ptr<StopButton> button);
 
 /// The same between trials, where nobody sits at a terminal: home and mark count as soon as the
 /// handle rests there to within kAtPlace. See engine::MarkProof.

@@ -11,6 +11,7 @@ namespace palpate::ui {
 /// program, however that comes: the inhibitor waits for the end of a pipe.
 class StayAwake {
 public:
+    /// Never throws: without systemd the machine may sleep.
     StayAwake();
     StayAwake(const StayAwake&) = delete;
     StayAwake& operator=(const StayAwake&) = delete;

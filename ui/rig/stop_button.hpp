@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <string_view>
 
 namespace palpate::ui {
 
@@ -43,5 +45,14 @@ private:
     int descriptor_ = -1;
     int down_ = 0;  ///< keys that are
 };
+
+inline constexpr std::string_view kStopButtonWords =
+    "A button that switches the force off, as a file of /dev/input/by-id; palpate alone gets its "
+    "presses, and without it there is no force";
+
+/// @param file  empty: the rig has none   @throws as StopButton
+[[nodiscard]] inline std::shared_ptr<StopButton> named_button(const std::string& file) {
+    return file.empty() ? nullptr : std::make_shared<StopButton>(file);
+}
 
 }  // namespace palpate::ui

@@ -24,9 +24,10 @@ namespace palpate::ui {
 namespace {
 
 constexpr std::string_view kPrefix = "palpate-stop/";
-constexpr int kSessions = 8;     ///< of one file
-constexpr int kCallerMs = 20;    ///< a caller's time to show its right
-constexpr int kAnswerMs = 2000;  ///< a session's time to answer
+constexpr const char* kNoFile = "/proc/self/exe";  ///< stands for a database that is not there yet
+constexpr int kSessions = 8;                       ///< of one file
+constexpr int kCallerMs = 20;                      ///< a caller's time to show its right
+constexpr int kAnswerMs = 2000;                    ///< a session's time to answer
 
 class Descriptor {
 public:
@@ -118,7 +119,7 @@ std::vector<std::string> all_names() {
 }
 
 /// Calls all before it hears any: one that hangs keeps nobody else's force on.
-Stopped call(const std::vector<std::string>& names, int file) {
+StopResult call(const std::vector<std::string>& names, int file) {
     std::vector<std::unique_ptr<Descriptor>> lines;
     for (const std::string& name : names) {
         auto line = std::make_unique<Descriptor>(
@@ -130,7 +131,7 @@ Stopped call(const std::vector<std::string>& names, int file) {
             lines.push_back(std::move(line));
         }
     }
-    Stopped stopped;
+    StopResult stopped;
     const std::int64_t end = monotonic_ns() + kAnswerMs * kMillisecond;
     for (const auto& line : lines) {
         std::string label;
@@ -154,7 +155,7 @@ Stopped call(const std::vector<std::string>& names, int file) {
 
 StopCall::StopCall(const std::string& database, std::string label) : label_(std::move(label)) {
     struct stat file {};
-    if (stat(database.c_str(), &file) != 0) {
+    if (stat(database.empty() ? kNoFile : database.c_str(), &file) != 0) {
         return;
     }
     device_ = file.st_dev;
@@ -204,14 +205,15 @@ void StopCall::answer(int caller) const noexcept {
     close(caller);
 }
 
-Stopped stop_sessions(const std::optional<std::string>& database) {
+StopResult stop_sessions(const std::optional<std::string>& database) {
     if (!database) {
         return call(all_names(), -1);
     }
     const Descriptor file(open(database->c_str(), O_RDWR | O_CLOEXEC));
     std::vector<std::string> names;
-    if (struct stat there{}; stat(database->c_str(), &there) == 0) {
-        for (int k = 0; k < kSessions; ++k) {
+    for (const char* of : {database->c_str(), kNoFile}) {
+        struct stat there {};
+        for (int k = 0; k < kSessions && stat(of, &there) == 0; ++k) {
             names.push_back(name_of(there, k));
         }
     }

@@ -12,7 +12,8 @@ namespace palpate::ui {
 /// The session's side.
 class StopCall {
 public:
-    /// @param database  a file that is there   @param label  what a caller hears that it stopped
+    /// @param database  a file that is there; empty: of none yet, and whoever stops any session
+    /// stops this @param label  what a caller hears that it stopped
     StopCall(const std::string& database, std::string label);
     StopCall(const StopCall&) = delete;
     StopCall& operator=(const StopCall&) = delete;
@@ -43,14 +44,16 @@ private:
     unsigned long long inode_ = 0;
 };
 
-/// Stops the sessions that run on a database, or, without one, every session that this user may
-/// stop.
-struct Stopped {
+/// What became of those that were asked to stop.
+struct StopResult {
     std::size_t sessions = 0;
     std::string labels{};  ///< a line each
     std::size_t refused = 0;
     std::size_t silent = 0;  ///< hang, and did not answer within 2 s
 };
-[[nodiscard]] Stopped stop_sessions(const std::optional<std::string>& database);
+
+/// Stops the sessions that run on a database, or, without one, every session that this user may
+/// stop.
+[[nodiscard]] StopResult stop_sessions(const std::optional<std::string>& database);
 
 }  // namespace palpate::ui

@@ -20,7 +20,6 @@ namespace {
 
 constexpr int kWaitMs =
     50;  ///< until the thread looks whether it is to end, and for a button that is gone
-constexpr cc_t kEscape = 27;
 
 std::atomic<int> answers{0};
 
@@ -75,13 +74,14 @@ StopLines::StopLines(const std::string& database,
     const bool there = fstat(STDIN_FILENO, &input) == 0;
     terminal_ = there && isatty(STDIN_FILENO) != 0 && in_foreground() &&
                 tcgetattr(STDIN_FILENO, &before_) == 0;
-    listens_ = terminal_ || (there && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode)));
+    listens_ =
+        terminal_ || (acts_.pipes && there && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode)));
     if (listens_) {
         forget_typed();
     }
     if (terminal_) {
         termios with_escape = before_;
-        with_escape.c_cc[VEOL] = kEscape;
+        with_escape.c_cc[VEOL] = static_cast<cc_t>(kEscapeByte);
         tcsetattr(STDIN_FILENO, TCSANOW, &with_escape);
     }
     const AllSignalsBlocked blocked;
@@ -131,7 +131,7 @@ void StopLines::look_at_terminal() {
     if (got > 0) {
         for (ssize_t i = 0; i < got; ++i) {
             const char byte = bytes[static_cast<std::size_t>(i)];
-            if (byte == '\n' || (terminal_ && byte == static_cast<char>(kEscape))) {
+            if (byte == '\n' || (terminal_ && byte == kEscapeByte)) {
                 acts_.stop(terminal_ ? "terminal" : "standard input");
                 return;
             }

@@ -13,6 +13,8 @@
 
 namespace palpate::ui {
 
+inline constexpr char kEscapeByte = 27;  ///< as a terminal sends it
+
 /// What stops a session's force without its window: Enter or Escape at the terminal of `run` (a
 /// line, where standard input is a pipe), `palpate stop` from any shell, and a button. A thread of
 /// its own waits for them, so that neither the screen nor the session's loop has to be quick.
@@ -24,10 +26,11 @@ public:
     struct Acts {
         std::function<void(const char*)> stop;  ///< on the thread; by which way
         std::function<void(const char*)>
-            bar;  ///< no force while this sentence stands; none: nothing any more
+            bar;            ///< no force while this sentence stands; none: nothing any more
+        bool pipes = true;  ///< a line stops where standard input is a pipe, too
     };
 
-    /// @param database  a file that is there   @param label  of the session, for whoever stops it
+    /// @param database  see StopCall   @param label  of the session, for whoever stops it
     /// @param button    none: there is no button
     StopLines(const std::string& database,
               std::string label,
@@ -56,6 +59,7 @@ private:
 /// While one of these lives what is typed answers a question, and stops nothing.
 class TypedAnswer {
 public:
+    /// Several may live at a time: the last one to go ends it.
     TypedAnswer();
     TypedAnswer(const TypedAnswer&) = delete;
     TypedAnswer& operator=(const TypedAnswer&) = delete;

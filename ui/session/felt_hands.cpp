@@ -26,7 +26,7 @@ public:
         cues_ = CurvatureCues(outline_);
         return Signal::go_on;
     }
-    [[nodiscard]] Exploring explore(const TrialView& trial, double elapsed_s) override {
+    [[nodiscard]] ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
         const bool done = elapsed_s >= trial.explore_min_s && apparatus_.hand_is_done();
         return {.signal = done ? Signal::done : Signal::go_on, .at_s = elapsed_s};
     }

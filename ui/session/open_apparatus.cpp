@@ -9,6 +9,7 @@
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "data/store/reader.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
 
@@ -61,7 +62,8 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
     }
     auto device = open_device(spec.device, calibration, period);
     if (spec.record) {
-        opening = prove_opening(*device, calibration, *spec.record, period, spec.handle_free);
+        opening = prove_opening(*device, calibration, *spec.record, period, spec.handle_free,
+                                spec.stop_button);
     }
     auto apparatus = std::make_unique<protocols::DeviceApparatus>(
         protocol, std::move(device), spec.spin_share,
@@ -104,6 +106,39 @@ bool unproved(const RigSpec& spec) {
            gives_force(spec.device.kind) && !spec.record;
 }
 
+data::TrialDevice felt_on(const RigSpec& spec) {
+    const DeviceChoice& device = spec.device;
+    const engine::Calibration calibration = calibration_of(device, spec.calibration);
+    const bool surface = spec.study.protocol.surface.has_value();
+    const bool calibrated = gives_force(device.kind) && (!surface || calibration.gantry);
+    return {.name = device_name(device, calibration.name(), surface),
+            .calibration = calibrated ? protocols::calibration_id(calibration) : ""};
+}
+
+std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceChoice& device) {
+    if (device.kind != DeviceChoice::Kind::replay) {
+        return {};
+    }
+    data::Database source(device.file, data::Access::read);
+    const std::vector<std::int64_t> trials =
+        device.trial ? std::vector{*device.trial} : data::answered_trials(source);
+    std::vector<protocols::ReplayApparatus::Recording> all;
+    data::TraceReader traces(source);
+    for (const std::int64_t trial : trials) {
+        for (const std::int64_t interval : data::intervals_of(source, trial)) {
+            protocols::ReplayApparatus::Recording recording;
+            for (const engine::TickRecord& tick : traces.read(trial, interval)) {
+                recording.push_back({.hip = tick.hip,
+                                     .counts = tick.counts,
+                                     .hip_z = tick.hip_z,
+                                     .count_3 = tick.count_3});
+            }
+            all.push_back(std::move(recording));
+        }
+    }
+    return all;
+}
+
 OpenedApparatus open_apparatus(const RigSpec& spec) {
     const engine::Calibration calibration = calibration_of(spec.device, spec.calibration);
     OpenedApparatus opened;
@@ -118,11 +153,10 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
                 "reply delay",
                 fmt::format("{:g} of the period", apparatus->device().traits().delay_ticks));
         }
-        if (!spec.study.protocol.surface || calibration.gantry) {
+        if (const std::string id = felt_on(spec).calibration; !id.empty()) {
             opened.provenance.emplace_back("calibration name", calibration.name());
-            opened.provenance.emplace_back("calibration sha256",
-                                           protocols::calibration_id(calibration));
-            opened.provenance.emplace_back("calibration", protocols::to_toml(calibration));
+            opened.provenance.emplace_back(data::kCalibrationHashKey, id);
+            opened.provenance.emplace_back(data::kCalibrationKey, protocols::to_toml(calibration));
         }
     }
     if (spec.spin_share > 0.0 && apparatus->real_time()) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocols/session/feasibility.hpp"
+#include "data/store/trial_device.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/stay_awake.hpp"
 #include "ui/session/rig.hpp"
@@ -27,6 +28,16 @@ struct OpenedApparatus {
 /// A person holds a rig in it that gives force and that nobody proved: kUnprovedForce is all that
 /// it may give.
 [[nodiscard]] bool unproved(const RigSpec& spec);
+
+/// What the device of `spec` calls itself, and the calibration that trials on it have, before it is
+/// opened. Without the port of an emulated board, which is another one each time.
+[[nodiscard]] data::TrialDevice felt_on(const RigSpec& spec);
+
+/// The recorded hands that a replay asks for; nothing for other devices.
+/// @throws data::StoreError, data::TraceError if the file or its ticks are not there
+/// @throws std::invalid_argument if there is no such trial
+[[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
+    const DeviceChoice& device);
 
 /// Opens the device and its servo; a rig with a record is proved first. Call it before windows:
 /// guard and emulated board are forked.

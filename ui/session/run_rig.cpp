@@ -17,7 +17,6 @@
 #include "data/store/async_recorder.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
-#include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
@@ -71,7 +70,7 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
         return interrupted();
     };
     options.guard_s = spec.study.protocol.timing.guard;
-    options.dead_man = spec.study.protocol.safety.dead_man;
+    options.dead_man = spec.study.protocol.safety.dead_man && gives_force(spec.device.kind);
     options.on_hold = [&apparatus](bool held) {
         apparatus.hold(held);
     };
@@ -267,30 +266,65 @@ void check_findings(const OpenedApparatus& felt) {
     }
 }
 
+/// All but the plan, which the file decides, and what only an opened device says.
+data::SessionSpec session_of(const RigSpec& spec) {
+    const data::TrialDevice device = felt_on(spec);
+    return {.protocol = spec.study.protocol,
+            .protocol_hash = spec.study.hash,
+            .plan = {},
+            .key = spec.key,
+            .seed = spec.seed,
+            .kind = spec.kind,
+            .device = device.name,
+            .resume = spec.resume,
+            .operator_name = spec.operator_name,
+            .provenance = {{std::string(data::kCalibrationHashKey), device.calibration}},
+            .other_device = spec.other_device};
+}
+
+data::SessionSpec session_of(const RigSpec& spec, const OpenedApparatus& felt) {
+    data::SessionSpec session = session_of(spec);
+    session.device = felt.port->device_name();
+    session.provenance = provenance(spec.study.protocol);
+    session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
+                              felt.provenance.end());
+    if (spec.stop_button) {
+        session.provenance.emplace_back("stop button", spec.stop_button->file());
+    }
+    return session;
+}
+
+protocols::Ports ports_of(const RigSpec& spec,
+                          const OpenedApparatus& felt,
+                          protocols::Observer& observer,
+                          protocols::Recorder& recorder,
+                          OperatorLog& log,
+                          protocols::OperatorDesk& desk) {
+    return {.apparatus = *felt.port,
+            .observer = observer,
+            .recorder = recorder,
+            .opening = opening_events(felt.opening),
+            .interrupted = [] { return interrupted(); },
+            .progress =
+                [&](const protocols::Progress& progress) {
+                    say("{}", log.line(progress, answer_line(spec, progress), now_s()));
+                },
+            .alarm =
+                [](const protocols::TroubleView& view) {
+                    say("{}", trouble_text(view));
+                    ring();  // they may look elsewhere
+                },
+            .paused = [](bool begins) { say("{}", pause_text(begins)); },
+            .marked = [](const protocols::MarkReply& reply) { say("{}", mark_text(reply)); },
+            .desk = &desk};
+}
+
 }  // namespace
 
-std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceChoice& device) {
-    if (device.kind != DeviceChoice::Kind::replay) {
-        return {};
-    }
-    data::Database source(device.file, data::Access::read);
-    const std::vector<std::int64_t> trials =
-        device.trial ? std::vector{*device.trial} : data::answered_trials(source);
-    std::vector<protocols::ReplayApparatus::Recording> all;
-    data::TraceReader traces(source);
-    for (const std::int64_t trial : trials) {
-        for (const std::int64_t interval : data::intervals_of(source, trial)) {
-            protocols::ReplayApparatus::Recording recording;
-            for (const engine::TickRecord& tick : traces.read(trial, interval)) {
-                recording.push_back({.hip = tick.hip,
-                                     .counts = tick.counts,
-                                     .hip_z = tick.hip_z,
-                                     .count_3 = tick.count_3});
-            }
-            all.push_back(std::move(recording));
-        }
-    }
-    return all;
+void check_goes_on(data::Database& database, RigSpec& spec) {
+    data::SessionSpec session = session_of(spec);
+    check_goes_on(database, session);
+    spec.other_device = session.other_device;
 }
 
 OpenedApparatus open_and_check(const RigSpec& spec) {
@@ -304,29 +338,14 @@ RigEnd run_rig(data::Database& database,
                std::optional<OpenedApparatus> opened_before) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const OpenedApparatus felt = opened_before ? *std::move(opened_before) : open_and_check(spec);
-    const auto& apparatus = felt.port;
     protocols::OperatorDesk desk;
-    Observers observers = observers_before_the_plan(spec, *apparatus, desk);
+    Observers observers = observers_before_the_plan(spec, *felt.port, desk);
     const OpenedMasking masking = open_masking(spec);
-    data::SessionSpec session{.protocol = protocol,
-                              .protocol_hash = spec.study.hash,
-                              .plan = {},
-                              .key = spec.key,
-                              .seed = spec.seed,
-                              .kind = spec.kind,
-                              .device = apparatus->device_name(),
-                              .resume = spec.resume,
-                              .operator_name = spec.operator_name,
-                              .provenance = provenance(protocol)};
-    session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
-                              felt.provenance.end());
-    if (spec.stop_button) {
-        session.provenance.emplace_back("stop button", spec.stop_button->file());
-    }
-    const data::OpenedSession opened = open_meant(database, session, spec.other_device);
+    data::SessionSpec session = session_of(spec, felt);
+    const data::OpenedSession opened = data::plan_and_open_session(database, session);
     const protocols::Plan& plan = session.plan;
-    add_simulated_observer(observers, spec, plan, *apparatus, desk);
-    print_start(spec, plan, opened, *apparatus);
+    add_simulated_observer(observers, spec, plan, *felt.port, desk);
+    print_start(spec, plan, opened, *felt.port);
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
@@ -345,7 +364,7 @@ RigEnd run_rig(data::Database& database,
                                                              record, masking.required)
                           : nullptr;
     const auto lines = observers.screen || spec.stop_button
-                         ? stop_lines(database, spec, *apparatus, desk)
+                         ? stop_lines(database, spec, *felt.port, desk, observers.screen != nullptr)
                          : nullptr;
     protocols::SessionEnd end;
     try {
@@ -357,25 +376,9 @@ RigEnd run_rig(data::Database& database,
              .next = opened.progress.pending().answered(),
              .practice = opened.progress.pending().left(true),
              .simulated = spec.kind == data::RunKind::simulated,
-             .device = apparatus->device_name()},
+             .device = felt.port->device_name()},
             opened.progress,
-            {.apparatus = *apparatus,
-             .observer = masked ? *masked : observers.port(),
-             .recorder = record,
-             .opening = opening_events(felt.opening),
-             .interrupted = [] { return interrupted(); },
-             .progress =
-                 [&](const protocols::Progress& progress) {
-                     say("{}", log.line(progress, answer_line(spec, progress), now_s()));
-                 },
-             .alarm =
-                 [](const protocols::TroubleView& view) {
-                     say("{}", trouble_text(view));
-                     ring();  // they may look elsewhere
-                 },
-             .paused = [](bool begins) { say("{}", pause_text(begins)); },
-             .marked = [](const protocols::MarkReply& reply) { say("{}", mark_text(reply)); },
-             .desk = &desk});
+            ports_of(spec, felt, masked ? *masked : observers.port(), record, log, desk));
     } catch (const std::exception& e) {
         if (!observers.screen || observers.simulated) {
             throw;

@@ -20,11 +20,8 @@ struct RigEnd {
         head{};  ///< of the session's chain of hashes (data/store/chain.hpp); empty: none yet
 };
 
-/// The recorded hands that a replay asks for; nothing for other devices.
-/// @throws data::StoreError, data::TraceError if the file or its ticks are not there
-/// @throws std::invalid_argument if there is no such trial
-[[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
-    const DeviceChoice& device);
+/// As check_goes_on() of the session that `spec` would go on with.
+void check_goes_on(data::Database& database, RigSpec& spec);
 
 /// Opens what the session is felt on, and says what should be known of it. Before windows, as
 /// open_apparatus().
@@ -33,7 +30,7 @@ struct RigEnd {
 
 /// Plans, opens or resumes the session in `database`, and runs it to its end. Prints a line when it
 /// starts and one for every trial, to standard output.
-/// @param opened_before  by open_and_heed() of the same `spec`; none: it is opened now
+/// @param opened_before  by open_and_check() of the same `spec`; none: it is opened now
 /// @throws what the parts throw; the force is off and everything recorded is kept
 [[nodiscard]] RigEnd run_rig(data::Database& database,
                              const RigSpec& spec,

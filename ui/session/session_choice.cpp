@@ -88,12 +88,9 @@ void require_kind(const SessionChoice& choice,
     }
 }
 
-data::OpenedSession open_meant(data::Database& database,
-                               data::SessionSpec& session,
-                               bool other_device) {
-    session.other_device = other_device;
+void check_goes_on(data::Database& database, data::SessionSpec& session) {
     try {
-        return data::plan_and_open_session(database, session);
+        data::check_session(database, session);
     } catch (const data::OtherDevice& other) {
         if (isatty(STDIN_FILENO) == 0) {
             throw std::invalid_argument(fmt::format(
@@ -107,7 +104,6 @@ data::OpenedSession open_meant(data::Database& database,
             throw std::runtime_error("nothing was run: the session goes on with its own device");
         }
         session.other_device = true;
-        return data::plan_and_open_session(database, session);
     }
 }
 

@@ -37,6 +37,7 @@ public:
     /// @throws as open_apparatus(); protocols::OrderError
     SimulatedSession(const SimulatedStudy& of, std::size_t index);
 
+    /// What it runs, and who answers; valid while this lives.
     [[nodiscard]] const protocols::Plan& plan() const noexcept { return plan_; }
     [[nodiscard]] const protocols::SessionKey& key() const noexcept { return key_; }
     [[nodiscard]] protocols::Apparatus& apparatus() noexcept { return *apparatus_; }

@@ -20,6 +20,7 @@ struct Shard {
 /// "shard-003-of-008.sqlite"
 [[nodiscard]] std::string shard_name(const Shard& shard);
 
+/// Which participants are simulated, and into which file.
 struct SimulationSpec {
     SimulatedStudy people;
     std::size_t participants = 0;  ///< of the study, in all shards together
@@ -31,6 +32,7 @@ struct SimulationSpec {
     std::function<void(const std::string& code, std::size_t kept)> progress{};
 };
 
+/// How a simulation ended.
 enum class SimulationEnd {
     made,
     was_there,  ///< whole already, nothing was done

@@ -14,19 +14,22 @@ namespace palpate::ui {
 std::unique_ptr<StopLines> stop_lines(const data::Database& database,
                                       const RigSpec& spec,
                                       protocols::Apparatus& apparatus,
-                                      protocols::OperatorDesk& desk) {
-    const auto stop = [&apparatus, &desk](const char* way) {
+                                      protocols::OperatorDesk& desk,
+                                      bool screen) {
+    const auto stop = [&apparatus, &desk, screen](const char* way) {
         desk.stop(way);
         apparatus.stop(engine::Trip::stopped);
-        say("Stopped ({}): no force until Ctrl+Shift+P at the participant's screen.\n", way);
+        say("Stopped ({}): no force {}.\n", way,
+            screen ? "until Ctrl+Shift+P at the participant's screen" : "any more in this trial");
     };
     const auto bar = [&desk](const char* why) {
         desk.bar(why);
     };
     return std::make_unique<StopLines>(
         database.file(),
-        fmt::format("{}, participant {}, {}\n", spec.study.protocol.id, spec.key.participant,
-                    std::filesystem::absolute(database.file()).string()),
+        fmt::format("{}, participant {}, {}{}\n", spec.study.protocol.id, spec.key.participant,
+                    std::filesystem::absolute(database.file()).string(),
+                    screen ? ": Ctrl+Shift+P at the participant's screen goes on" : ""),
         spec.stop_button, StopLines::Acts{.stop = stop, .bar = bar});
 }
 

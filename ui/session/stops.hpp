@@ -11,12 +11,14 @@
 
 namespace palpate::ui {
 
-/// What stops the force without the window. The desk hears of it first, so that no trial begins
+/// What stops the force without the window, and what goes on then: a person's `screen`, or nothing.
+/// The desk hears of it first, so that no trial begins
 /// unheard.
 [[nodiscard]] std::unique_ptr<StopLines> stop_lines(const data::Database& database,
                                                     const RigSpec& spec,
                                                     protocols::Apparatus& apparatus,
-                                                    protocols::OperatorDesk& desk);
+                                                    protocols::OperatorDesk& desk,
+                                                    bool screen);
 
 /// After what nobody can mend in here, as a full disk, the participant's screen asks for a moment
 /// until the experimenter has come. The force is off.

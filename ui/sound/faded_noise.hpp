@@ -23,6 +23,7 @@ public:
     ///                  to 1 in 16,000 and more
     FadedNoise(Pcg32 random, double rate_hz, double level_db);
 
+    /// From the next samples on it comes in, or goes out, over its ramp.
     void on() noexcept { wanted_ = true; }
     void off() noexcept { wanted_ = false; }
     /// It has come in fully.

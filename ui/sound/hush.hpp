@@ -9,6 +9,7 @@ namespace palpate::ui {
 /// sound, and what matters of it is in SDL's error.
 class Hush {
 public:
+    /// Nothing happens where there is no /dev/null. One at a time.
     Hush() : saved_(dup(STDERR_FILENO)), nowhere_(open("/dev/null", O_WRONLY | O_CLOEXEC)) {
         if (saved_ >= 0 && nowhere_ >= 0) {
             dup2(nowhere_, STDERR_FILENO);

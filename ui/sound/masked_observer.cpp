@@ -84,7 +84,8 @@ Signal MaskedObserver::ready(const protocols::TrialView& trial) {
     return signal;
 }
 
-protocols::Exploring MaskedObserver::explore(const protocols::TrialView& trial, double elapsed_s) {
+protocols::ExplorationStep MaskedObserver::explore(const protocols::TrialView& trial,
+                                                   double elapsed_s) {
     return observer_.explore(trial, elapsed_s);
 }
 

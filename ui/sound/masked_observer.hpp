@@ -28,8 +28,8 @@ public:
     [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override;
     /// @throws std::runtime_error if the device is lost and masking is required
     [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
-    [[nodiscard]] protocols::Exploring explore(const protocols::TrialView& trial,
-                                               double elapsed_s) override;
+    [[nodiscard]] protocols::ExplorationStep explore(const protocols::TrialView& trial,
+                                                     double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
                                            const protocols::Question& question) override;

@@ -17,6 +17,7 @@ public:
     NoisePlayer& operator=(const NoisePlayer&) = delete;
     virtual ~NoisePlayer() = default;
 
+    /// It begins to come in, or to go out: over some tenths of a second.
     virtual void on() = 0;
     virtual void off() = 0;
     /// It has come in fully.

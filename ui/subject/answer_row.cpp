@@ -38,13 +38,7 @@ std::vector<Card> lay_out_words(std::size_t count, const Vec2& window) {
 /// A card with text in its middle.
 void draw_card(
     Window& window, const Card& card, std::string_view text, double height, bool chosen) {
-    if (chosen) {
-        const double frame = 0.2 * type_size(window.size());
-        window.triangles(
-            rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
-            kAccent);
-    }
-    window.triangles(rectangle(card.corner, card.size), kCard);
+    draw_blank(window, card, chosen);
     write_into(window, text, {card.corner + 0.06 * card.size, 0.88 * card.size}, height, kOutline);
 }
 

@@ -9,6 +9,7 @@ struct SDL_Window;
 /// The display behind the subject's window: is one there that a person sees, and is it still there?
 namespace palpate::ui {
 
+/// What was found of the display.
 struct FoundDisplay {
     enum class State : std::uint8_t {
         none,    ///< nobody named one: sessions run without a window

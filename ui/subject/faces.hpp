@@ -22,7 +22,6 @@ struct WelcomeFace {
     bool moves_pointer = false;  ///< the mouse is the handle
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
 };
-void draw(Window& window, const WelcomeFace& face);
 
 /// Where the handle is, seen from the start. It knows the study, and nothing of the trial that
 /// comes.
@@ -35,6 +34,7 @@ struct StartMark {
     bool refused = false;   ///< somebody wanted to begin before
 };
 
+/// Before an interval: the participant begins it.
 struct ReadyFace {
     static constexpr std::string_view kName = "ready";
     std::size_t number = 0;
@@ -45,7 +45,6 @@ struct ReadyFace {
     std::size_t intervals = 1;
     std::optional<StartMark> start{};  ///< none: nobody brings a handle there
 };
-void draw(Window& window, const ReadyFace& face);
 
 /// All that the screen may depend on while an object is felt. Nothing of the condition is here, so
 /// nothing of it can be seen.
@@ -63,7 +62,6 @@ struct ExploreFace {
 
     friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
 };
-void draw(Window& window, const ExploreFace& face);
 
 /// The question with its answers, which are the same for every trial of a session.
 struct ChooseFace {
@@ -72,7 +70,6 @@ struct ChooseFace {
     std::optional<std::size_t> selected;
     bool watched = false;  ///< a simulated observer chooses, people only look on
 };
-void draw(Window& window, const ChooseFace& face);
 
 /// After the answer: how sure, 1 to 4.
 struct ConfidenceFace {
@@ -80,15 +77,14 @@ struct ConfidenceFace {
     std::optional<std::size_t> selected;
     bool confirm = false;  ///< what is selected may still be changed
 };
-void draw(Window& window, const ConfidenceFace& face);
 
 /// After the answer, where the protocol says so.
 struct FeedbackFace {
     static constexpr std::string_view kName = "feedback";
     bool right = false;
 };
-void draw(Window& window, const FeedbackFace& face);
 
+/// Between two trials: rest.
 struct BreakFace {
     static constexpr std::string_view kName = "break";
     int seconds_left = 0;  ///< 0: the participant may go on
@@ -96,7 +92,6 @@ struct BreakFace {
     std::size_t total = 0;
     bool practice = false;
 };
-void draw(Window& window, const BreakFace& face);
 
 /// After a fault. The sentence comes from device and safety chain, which know nothing of the
 /// condition.
@@ -108,22 +103,33 @@ struct TroubleFace {
 
     friend bool operator==(const TroubleFace&, const TroubleFace&) = default;
 };
-void draw(Window& window, const TroubleFace& face);
 
 /// Until the experimenter goes on.
 struct PauseFace {
     static constexpr std::string_view kName = "pause";
 };
-void draw(Window& window, const PauseFace& face);
 
+/// Nothing to see: between two intervals or trials.
 struct GapFace {
     static constexpr std::string_view kName = "gap";
 };
-void draw(Window& window, const GapFace& face);
 
+/// After the last trial.
 struct EndFace {
     static constexpr std::string_view kName = "end";
 };
+
+/// Each draws its screen into a window that was cleared.
+void draw(Window& window, const WelcomeFace& face);
+void draw(Window& window, const ReadyFace& face);
+void draw(Window& window, const ExploreFace& face);
+void draw(Window& window, const ChooseFace& face);
+void draw(Window& window, const ConfidenceFace& face);
+void draw(Window& window, const FeedbackFace& face);
+void draw(Window& window, const BreakFace& face);
+void draw(Window& window, const TroubleFace& face);
+void draw(Window& window, const PauseFace& face);
+void draw(Window& window, const GapFace& face);
 void draw(Window& window, const EndFace& face);
 
 /// In the upper right corner of every screen: SIMULATED or PILOT.

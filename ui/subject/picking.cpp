@@ -6,7 +6,7 @@ namespace palpate::ui {
 
 using protocols::InputKind;
 
-bool Picking::handle(const Input& input, std::span<const Card> cards) {
+bool Picker::handle(const Input& input, std::span<const Card> cards) {
     const std::size_t last = cards.size() - 1;
     switch (input.kind) {
         case Input::Kind::digit:
@@ -31,7 +31,7 @@ bool Picking::handle(const Input& input, std::span<const Card> cards) {
     }
 }
 
-bool Picking::name(std::size_t place, const Input& input, InputKind kind) {
+bool Picker::name(std::size_t place, const Input& input, InputKind kind) {
     if (confirm_ && marked_ != place) {
         return mark(place, input, kind);
     }
@@ -43,7 +43,7 @@ bool Picking::name(std::size_t place, const Input& input, InputKind kind) {
     return false;
 }
 
-bool Picking::mark(std::size_t place, const Input& input, InputKind kind) {
+bool Picker::mark(std::size_t place, const Input& input, InputKind kind) {
     if (marked_ == place) {
         return false;
     }
@@ -60,7 +60,7 @@ bool Picking::mark(std::size_t place, const Input& input, InputKind kind) {
     return true;
 }
 
-void Picking::take(const Input& input) {
+void Picker::take(const Input& input) {
     chosen_ = given_;
     if (confirm_) {
         confirmation_.confirmed_s = since_shown(input);
@@ -72,7 +72,7 @@ void Picking::take(const Input& input) {
     }
 }
 
-double Picking::since_shown(const Input& input) const {
+double Picker::since_shown(const Input& input) const {
     return static_cast<double>(input.seen_ns - shown_ns_) * 1e-9;
 }
 

@@ -13,10 +13,10 @@ namespace palpate::ui {
 /// From presses to an answer. A digit or a click names one, the arrows mark one and Enter takes it.
 /// Where answers are confirmed, digits and clicks mark too, and the marked one is the answer once
 /// Enter, its digit or a click on it says so; until then another may be marked.
-class Picking {
+class Picker {
 public:
     /// @param shown_ns  when the question was shown
-    Picking(std::int64_t shown_ns, bool confirm) : shown_ns_(shown_ns), confirm_(confirm) {}
+    Picker(std::int64_t shown_ns, bool confirm) : shown_ns_(shown_ns), confirm_(confirm) {}
 
     /// @return whether another card is marked now
     bool handle(const Input& input, std::span<const Card> cards);

@@ -113,6 +113,16 @@ std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixe
     return std::nullopt;
 }
 
+void draw_blank(Window& window, const Card& card, bool chosen) {
+    if (chosen) {
+        const double frame = 0.2 * type_size(window.size());
+        window.triangles(
+            rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
+            kAccent);
+    }
+    window.triangles(rectangle(card.corner, card.size), kCard);
+}
+
 void draw_pictures(Window& window,
                    std::span<const Card> cards,
                    std::span<const protocols::Picture> pictures,
@@ -122,13 +132,7 @@ void draw_pictures(Window& window,
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         const Card& card = cards[i];
         const bool chosen = selected == i;
-        const double frame = chosen ? 0.2 * type : 0.0;
-        if (chosen) {
-            window.triangles(
-                rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
-                kAccent);
-        }
-        window.triangles(rectangle(card.corner, card.size), kCard);
+        draw_blank(window, card, chosen);
         window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
         window.text(fmt::format("{}", i + 1),
                     {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,

@@ -14,6 +14,7 @@ struct Card {
     engine::Vec2 corner{};  ///< top left
     engine::Vec2 size{};
 
+    /// Its middle; and whether a pixel is on it, the right and lower edges not.
     [[nodiscard]] engine::Vec2 centre() const { return corner + 0.5 * size; }
     [[nodiscard]] bool contains(const engine::Vec2& p) const {
         return p.x >= corner.x && p.y >= corner.y && p.x < corner.x + size.x &&
@@ -28,6 +29,9 @@ struct Card {
 /// Which card is at `pixel`.
 [[nodiscard]] std::optional<std::size_t> card_at(std::span<const Card> cards,
                                                  const engine::Vec2& pixel);
+
+/// An empty card, with a frame if it is chosen.
+void draw_blank(Window& window, const Card& card, bool chosen);
 
 /// Draws the pictures on their cards, all at one scale and about one centre, with their numbers
 /// below.

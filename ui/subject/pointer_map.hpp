@@ -15,6 +15,7 @@ struct PointerMap {
     engine::Vec2 window{};  ///< size, pixels
     double scale = 1.0;     ///< Window::scale()
 
+    /// Pixels, y down, to the object frame, m, y up; to_pixel() is its inverse but for rounding.
     [[nodiscard]] engine::Vec2 to_object(const engine::Vec2& pixel) const {
         const engine::Vec2 d = pixel - 0.5 * window;
         return kMiddle + kMetresPerUnit / scale * engine::Vec2{d.x, -d.y};

@@ -6,7 +6,7 @@ namespace palpate::ui {
 namespace {
 
 using protocols::Choice;
-using protocols::Exploring;
+using protocols::ExplorationStep;
 using protocols::Signal;
 
 /// How long each screen stays for those who look on, s.
@@ -45,7 +45,7 @@ Signal SpectatorScreen::ready(const protocols::TrialView& trial) {
     return or_abort(stage_.wait_or_abort(kLook), observer_.ready(trial));
 }
 
-Exploring SpectatorScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
+ExplorationStep SpectatorScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
     const ExploreFace face{.number = trial.number,
                            .total = trial.total,
                            .practice = trial.practice,

@@ -116,12 +116,12 @@ void Stage::redraw() {
     window_.present();
 }
 
-Forgotten Stage::forget_earlier() {
+SafetyKeys Stage::forget_earlier() {
     if (display_lost()) {
         return {};
     }
     SDL_PumpEvents();
-    Forgotten forgotten;
+    SafetyKeys forgotten;
     SDL_Event event;
     while (SDL_PeepEvents(&event, 1, SDL_GETEVENT, SDL_KEYDOWN, SDL_KEYUP) > 0) {
         const SDL_Keycode symbol = event.key.keysym.sym;
@@ -218,6 +218,17 @@ bool Stage::chord(std::int32_t symbol, std::uint16_t modifiers) {
     return true;
 }
 
+namespace {
+
+/// 1 to 9 of either row of keys; 0: another key.
+int digit_of(std::int32_t symbol) {
+    return symbol >= SDLK_1 && symbol <= SDLK_9       ? symbol - SDLK_0
+         : symbol >= SDLK_KP_1 && symbol <= SDLK_KP_9 ? symbol - SDLK_KP_1 + 1
+                                                      : 0;
+}
+
+}  // namespace
+
 Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
     if (repeat) {  // held since an earlier screen, or too long: not a press
         return {};
@@ -244,13 +255,8 @@ Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
         default:
             break;
     }
-    if (symbol >= SDLK_1 && symbol <= SDLK_9) {
-        return {.kind = Input::Kind::digit, .digit = symbol - SDLK_0};
-    }
-    if (symbol >= SDLK_KP_1 && symbol <= SDLK_KP_9) {
-        return {.kind = Input::Kind::digit, .digit = symbol - SDLK_KP_1 + 1};
-    }
-    return {};
+    const int digit = digit_of(symbol);
+    return digit == 0 ? Input{} : Input{.kind = Input::Kind::digit, .digit = digit};
 }
 
 Input Stage::read(const SDL_Event& event) {

@@ -39,7 +39,7 @@ struct Input {
 };
 
 /// What was forgotten that must not be.
-struct Forgotten {
+struct SafetyKeys {
     bool released = false;  ///< Space was let go
     bool stop = false;      ///< Escape was pressed
 };
@@ -73,7 +73,7 @@ public:
     /// Waits up to `wait_ms` for something that matters.
     Input next(int wait_ms);
     /// Forgets presses and clicks that came before now: they were meant for another screen.
-    Forgotten forget_earlier();
+    SafetyKeys forget_earlier();
     /// next() keeps back what might answer (keys and clicks, not Escape, a release or the chords)
     /// and may have come before this time. A key that is held on is no press afterwards either.
     void guard_until(std::int64_t ns);
@@ -87,6 +87,7 @@ public:
     /// Shows that the session pauses until the desk asks again. True if the session is to end.
     bool pause_or_abort();
 
+    /// Where faces are drawn.
     [[nodiscard]] Window& window() { return window_; }
     /// Puts the pointer there, pixels.
     void warp_pointer(const engine::Vec2& pixel);

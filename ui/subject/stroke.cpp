@@ -72,16 +72,26 @@ std::vector<Corner> stroke(std::span<const Vec2> outline, double width) {
     return corners;
 }
 
-std::vector<Corner> fill(std::span<const Vec2> outline) {
-    std::vector<std::size_t> left(outline.size());
-    std::iota(left.begin(), left.end(), std::size_t{0});
+namespace {
+
+/// Places in the outline, in this order.
+std::vector<std::size_t> counter_clockwise(std::span<const Vec2> outline) {
+    std::vector<std::size_t> order(outline.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
     double area = 0.0;
     for (std::size_t i = 0; i < outline.size(); ++i) {
         area += cross(outline[i], outline[(i + 1) % outline.size()]);
     }
     if (area < 0.0) {
-        std::reverse(left.begin(), left.end());
+        std::reverse(order.begin(), order.end());
     }
+    return order;
+}
+
+}  // namespace
+
+std::vector<Corner> fill(std::span<const Vec2> outline) {
+    std::vector<std::size_t> left = counter_clockwise(outline);
     std::vector<Corner> corners;
     std::size_t i = 0;
     for (std::size_t tries = 0; left.size() > 2 && tries < left.size();) {

@@ -14,7 +14,7 @@ namespace palpate::ui {
 namespace {
 
 using protocols::Choice;
-using protocols::Exploring;
+using protocols::ExplorationStep;
 using protocols::Signal;
 
 /// explore() looks for presses this long, ms: often enough for 1 ms times, and the force goes on by
@@ -25,6 +25,7 @@ constexpr const char* kEscape = "Escape";
 /// The dot of the handle follows it this often, ms, and from so far on, m.
 constexpr int kFollowMs = 25;
 constexpr double kFollow = 0.0002;
+constexpr std::int64_t kNoPlaceNs = 2'000'000'000;  ///< a handle out of sight is looked for so long
 
 bool looks_other(const std::optional<StartMark>& a, const std::optional<StartMark>& b) {
     return a.has_value() != b.has_value() ||
@@ -70,11 +71,13 @@ std::optional<StartMark> SubjectScreen::look_at_start(bool refused) const {
                      .refused = refused && !open};
 }
 
+/// Also of a device that falls silent meanwhile.
 /// @param checks_desk  returns as well when the experimenter wants something
 Signal SubjectScreen::wait_at_start(ReadyFace face, bool checks_desk) {
     face.start = look_at_start(false);
     stage_.show(face);
     guard(monotonic_ns());
+    std::int64_t seen_ns = monotonic_ns();
     for (bool refused = false;;) {
         const Input input = stage_.next(options_.place ? kFollowMs : kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
@@ -90,6 +93,11 @@ Signal SubjectScreen::wait_at_start(ReadyFace face, bool checks_desk) {
             return Signal::go_on;
         }
         refused = start && start->refused;
+        const std::int64_t now = monotonic_ns();
+        seen_ns = start && !std::isfinite(start->away.x) ? seen_ns : now;
+        if (now - seen_ns > kNoPlaceNs) {
+            return Signal::no_place;
+        }
         if (looks_other(face.start, start)) {
             face.start = start;
             stage_.show(face);
@@ -97,7 +105,7 @@ Signal SubjectScreen::wait_at_start(ReadyFace face, bool checks_desk) {
     }
 }
 
-Forgotten SubjectScreen::guard(std::int64_t shown_ns) {
+SafetyKeys SubjectScreen::guard(std::int64_t shown_ns) {
     stage_.guard_until(shown_ns + static_cast<std::int64_t>(options_.guard_s * 1e9));
     return stage_.forget_earlier();
 }
@@ -148,7 +156,7 @@ PointerMap SubjectScreen::pointer_map() {
 void SubjectScreen::begin_exploring() {
     in_trouble_.reset();
     stage_.window().show_pointer(false);
-    const Forgotten forgotten = guard(monotonic_ns());
+    const SafetyKeys forgotten = guard(monotonic_ns());
     if (forgotten.released) {
         hold(false);
     }
@@ -178,17 +186,21 @@ void SubjectScreen::pass_on(const Input& input) {
     }
 }
 
-Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
+ExploreFace SubjectScreen::face_of(const protocols::TrialView& trial, double elapsed_s) const {
+    return {.number = trial.number,
+            .total = trial.total,
+            .practice = trial.practice,
+            .may_finish = elapsed_s >= trial.explore_min_s,
+            .prompt = elapsed_s >= trial.explore_prompt_s,
+            .dead_man = options_.dead_man,
+            .interval = trial.interval,
+            .intervals = trial.intervals,
+            .asks_shape = options_.asks == protocols::ResponseKind::identification};
+}
+
+ExplorationStep SubjectScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
     const std::int64_t entered = monotonic_ns();
-    const ExploreFace face{.number = trial.number,
-                           .total = trial.total,
-                           .practice = trial.practice,
-                           .may_finish = elapsed_s >= trial.explore_min_s,
-                           .prompt = elapsed_s >= trial.explore_prompt_s,
-                           .dead_man = options_.dead_man,
-                           .interval = trial.interval,
-                           .intervals = trial.intervals,
-                           .asks_shape = options_.asks == protocols::ResponseKind::identification};
+    const ExploreFace face = face_of(trial, elapsed_s);
     if (!exploring_) {
         begin_exploring();
     }
@@ -255,7 +267,7 @@ Choice SubjectScreen::pick(const std::function<std::vector<Card>()>& cards,
                            const std::function<std::int64_t(std::optional<std::size_t>)>& show) {
     const std::int64_t shown = show(std::nullopt);
     guard(shown);  // a press while the answers were being drawn was not one of them
-    Picking picking(shown, question.confirm);
+    Picker picking(shown, question.confirm);
     while (!picking.chosen()) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {

@@ -15,6 +15,7 @@
 
 namespace palpate::ui {
 
+/// How the screen looks, and what ends it.
 struct SubjectScreenOptions {
     WindowOptions window{};
     std::string watermark;              ///< "SIMULATED", "PILOT" or nothing
@@ -47,12 +48,13 @@ inline constexpr double kFeedbackSeconds = 1.0;
 /// late that may be is stored with each.
 class SubjectScreen : public protocols::Observer {
 public:
+    /// Opens the window. @throws as Window
     explicit SubjectScreen(SubjectScreenOptions options);
 
     [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override;
     [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
-    [[nodiscard]] protocols::Exploring explore(const protocols::TrialView& trial,
-                                               double elapsed_s) override;
+    [[nodiscard]] protocols::ExplorationStep explore(const protocols::TrialView& trial,
+                                                     double elapsed_s) override;
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
                                            const protocols::Question& question) override;
     [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,
@@ -64,6 +66,7 @@ public:
         const protocols::TroubleView& view) override;
     void finish(const protocols::SessionView& session) override;
 
+    /// The window and what keys mean, for whoever shows something else in between.
     [[nodiscard]] Stage& stage() { return stage_; }
 
 private:
@@ -74,7 +77,7 @@ private:
     /// Presses so far were meant for another screen, and those of the guard time are not for this
     /// one.
     /// @param shown_ns  when it was
-    Forgotten guard(std::int64_t shown_ns);
+    SafetyKeys guard(std::int64_t shown_ns);
     /// One of the answers on cards().
     /// @param cards    where they stand now: a window may change its size meanwhile
     /// @param show     draws them with the one that is marked
@@ -85,6 +88,7 @@ private:
         const protocols::Question& question,
         const std::function<std::int64_t(std::optional<std::size_t>)>& show);
     [[nodiscard]] PointerMap pointer_map();
+    [[nodiscard]] ExploreFace face_of(const protocols::TrialView& trial, double elapsed_s) const;
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);

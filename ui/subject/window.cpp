@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
+#include "engine/base/files.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {
@@ -152,6 +153,15 @@ struct Window::Parts {
     }
 };
 
+namespace {
+
+SDL_Renderer* renderer_of(SDL_Window* window) {
+    SDL_Renderer* renderer = SDL_CreateRenderer(window, -1, 0);
+    return renderer != nullptr ? renderer : SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
+}
+
+}  // namespace
+
 Window::Window(const WindowOptions& options)
     : parts_(std::make_unique<Parts>()),
       words_(&words_in(options.language)),
@@ -176,11 +186,8 @@ Window::Window(const WindowOptions& options)
     if (!options.fullscreen && options.width == 0) {
         keep_inside(parts_->window.get(), index_of(options));
     }
-    SDL_Renderer* renderer = SDL_CreateRenderer(parts_->window.get(), -1, 0);
-    if (renderer == nullptr) {
-        renderer = SDL_CreateRenderer(parts_->window.get(), -1, SDL_RENDERER_SOFTWARE);
-    }
-    parts_->renderer.reset(checked(renderer, "drawing into the window"));
+    SDL_Renderer* renderer = checked(renderer_of(parts_->window.get()), "drawing into the window");
+    parts_->renderer.reset(renderer);
     watch_display(parts_->window.get());  // SDL may have made it anew for its renderer
     SDL_SetRenderDrawBlendMode(renderer, SDL_BLENDMODE_BLEND);
     SDL_RendererInfo info{};
@@ -232,6 +239,20 @@ void Window::triangles(std::span<const Corner> corners, Colour colour) {
                        static_cast<int>(vertices.size()), nullptr, 0);
 }
 
+namespace {
+
+/// To be drawn on; null: the renderer has none.
+Own<SDL_Texture> canvas(SDL_Renderer* renderer, int width, int height) {
+    SDL_Texture* made = SDL_CreateTexture(renderer, SDL_PIXELFORMAT_RGBA32,
+                                          SDL_TEXTUREACCESS_TARGET, width, height);
+    if (made != nullptr) {
+        SDL_SetTextureScaleMode(made, SDL_ScaleModeLinear);
+    }
+    return Own<SDL_Texture>(made);
+}
+
+}  // namespace
+
 void Window::fine(const engine::Vec2& corner,
                   const engine::Vec2& extent,
                   const std::function<void()>& shapes) {
@@ -241,16 +262,10 @@ void Window::fine(const engine::Vec2& corner,
         static_cast<int>(std::lround(corner.x)), static_cast<int>(std::lround(corner.y)),
         static_cast<int>(std::lround(extent.x)), static_cast<int>(std::lround(extent.y))};
     const auto texture = [&](int scale) {
-        SDL_Texture* made =
-            SDL_CreateTexture(renderer, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_TARGET,
-                              scale * where.w, scale * where.h);
-        if (made != nullptr) {
-            SDL_SetTextureScaleMode(made, SDL_ScaleModeLinear);
-        }
-        return Own<SDL_Texture>(made);
+        return parts_->software ? canvas(renderer, scale * where.w, scale * where.h) : nullptr;
     };
-    const Own<SDL_Texture> large = parts_->software ? texture(kFiner) : nullptr;
-    const Own<SDL_Texture> half = parts_->software ? texture(kFiner / 2) : nullptr;
+    const Own<SDL_Texture> large = texture(kFiner);
+    const Own<SDL_Texture> half = texture(kFiner / 2);
     if (!large || !half) {
         shapes();
         return;
@@ -333,10 +348,16 @@ void Window::save_png(const std::string& file) const {
     image.width = static_cast<png_uint_32>(surface->w);
     image.height = static_cast<png_uint_32>(surface->h);
     image.format = PNG_FORMAT_RGBA;
-    if (png_image_write_to_file(&image, file.c_str(), 0, surface->pixels, surface->pitch,
-                                nullptr) == 0) {
-        throw std::runtime_error(fmt::format("{} cannot be written: {}", file, image.message));
+    std::string bytes;
+    for (const bool counted : {false, true}) {
+        png_alloc_size_t size = bytes.size();
+        if (png_image_write_to_memory(&image, counted ? bytes.data() : nullptr, &size, 0,
+                                      surface->pixels, surface->pitch, nullptr) == 0) {
+            throw std::runtime_error(fmt::format("{} cannot be written: {}", file, image.message));
+        }
+        bytes.resize(size);
     }
+    write_whole(file, bytes);
 }
 
 }  // namespace palpate::ui

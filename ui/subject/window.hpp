@@ -38,6 +38,7 @@ struct TextExtent {
     engine::Vec2 size{};
 };
 
+/// Where a window opens, and how large.
 struct WindowOptions {
     bool fullscreen = false;
     int monitor = 0;   ///< 1 and up, as FoundDisplay::monitors has them; 0: the first one
@@ -99,7 +100,7 @@ public:
 
     /// What was last presented, RGBA, rows from the top.
     [[nodiscard]] std::vector<std::uint8_t> pixels() const;
-    /// @throws std::runtime_error if the file cannot be written
+    /// @throws as write_whole()
     void save_png(const std::string& file) const;
 
 private:

@@ -39,6 +39,7 @@ struct Words {
     std::string_view pause, please_wait, end_of_pause;
 };
 
+/// All words of the screens; static.
 [[nodiscard]] const Words& words_in(protocols::Language language) noexcept;
 
 /// What a trip says, in another language: of engine::explanation(), and what a session says of its

@@ -231,7 +231,7 @@ void BoardDevice::fail(DeviceFault fault) noexcept {
 }
 
 /// A fault is latched: nothing but zeros, until so many went out whole (half of one is any torque).
-Applied BoardDevice::hold_off(const Vec3& force) noexcept {
+AppliedForce BoardDevice::hold_off(const Vec3& force) noexcept {
     if (zeros_left_ > 0 && link_->now_ns() >= zeros_from_ns_ && send_zero()) {
         --zeros_left_;
     }
@@ -271,7 +271,7 @@ bool BoardDevice::prove_zero() noexcept {
     return off != BoardLine::Off::unproved;
 }
 
-Applied BoardDevice::press(const Vec3& force) noexcept {
+AppliedForce BoardDevice::press(const Vec3& force) noexcept {
     if (fault_ != DeviceFault::none) {
         return hold_off(force);
     }
@@ -310,14 +310,15 @@ Applied BoardDevice::press(const Vec3& force) noexcept {
     return applied_;
 }
 
-/// After readings that came late: are answers as quick as when the board was opened? One that is
-/// mute may have gone to another port.
+/// After readings that came late or not at all: are answers as quick as when the board was opened?
+/// One that is mute may have gone to another port.
 bool BoardDevice::answers_in_time() {
     ask_anew_ = true;
     static_cast<void>(line_->wake(kFirstWait));  // past the answers to the guard's zeros
     was_late_ = !measure_answers();
     if (!was_late_) {
         trouble_.clear();
+        static_cast<void>(line_->silence());  // it was armed to answer
     } else if (line_->probe(100 * kMillisecond) != BoardLine::Answer::complete) {
         fail(DeviceFault::silent);
     }
@@ -359,7 +360,7 @@ bool BoardDevice::reconnect() {
         static_cast<void>(prove_zero());
     }
     take_over();
-    const bool back = fault_ == DeviceFault::none ? !was_late_ || answers_in_time() : mend();
+    const bool back = (fault_ == DeviceFault::none || mend()) && (!was_late_ || answers_in_time());
     leave();
     return back;
 }
@@ -368,6 +369,7 @@ bool BoardDevice::mend() {
     trouble_ = explained(fault_);
     const bool quiet =
         !homeless_ && line_->silence();  // a link that is gone may still let it through
+    was_late_ = true;                    // what it was before the fault is believed no more
     bool back = false;
     if (homeless_) {
         back = rests();

@@ -26,9 +26,9 @@ struct BoardTiming {
 /// it took them. How long answers take is measured when the board is opened (traits().round_trip):
 /// d periods, rounded up, and so many questions are on their way at once. A reading is then d
 /// periods old (traits().delay_ticks), and there is a new one every tick. If an answer comes later
-/// than that, the reading is not fresh, or older than promised (Reading::behind); reconnect() then
-/// measures again how long answers take. The first read() after a rest asks once more, without a
-/// torque.
+/// than that, the reading is not fresh, or older than promised (Reading::behind). After that and
+/// after every fault reconnect() measures again how long answers take. The first read() after a
+/// rest asks once more, without a torque.
 ///
 /// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
 /// before the board has answered after its set-up, nor without a guard. Every way out, the
@@ -49,8 +49,8 @@ public:
     ~BoardDevice() override;
 
     [[nodiscard]] Reading read() noexcept override;
-    Applied write(const Vec2& force) noexcept override { return press(Vec3(force, 0.0)); }
-    Applied press(const Vec3& force) noexcept override;
+    AppliedForce write(const Vec2& force) noexcept override { return press(Vec3(force, 0.0)); }
+    AppliedForce press(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] DeviceTraits traits() const noexcept override;
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
@@ -100,7 +100,7 @@ private:
     void note_age(bool primed) noexcept;
     [[nodiscard]] double behind() const noexcept;
     [[nodiscard]] bool send_zero() noexcept;
-    Applied hold_off(const Vec3& force) noexcept;
+    AppliedForce hold_off(const Vec3& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
     [[nodiscard]] std::string warning() const;
 
@@ -126,10 +126,11 @@ private:
     std::uint64_t asked_ = 0;                   ///< questions of write() so far
     std::array<std::uint64_t, 64> asked_at_{};  ///< ticks of the newest of them
     std::uint64_t measured_ = 0;                ///< tick of the question whose answer is last_
-    bool was_late_ = false;  ///< a reading was older than promised since the last reconnect()
+    /// A reading was older than promised, or a fault was mended, since answers were timed.
+    bool was_late_ = false;
     Reading last_{};
     std::optional<Machine::Place> place_;
-    Applied applied_{};
+    AppliedForce applied_{};
 };
 
 }  // namespace palpate::engine

@@ -94,6 +94,7 @@ public:
     /// "Haply"
     [[nodiscard]] virtual std::string kind() const = 0;
 
+    /// The newest answer that was whole and as expected; before the first one, empty.
     [[nodiscard]] const BoardReply& reply() const noexcept { return reply_; }
     /// An answer is still to come.
     [[nodiscard]] bool awaiting() const noexcept { return owed_ > 0; }

@@ -18,6 +18,23 @@ std::string BoardDevice::warning() const {
              : "";
 }
 
+namespace {
+
+std::string home_pose_text(const Calibration& machine) {
+    std::string pose = "its home pose";
+    if (machine.gantry) {
+        const Vec3 home = 1e3 * machine.gantry->home();
+        pose += " (" + number_text(home.x) + ", " + number_text(home.y) + ", " +
+                number_text(home.z) + ") mm";
+    } else if (machine.home) {
+        pose += " (" + number_text(1e3 * machine.home->x) + ", " +
+                number_text(1e3 * machine.home->y) + ") mm";
+    }
+    return pose;
+}
+
+}  // namespace
+
 std::string BoardDevice::explained(DeviceFault fault) const {
     const std::string board = "the board at " + link_->name();
     if (std::string said = line_->complaint(); !said.empty() && fault != DeviceFault::unreachable) {
@@ -42,18 +59,9 @@ std::string BoardDevice::explained(DeviceFault fault) const {
         case DeviceFault::unreachable:
             break;
     }
-    std::string pose = "its home pose";
-    const Calibration& machine = machine_.calibration();
-    if (machine.gantry) {
-        const Vec3 home = 1e3 * machine.gantry->home();
-        pose += " (" + number_text(home.x) + ", " + number_text(home.y) + ", " +
-                number_text(home.z) + ") mm";
-    } else if (machine.home) {
-        pose += " (" + number_text(1e3 * machine.home->x) + ", " +
-                number_text(1e3 * machine.home->y) + ") mm";
-    }
-    return board + " is back, but where the handle was is lost: put the handle at " + pose +
-           " and let it rest there for " + number_text(timing_.still) + " s";
+    return board + " is back, but where the handle was is lost: put the handle at " +
+           home_pose_text(machine_.calibration()) + " and let it rest there for " +
+           number_text(timing_.still) + " s";
 }
 
 }  // namespace palpate::engine

@@ -237,8 +237,8 @@ Reading ComediDevice::read() noexcept {
     return reading;
 }
 
-Applied ComediDevice::write(const Vec2& force) noexcept {
-    Applied applied;
+AppliedForce ComediDevice::write(const Vec2& force) noexcept {
+    AppliedForce applied;
     std::array<std::uint32_t, 2> codes{channels_[0].zero, channels_[1].zero};
     if (fix_) {
         const Pantograph::Drive drive = pantograph_.drive(*fix_, force);

@@ -28,7 +28,7 @@ constexpr int kAnswerMs = 20;
 constexpr int kRepeatMs = 20;
 
 /// State of the one guard in this process.
-struct Guarded {
+struct GuardState {
     int port = -1;
     GuardMessage packets{};
 };
@@ -88,7 +88,7 @@ void write_packet(int port, const GuardBytes& packet) noexcept {
     }
 }
 
-void zero(const Guarded& guarded) noexcept {
+void zero(const GuardState& guarded) noexcept {
     for (int i = 0; i < kZeros; ++i) {
         write_packet(guarded.port, guarded.packets.zero);
         wait_ms(1);
@@ -110,7 +110,7 @@ bool answered(const GuardMessage& packets, std::span<const std::uint8_t> bytes) 
 
 /// One more `zero` has a whole answer: a Haply board without an address says its id and no more.
 /// Palpate is gone: nobody else reads.
-bool board_obeys(const Guarded& guarded) noexcept {
+bool board_obeys(const GuardState& guarded) noexcept {
     tcflush(guarded.port, TCIFLUSH);
     write_packet(guarded.port, guarded.packets.zero);
     std::array<std::uint8_t, 256> answer{};
@@ -125,7 +125,7 @@ bool board_obeys(const Guarded& guarded) noexcept {
 }
 
 /// The last thing a guard does.
-void zero_for_good(const Guarded& guarded) noexcept {
+void zero_for_good(const GuardState& guarded) noexcept {
     if (guarded.port < 0) {
         return;
     }
@@ -140,7 +140,7 @@ void zero_for_good(const Guarded& guarded) noexcept {
 }
 
 /// @return false when palpate has closed the socket
-bool take_message(int socket, Guarded& guarded) noexcept {
+bool take_message(int socket, GuardState& guarded) noexcept {
     GuardMessage message;
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
     iovec body{.iov_base = &message, .iov_len = sizeof message};
@@ -211,7 +211,7 @@ void guard_motors(int socket,
     zero({.port = STDOUT_FILENO,
           .packets = {}});  // nothing to nowhere: what it will need is in memory
     const int life = static_cast<int>(syscall(SYS_pidfd_open, owner, 0));  // -1: an old kernel
-    Guarded guarded;
+    GuardState guarded;
     Patience patience;
     int looks = 0;  ///< since the last zero of those that are repeated
     while (true) {

@@ -11,7 +11,7 @@ namespace {
 /// has finished whatever it was at, and the next byte begins a command.
 constexpr std::int64_t kSettle = 5 * kMillisecond;
 constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
-constexpr std::int64_t kUnderWay = 12 * kMillisecond;
+constexpr std::int64_t kUnderWay = 12 * kMillisecond;   ///< longer than answers may take
 /// So long an id may wait for the rest of its answer, which the firmware writes in one piece.
 constexpr std::int64_t kAlone = 3 * kMillisecond;
 /// Of the makers' examples, and of motors that were not set up.
@@ -228,7 +228,7 @@ bool HaplyLine::silence() noexcept {
     bool sent = false;
     for (int i = 0; i < 2 && !sent; ++i) {
         sent = link_->send(quiet_packet(0).view());
-        link_->pause(kSettle);
+        link_->pause(sent ? kUnderWay : kSettle);  // its answer is nobody's
     }
     forget();
     bool garbage = false;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -11,6 +10,8 @@
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include "engine/base/parsed.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -27,13 +28,11 @@ UdpAddress udp_address(std::string_view text) {
     const std::size_t colon = std::min(rest.rfind(':'), rest.size());
     std::string_view host = rest.substr(0, colon);
     const std::string_view port = rest.substr(std::min(colon + 1, rest.size()));
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-    const bool whole = error == std::errc{} && end == port.data() + port.size();
+    const unsigned number = parsed<unsigned>(port).value_or(0);
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
         host = host.substr(1, host.size() - 2);
     }
-    if (host.empty() || !whole || number < 1 || number > 65535) {
+    if (host.empty() || number < 1 || number > 65535) {
         throw std::invalid_argument(
             std::string(text) +
             ": give the machine and the port at which the device's program listens, as in "

@@ -65,6 +65,7 @@ private:
 /// never kept waiting by what else its host does.
 void run_like_a_board() noexcept;
 
+/// Makes the hand that holds the handle of an emulated board.
 using MakeHand = std::function<std::unique_ptr<BoardHand>()>;
 /// Makes the board of a machine, whose motors and encoders hang on a plant.
 using MakeBoard = std::unique_ptr<PortBoard> (*)(BoardPlant&, const Calibration&);

@@ -93,6 +93,17 @@ void HaplyBoard::reset() {
     pwm_.clear();
 }
 
+void HaplyBoard::take_pins(std::vector<std::uint8_t>& pins) {
+    pins.clear();
+    const std::uint8_t count = take();
+    for (std::uint8_t i = 0; i < count; ++i) {
+        const std::uint8_t pin = take();
+        if (pins.size() < kMaxPins) {
+            pins.push_back(pin);
+        }
+    }
+}
+
 void HaplyBoard::set_up() {
     ++log_.setups;
     plant_->before_set_up();
@@ -112,16 +123,8 @@ void HaplyBoard::set_up() {
             encoders_[port].clockwise = take() == 0;
         }
     }
-    for (std::vector<std::uint8_t>* pins : {&sensors_, &pwm_}) {
-        pins->clear();
-        const std::uint8_t count = take();
-        for (std::uint8_t i = 0; i < count; ++i) {
-            const std::uint8_t pin = take();
-            if (pins->size() < kMaxPins) {
-                pins->push_back(pin);
-            }
-        }
-    }
+    take_pins(sensors_);
+    take_pins(pwm_);
     for (std::size_t port = 0; port < kPorts; ++port) {
         if ((encoder_mask >> port & 1U) != 0) {
             const double offset = static_cast<double>(take_float());
@@ -196,12 +199,12 @@ std::int64_t HaplyBoard::true_count(std::size_t port) const noexcept {
     return static_cast<std::int64_t>(std::floor(turns * machine_.axes[at].counts_per_turn + 0.5));
 }
 
-double HaplyBoard::angle(std::size_t port) const noexcept {
+double HaplyBoard::angle(std::size_t port, std::int64_t count) const noexcept {
     const Encoder& encoder = encoders_[port];
     const int pivot = pivot_at(port);
     const bool right =
         pivot < 0 || encoder.clockwise == wired_.encoder_clockwise[static_cast<std::size_t>(pivot)];
-    const auto turned = static_cast<double>(true_count(port) - encoder.zero);
+    const auto turned = static_cast<double>(count - encoder.zero);
     return 360.0 * (encoder.preset + (right ? turned : -turned)) / encoder.resolution;
 }
 
@@ -216,15 +219,22 @@ void HaplyBoard::answer(std::uint8_t id) {
             bytes.push_back(byte);
         }
     };
+    std::array<std::int64_t, kPorts>& now = counts_.emplace_back();
+    for (std::size_t port = 0; port < kPorts; ++port) {
+        now[port] = true_count(port);
+    }
+    while (counts_.size() > age_ + 1) {
+        counts_.pop_front();
+    }
     bytes.push_back(faults_.wrong_id ? static_cast<std::uint8_t>(id ^ 0x40U) : id);
     for (std::size_t i = 0; i < sensors_.size(); ++i) {
         put(sensor_);
     }
     for (std::size_t port = 0; port < kPorts; ++port) {
         if (encoders_[port].address == id) {
-            put(angle(port) + (port == kPorts - 1 || encoders_[port + 1].address != id
-                                   ? faults_.turned_deg
-                                   : 0.0));
+            put(angle(port, counts_.front()[port]) +
+                (port == kPorts - 1 || encoders_[port + 1].address != id ? faults_.turned_deg
+                                                                         : 0.0));
         }
     }
     if (faults_.not_finite && bytes.size() >= from + 5) {

@@ -72,7 +72,12 @@ public:
     }
 
     void hush(bool silent) override { faults_ = {.silent = silent}; }
+    /// All its faults at once, from the next exchange on.
     void set_faults(const BoardFaults& faults) { faults_ = faults; }
+    /// The last encoder's disc has slipped on its shaft by so much.
+    void turn_answers(double degrees) noexcept { faults_.turned_deg = degrees; }
+    /// Each answer says where the handle was so many answers before: a firmware that lags, in time.
+    void age_answers(std::size_t answers) noexcept { age_ = answers; }
     /// The first byte of the next exchange arrives as that of a reset: one bit is wrong.
     void misread_next() noexcept { misread_ = true; }
     /// Another program that has the port open says so many times, one each ms, what torque it
@@ -100,10 +105,11 @@ private:
     std::uint8_t take() noexcept;
     float take_float() noexcept;
     void reset();
+    void take_pins(std::vector<std::uint8_t>& pins);
     void set_up();
     void exchange();
     void drive(std::size_t port, float torque) noexcept;
-    [[nodiscard]] double angle(std::size_t port) const noexcept;
+    [[nodiscard]] double angle(std::size_t port, std::int64_t count) const noexcept;
     [[nodiscard]] int pivot_at(std::size_t port) const noexcept;
     [[nodiscard]] std::int64_t true_count(std::size_t port) const noexcept;
     void answer(std::uint8_t id);
@@ -115,6 +121,8 @@ private:
     BoardFaults faults_{};
     BoardLog log_{};
     bool misread_ = false;
+    std::size_t age_ = 0;
+    std::deque<std::array<std::int64_t, kPorts>> counts_{};  ///< of the last answers
     int meddling_ = 0;
     double zero_since_ = 0.0;
     double sensor_ = 0.0;

@@ -44,7 +44,7 @@ std::string UdpBoard::path() const {
     return "udp:127.0.0.1:" + std::to_string(port_);
 }
 
-/// What has come.
+/// What has come. Each datagram takes the board a moment: no two answers bear the same time.
 void UdpBoard::take() {
     for (int i = 0; i < kMaxDatagrams; ++i) {
         std::array<std::uint8_t, 512> datagram{};
@@ -57,6 +57,7 @@ void UdpBoard::take() {
         }
         board_->post(std::uint64_t{from.sin_addr.s_addr} << 16U | from.sin_port,
                      {datagram.data(), static_cast<std::size_t>(got)});
+        board_->pass();
     }
 }
 

@@ -75,6 +75,7 @@ private:
     void forget() noexcept;
     [[nodiscard]] bool greet() noexcept;
     [[nodiscard]] Problem wrong_board() const noexcept;
+    [[nodiscard]] std::string other_machine() const;
     [[nodiscard]] Problem agree() noexcept;
     [[nodiscard]] Problem look() noexcept;
     [[nodiscard]] Problem look_once() noexcept;

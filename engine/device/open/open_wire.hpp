@@ -15,12 +15,12 @@
 namespace palpate::engine {
 
 inline constexpr std::uint8_t kOpenMajor = 1;
-inline constexpr std::size_t kOpenBody = 48;              ///< bytes at most
-inline constexpr std::size_t kOpenFrame = kOpenBody + 4;  ///< with code bytes and zeros
-inline constexpr std::size_t kOpenNonce = 8;              ///< before the body of a datagram
+inline constexpr std::size_t kOpenBody = 48;  ///< bytes at most
+inline constexpr std::size_t kOpenNonce = 8;  ///< before the body of a datagram
 inline constexpr std::size_t kOpenDatagram = kOpenBody + kOpenNonce;
 inline constexpr std::uint16_t kGuardSeq = 0;  ///< of a guard's DISARM, and of no other question
 
+/// The first byte of a packet's body: what it asks or answers.
 enum class OpenType : std::uint8_t {
     hello = 0x01,
     config = 0x02,
@@ -52,6 +52,7 @@ struct OpenBytes {
     std::array<std::uint8_t, kOpenDatagram> bytes{};
     std::size_t size = 0;
 
+    /// The bytes that are in use; valid while this lives.
     [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
         return {bytes.data(), size};
     }
@@ -104,8 +105,9 @@ struct OpenAnswer {
     OpenIdent ident{};
     OpenConfig config{};
     OpenReport report{};
-    std::uint8_t why =
-        0;  ///< of a NAK: 1 version, 2 state, 3 value, 4 stop pressed, 5 token, 6 type, 7 another host, 8 nonce
+    /// Of a NAK: 1 version, 2 state, 3 value, 4 stop pressed, 5 token, 6 type, 7 another host,
+    /// 8 nonce.
+    std::uint8_t why = 0;
 };
 
 /// CRC-16/X-25 of `bytes`: 0x906E of "123456789".

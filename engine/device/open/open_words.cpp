@@ -16,6 +16,31 @@ std::string listed(const OpenAxes& numbers, std::size_t axes) {
 
 }  // namespace
 
+/// What the board says of itself, against the calibration.
+std::string OpenLine::other_machine() const {
+    switch (problem_) {
+        case Problem::id:
+            return " has the id " + std::to_string(ident_.id) +
+                   ", and the calibration is of the board " + std::to_string(*wiring_.id) +
+                   ": plug that one in, or calibrate this one";
+        case Problem::axes:
+            return " has " + std::to_string(ident_.axes) +
+                   " axes, and the calibration is of a machine with " + std::to_string(axes_) +
+                   ": give the other machine's calibration, or flash the board with AXES=" +
+                   std::to_string(axes_);
+        case Problem::counts:
+            return " was flashed for " + listed(ident_.counts_per_turn, axes_) +
+                   " counts a turn, and the calibration says " + listed(counts_per_turn_, axes_) +
+                   ": correct counts_per_turn, or flash it with COUNTS_1" +
+                   (axes_ > 2 ? ", COUNTS_2 and COUNTS_3" : " and COUNTS_2") + " of these";
+        case Problem::torque:
+            return " gives " + listed(ident_.torque_full, axes_) +
+                   " uN m at most, less than the calibration's torque_limit_mn_m: lower that";
+        default:
+            return {};
+    }
+}
+
 std::string OpenLine::refusal() const {
     const std::string board = "the board at " + link_->name();
     switch (problem_) {
@@ -24,22 +49,10 @@ std::string OpenLine::refusal() const {
                    " of the open board's protocol, and palpate version " +
                    std::to_string(kOpenMajor) + ": flash the firmware that comes with palpate";
         case Problem::id:
-            return board + " has the id " + std::to_string(ident_.id) +
-                   ", and the calibration is of the board " + std::to_string(*wiring_.id) +
-                   ": plug that one in, or calibrate this one";
         case Problem::axes:
-            return board + " has " + std::to_string(ident_.axes) +
-                   " axes, and the calibration is of a machine with " + std::to_string(axes_) +
-                   ": give the other machine's calibration, or flash the board with AXES=" +
-                   std::to_string(axes_);
         case Problem::counts:
-            return board + " was flashed for " + listed(ident_.counts_per_turn, axes_) +
-                   " counts a turn, and the calibration says " + listed(counts_per_turn_, axes_) +
-                   ": correct counts_per_turn, or flash it with COUNTS_1" +
-                   (axes_ > 2 ? ", COUNTS_2 and COUNTS_3" : " and COUNTS_2") + " of these";
         case Problem::torque:
-            return board + " gives " + listed(ident_.torque_full, axes_) +
-                   " uN m at most, less than the calibration's torque_limit_mn_m: lower that";
+            return board + other_machine();
         case Problem::watchdog:
             return board + " has a watchdog of " + std::to_string(ident_.watchdog_min) + " to " +
                    std::to_string(ident_.watchdog_max) +

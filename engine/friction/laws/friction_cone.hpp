@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/friction/laws/law.hpp"
+#include "engine/friction/laws/law_task.hpp"
 
 namespace palpate::engine {
 

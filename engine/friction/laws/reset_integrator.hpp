@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/friction/laws/law.hpp"
+#include "engine/friction/laws/law_task.hpp"
 
 namespace palpate::engine {
 

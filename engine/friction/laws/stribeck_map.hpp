@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/friction/laws/law.hpp"
+#include "engine/friction/laws/law_task.hpp"
 #include "engine/math/exponential.hpp"
 
 namespace palpate::engine {

@@ -114,6 +114,9 @@ int data_command(const std::vector<std::string>& arguments) {
         "encode %.2f, decode of one stored column %.1f, full replay %.2f, one trial after the "
         "other %.2f million samples/s\n",
         own.encode, own.decode, own.replay, own.replay_one);
+    std::printf(
+        "schema compared at open: %.3f ms of the processor, the first time in a program %.3f ms\n",
+        own.schema_ms, own.schema_first_ms);
     std::printf("%-28s %8s %10s %14s %12s %18s\n", "store", "bytes/s.", "ingest M/s",
                 "avg(rendered_normal_n) ms", "avg(commanded_x_n) s", "mean fn, trial 1");
     if (csv.is_open()) {

@@ -1,0 +1,153 @@
+#include "data/statistics/solve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace palpate::data {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+Eigen::Map<const Vector> vector_of(std::span<const double> v) {
+    return {v.data(), static_cast<Eigen::Index>(v.size())};
+}
+
+/// Eigen reads the lower half of columns: the upper one of our rows.
+Eigen::Map<const Matrix> matrix_of(std::span<const double> a, Eigen::Index n) {
+    return {a.data(), n, n};
+}
+
+std::vector<double> numbers_of(const Matrix& m) {
+    return {m.data(), m.data() + m.size()};
+}
+
+double value_at(const SmoothFunction& f, const Vector& at) {
+    return f({at.data(), static_cast<std::size_t>(at.size())});
+}
+
+Vector gradient_of(const SmoothFunction& f, const Vector& at) {
+    constexpr double kStep = 1e-5;  // error 1e-10 of curvature, 1e-8 of rounding
+    Vector gradient(at.size());
+    Vector moved = at;
+    for (Eigen::Index i = 0; i < at.size(); ++i) {
+        moved[i] = at[i] + kStep;
+        const double above = value_at(f, moved);
+        moved[i] = at[i] - kStep;
+        gradient[i] = (above - value_at(f, moved)) / (2.0 * kStep);
+        moved[i] = at[i];
+    }
+    return gradient;
+}
+
+Matrix hessian_of(const SmoothFunction& f, const Vector& at) {
+    constexpr double kStep = 1e-3;
+    Matrix hessian(at.size(), at.size());
+    const auto moved = [&](Eigen::Index i, double a, Eigen::Index j, double b) {
+        Vector point = at;
+        point[i] += a;
+        point[j] += b;
+        return value_at(f, point);
+    };
+    const double here = value_at(f, at);
+    for (Eigen::Index i = 0; i < at.size(); ++i) {
+        hessian(i, i) =
+            (moved(i, kStep, i, 0.0) - 2.0 * here + moved(i, -kStep, i, 0.0)) / (kStep * kStep);
+        for (Eigen::Index j = 0; j < i; ++j) {
+            hessian(i, j) = (moved(i, kStep, j, kStep) - moved(i, kStep, j, -kStep) -
+                             moved(i, -kStep, j, kStep) + moved(i, -kStep, j, -kStep)) /
+                            (4.0 * kStep * kStep);
+            hessian(j, i) = hessian(i, j);
+        }
+    }
+    return hessian;
+}
+
+}  // namespace
+
+std::vector<double> solve_symmetric(std::span<const double> a, std::span<const double> b) {
+    const Matrix matrix = matrix_of(a, static_cast<Eigen::Index>(b.size()));
+    const Vector x = matrix.ldlt().solve(vector_of(b));  // as a column: rounded otherwise else
+    return {x.begin(), x.end()};
+}
+
+Spectrum spectrum_of(std::span<const double> a) {
+    const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(a.size())));
+    const Eigen::SelfAdjointEigenSolver<Matrix> parts{Matrix(matrix_of(a, n))};
+    return {.values = numbers_of(parts.eigenvalues()),
+            .first = numbers_of(parts.eigenvectors().row(0))};
+}
+
+Minimum minimum_near(const SmoothFunction& f, std::span<const double> start) {
+    Vector at = vector_of(start);
+    double lowest = value_at(f, at);
+    bool converged = false;
+    Vector gradient = gradient_of(f, at);
+    Matrix inverse = Matrix::Identity(at.size(), at.size()) /
+                     std::max(1.0, gradient.norm());  // a first step of at most 1
+    for (int step = 0; step < 200; ++step) {
+        Vector move = -inverse * gradient;
+        if (const double longest = move.cwiseAbs().maxCoeff(); longest > 2.0) {
+            move *= 2.0 / longest;
+        }
+        const double slope = gradient.dot(move);
+        double share = 1.0;
+        double value = value_at(f, at + move);
+        while (!(value <= lowest + 1e-4 * share * slope) && share > 1e-10) {
+            share *= 0.5;
+            value = value_at(f, at + share * move);
+        }
+        const bool gained = value < lowest;
+        if (gained) {
+            const Vector s = share * move;
+            const Vector next = gradient_of(f, at + s);
+            const Vector y = next - gradient;
+            at += s;
+            lowest = value;
+            gradient = next;
+            if (const double sy = s.dot(y); sy > 1e-12 * s.norm() * y.norm()) {
+                const Matrix turn = Matrix::Identity(s.size(), s.size()) - s * y.transpose() / sy;
+                inverse = turn * inverse * turn.transpose() + s * s.transpose() / sy;
+            }
+        }
+        if (gradient.cwiseAbs().maxCoeff() < 1e-6 || !gained) {
+            // Where no step gains, rounding is all that is left.
+            converged = gradient.cwiseAbs().maxCoeff() < 1e-3;
+            break;
+        }
+    }
+    return {.at = numbers_of(at), .value = lowest, .converged = converged};
+}
+
+void polish(const SmoothFunction& f, Minimum& best) {
+    for (int step = 0; step < 2; ++step) {
+        const Vector at = vector_of(best.at);
+        const Eigen::LDLT<Matrix> factor(hessian_of(f, at));
+        if (factor.info() != Eigen::Success || !factor.isPositive()) {
+            return;
+        }
+        const Vector moved = at - factor.solve(gradient_of(f, at));
+        const double value = value_at(f, moved);
+        if (!(value <= best.value + 1e-11 * std::fabs(best.value)) ||
+            (moved - at).cwiseAbs().maxCoeff() > 0.1) {
+            return;
+        }
+        best.at = numbers_of(moved);
+        best.value = value;
+    }
+}
+
+std::optional<std::vector<double>> inverse_curvature(const SmoothFunction& f,
+                                                     std::span<const double> at) {
+    const Matrix hessian = hessian_of(f, vector_of(at));
+    const Eigen::SelfAdjointEigenSolver<Matrix> parts(hessian);
+    if (!(parts.eigenvalues().minCoeff() > 1e-8 * parts.eigenvalues().maxCoeff())) {
+        return std::nullopt;
+    }
+    return numbers_of(hessian.ldlt().solve(Matrix::Identity(hessian.rows(), hessian.cols())));
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// Algebra of a few unknowns, and what is found by it. The only door to Eigen's matrices of any
+/// size, whose headers cost a compiler seconds.
+///
+/// A matrix of n x n is its rows one after the other. Of a symmetric one the upper half is read.
+namespace palpate::data {
+
+/// x of A x = b, A symmetric, by L D L' with pivots. Of an A that is not positive definite some x,
+/// which need not be finite: ask it. @param a  n x n   @param b  n, at least one
+[[nodiscard]] std::vector<double> solve_symmetric(std::span<const double> a,
+                                                  std::span<const double> b);
+
+/// Of a symmetric matrix, by rising eigenvalue.
+struct Spectrum {
+    std::vector<double> values{};
+    std::vector<double> first{};  ///< first component of each unit eigenvector, of either sign
+};
+/// @param a  n x n, n > 0
+[[nodiscard]] Spectrum spectrum_of(std::span<const double> a);
+
+/// A smooth function of a few numbers.
+using SmoothFunction = std::function<double(std::span<const double>)>;
+
+/// Where a search for a minimum ended.
+struct Minimum {
+    std::vector<double> at{};
+    double value = 0.0;
+    bool converged = false;  ///< no derivative is as large as 1e-3
+};
+
+/// A minimum by BFGS (C. G. Broyden, R. Fletcher, D. Goldfarb, D. F. Shanno, 1970) with central
+/// differences: until no derivative is as large as 1e-6, or no step gains; at most 200 steps, none
+/// longer than 2 along any number.
+[[nodiscard]] Minimum minimum_near(const SmoothFunction& f, std::span<const double> start);
+
+/// Up to two of Newton's steps, each as long as it gains or moves by rounding alone.
+void polish(const SmoothFunction& f, Minimum& best);
+
+/// The inverse of the second derivatives by differences of 1e-3, n x n. None where they bound
+/// nothing: the smallest eigenvalue is not above 1e-8 of the largest.
+[[nodiscard]] std::optional<std::vector<double>> inverse_curvature(const SmoothFunction& f,
+                                                                   std::span<const double> at);
+
+}  // namespace palpate::data

@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "data/store/own_schema.hpp"
+#include "data/store/statement.hpp"
+
+namespace palpate::data {
+namespace {
+
+const char* remedy(int code) {
+    if (code == SQLITE_IOERR_SHMSIZE || code == SQLITE_IOERR_SHMOPEN ||
+        code == SQLITE_IOERR_SHMMAP) {
+        return "the index of its log finds no room: the disk is full, and reading needs 32 kB of "
+               "it; free some, or copy the file and its -wal to another disk";
+    }
+    switch (code & 0xFF) {
+        case SQLITE_FULL:
+            return "the disk is full: free some space and run again, what was recorded is kept";
+        case SQLITE_READONLY:
+            return "the file or its folder is read-only: choose another place or change the rights";
+        case SQLITE_BUSY:
+        case SQLITE_LOCKED:
+            return "another program holds a write lock: close it and run again";
+        case SQLITE_CANTOPEN:
+            return "check that the folder exists and may be written";
+        case SQLITE_NOTADB:
+            return "this is not a palpate database: choose another file name";
+        case SQLITE_CORRUPT:
+            return "the file is damaged: keep it, and restore a copy";
+        case SQLITE_IOERR:
+            return "the disk does not take the data: check its space and health";
+        default:
+            return "";
+    }
+}
+
+}  // namespace
+
+void Connection::fail(std::string_view doing) const {
+    const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
+    const std::string message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
+    std::string what = remedy(code);
+    if (handle != nullptr && message.starts_with("FOREIGN KEY")) {
+        const std::string theirs = referring_tables(*this);
+        what = theirs.empty() ? ""
+                              : fmt::format(
+                                    "a table that was added refers to rows that would change "
+                                    "({}): take its rows or its reference away, and try again",
+                                    theirs);
+    }
+    const std::string text =
+        fmt::format("{}: {} failed: {}{}{}", file, doing, message, what.empty() ? "" : "; ", what);
+    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
+        throw LockedFile(text);
+    }
+    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
+        throw DiskError(text);
+    }
+    throw StoreError(text);
+}
+
+}  // namespace palpate::data

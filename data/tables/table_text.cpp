@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "data/tables/table.hpp"
+
+namespace palpate::data {
+namespace {
+
+using Lines = std::vector<std::vector<std::string>>;
+
+/// How far the row's first interval reaches; 0: there is none.
+double scale_of(const std::vector<Cell>& row) {
+    for (const Cell& cell : row) {
+        if (const auto* ends = std::get_if<Interval>(&cell)) {
+            return ends->high - ends->low;
+        }
+    }
+    return 0.0;
+}
+
+std::string significant_text(double value, double scale) {
+    int digits = 4;
+    if (std::isfinite(value) && value != 0.0 && scale > 0.0 && std::isfinite(scale)) {
+        const double more = std::ceil(std::log10(std::fabs(value))) - std::floor(std::log10(scale));
+        digits = static_cast<int>(std::clamp(more + 1.0, 4.0, 15.0));
+    }
+    return fmt::format("{:.{}g}", value == 0.0 ? 0.0 : value, digits);
+}
+
+std::string number_text(double value, const Column& column, double scale) {
+    if (column.says == Column::Says::significant) {
+        return significant_text(value, scale);
+    }
+    if (column.says == Column::Says::p && value < 0.001) {
+        return "<0.001";
+    }
+    const double least = 0.5 * std::pow(10.0, -column.digits);  // below it -0.00 would stand there
+    return fmt::format("{:.{}f}", std::fabs(value) < least ? 0.0 : value, column.digits);
+}
+
+std::string said(const Cell& cell, const Column& column, double scale) {
+    return std::visit(
+        [&](const auto& value) -> std::string {
+            using Kind = std::decay_t<decltype(value)>;
+            if constexpr (std::is_same_v<Kind, Nothing>) {
+                return value.why.empty() ? "-" : value.why;
+            } else if constexpr (std::is_same_v<Kind, Named>) {
+                return value.shown;
+            } else if constexpr (std::is_same_v<Kind, Interval>) {
+                return number_text(value.low, column, scale) + " to " +
+                       number_text(value.high, column, scale);
+            } else if constexpr (std::is_same_v<Kind, double>) {
+                return number_text(value, column, scale);
+            } else if constexpr (std::is_same_v<Kind, bool>) {
+                return value ? "yes" : "no";
+            } else if constexpr (std::is_same_v<Kind, std::vector<std::string>>) {
+                return fmt::format("{}", fmt::join(value, ", "));
+            } else {
+                return fmt::format("{}", value);
+            }
+        },
+        cell);
+}
+
+/// Whether any row has something to say there.
+bool has_value(const Table& table, std::size_t column) {
+    return std::ranges::any_of(table.rows, [&](const auto& row) {
+        const auto* none = std::get_if<Nothing>(&row[column]);
+        return none == nullptr || !none->why.empty();
+    });
+}
+
+bool is_text(const Table& table, std::size_t column) {
+    return std::ranges::any_of(table.rows, [&](const auto& row) {
+        return std::holds_alternative<std::string>(row[column]) ||
+               std::holds_alternative<Named>(row[column]) ||
+               std::holds_alternative<std::vector<std::string>>(row[column]);
+    });
+}
+
+/// Heads first; a name of the index that stands in the line above is not said again.
+Lines lines_of(const Table& table, std::vector<bool>& left) {
+    Lines lines(table.rows.size() + 1);
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        const Column& column = table.columns[i];
+        if (column.words.empty() || !has_value(table, i)) {
+            continue;
+        }
+        left.push_back(is_text(table, i));
+        lines[0].push_back(column.words);
+        std::string above;
+        for (std::size_t row = 0; row < table.rows.size(); ++row) {
+            std::string text = said(table.rows[row][i], column, scale_of(table.rows[row]));
+            const bool again = !table.across && i + 1 < table.index && text == above;
+            above = text;
+            lines[row + 1].push_back(again ? "" : std::move(text));
+        }
+    }
+    return lines;
+}
+
+void turn(Lines& lines, std::vector<bool>& left) {
+    Lines turned(lines.front().size());
+    for (const auto& line : lines) {
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            turned[i].push_back(line[i]);
+        }
+    }
+    lines = std::move(turned);
+    left.assign(lines.front().size(), false);
+    left.front() = true;
+}
+
+std::size_t characters(const std::string& text) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(text, [](char byte) { return (byte & 0xC0) != 0x80; }));
+}
+
+std::string aligned(const Lines& lines, const std::vector<bool>& left) {
+    std::vector<std::size_t> wide(left.size(), 0);
+    for (const auto& line : lines) {
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            wide[i] = std::max(wide[i], characters(line[i]));
+        }
+    }
+    std::string text;
+    for (const auto& line : lines) {
+        std::string one;
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            one += left[i] ? fmt::format("  {:<{}}", line[i], wide[i])
+                           : fmt::format("  {:>{}}", line[i], wide[i]);
+        }
+        text += one.substr(0, one.find_last_not_of(' ') + 1) + '\n';
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string table_text(const Table& table) {
+    std::vector<bool> left;
+    Lines lines = lines_of(table, left);
+    if (left.empty() && (!table.rows.empty() || table.notes.empty())) {
+        return {};
+    }
+    if (table.across && !left.empty()) {
+        turn(lines, left);
+    }
+    std::string text = '\n' + table.title + (table.title.empty() ? "" : "\n");
+    text += left.empty() ? std::string() : aligned(lines, left);
+    for (const std::string& note : table.notes) {
+        text += fmt::format("  {}\n", note);
+    }
+    return text;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,135 @@
+// Figure 3.1.4: static friction at a corner: HIP in the region of another curve than the one on
+// which GO stands.
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "engine/rendering/scene.hpp"
+#include "tests/figures/drawing.hpp"
+#include "tests/figures/friction_run.hpp"
+#include "tests/figures/make.hpp"
+#include "tests/figures/region_drawing.hpp"
+
+namespace palpate::figures {
+namespace {
+
+using engine::Mode;
+using engine::Vec2;
+
+constexpr double kCornerAt = 0.93;       // u on the first curve where HIP goes in
+constexpr double kCornerAbove = 0.003;   // m
+constexpr double kCornerDepth = 0.008;   // m
+constexpr double kCornerAcross = 0.012;  // m, level over the border of two regions
+constexpr double kCornerSpeed = 0.02;    // m/s
+constexpr double kCornerArrow = 1.5;     // mm of arrow
+
+struct CornerTick {
+    double t = 0.0;  ///< s
+    Vec2 hip{};
+    Vec2 cp{};
+    Vec2 go{};
+    Vec2 force{};
+    Mode mode = Mode::free;
+    int region = 0;  ///< internal one of HIP
+};
+
+/// In along the normal near the corner, then level across the border.
+std::vector<CornerTick> corner_run(const RegionMap& map) {
+    const auto curves = curves_of(three_curves());
+    const auto outline = std::make_shared<const engine::Outline>(curves, true);
+    const engine::Scene scene(outline,
+                              {.stiffness = kFrictionStiffness,
+                               .period = kTick,
+                               .friction = {.mu_s = kFrictionStatic, .mu_d = kFrictionDynamic}});
+    engine::ContactState state;
+    const engine::Frame at = engine::frame_at(curves.front().spans().front().curve, kCornerAt);
+    const int in = static_cast<int>((kCornerAbove + kCornerDepth) / (kCornerSpeed * kTick));
+    const int across = static_cast<int>(kCornerAcross / (kCornerSpeed * kTick));
+    std::vector<CornerTick> run;
+    for (int i = 0; i <= in + across; ++i) {
+        const double below = std::min(i, in) * kCornerSpeed * kTick - kCornerAbove;
+        const Vec2 along{std::max(i - in, 0) * kCornerSpeed * kTick, 0.0};
+        const Vec2 hip = at.point - below * at.normal + along;
+        const engine::ClosestPoint cp = map.feet().closest(hip);
+        const engine::Contact contact = shown(scene.tick(state, hip), cp);
+        run.push_back({.t = i * kTick,
+                       .hip = hip,
+                       .cp = cp.point,
+                       .go = contact.go,
+                       .force = contact.force,
+                       .mode = contact.mode,
+                       .region = map.at(hip)});
+    }
+    return run;
+}
+
+Series corner_dot(const char* name, const Vec2& place, Ink ink) {
+    Series series = dots_mm(name, std::array<Vec2, 1>{place});
+    series.ink = ink;
+    return series;
+}
+
+}  // namespace
+
+MadeFigure make_corner_hold() {
+    const Polygons object = three_curves();
+    const RegionMap map(curves_of(object));
+    const std::vector<CornerTick> run = corner_run(map);
+    // The last tick that sticks, HIP being in the second region.
+    const auto last = std::find_if(run.rbegin(), run.rend(),
+                                   [](const CornerTick& tick) { return tick.mode == Mode::stuck; });
+    const CornerTick& now = last == run.rend() ? run.back() : *last;
+    Panel panel = plane_mm("", 460.0);
+    const std::vector<Border> pieces = borders(map, kLattice);
+    std::vector<Vec2> way;
+    for (const CornerTick& tick : run) {
+        if (tick.t <= now.t) {
+            way.push_back(tick.hip);
+        }
+    }
+    Series trace = path_mm("path of HIP", way);
+    trace.ink = Ink::grey;
+    panel.series = {outline_mm(curves_of(object)),
+                    border_series(map, pieces, false),
+                    trace,
+                    corner_dot("CP", now.cp, Ink::orange),
+                    corner_dot("HIP", now.hip, Ink::vermillion),
+                    corner_dot("GO", now.go, Ink::blue)};
+    panel.arrows.push_back({kMillimetres * now.hip.x, kMillimetres * now.hip.y,
+                            kCornerArrow * now.force.x, kCornerArrow * now.force.y, "force",
+                            Ink::green});
+    panel.x.low = -30.0;
+    panel.x.high = 26.0;
+    panel.y.low = 14.0;
+    panel.y.high = 50.0;
+    Figure figure{.id = "fig_3_1_4",
+                  .title = "Figure 3.1.4: static friction at a corner",
+                  .panels = {panel},
+                  .width = 860.0};
+    figure.caption = fmt::format(
+        "The object of figure 2.1.4 with its internal Voronoi regions. HIP went in along the "
+        "normal of the first curve, {:g} mm deep, and level into the region of the second; here "
+        "is the last tick before break-away. The closest point is on the second curve, the "
+        "god-object still stands on the first, and the force is that of the spring between it and "
+        "HIP: no switch of regions releases what sticks.",
+        kMillimetres * kCornerDepth);
+    return {
+        svg(figure),
+        {{"",
+          {column("time_s", run, [](const CornerTick& tick) { return tick.t; }),
+           column("mode", run, [](const CornerTick& tick) { return static_cast<int>(tick.mode); }),
+           column("region", run, [](const CornerTick& tick) { return tick.region; }),
+           column("hip_x_m", run, [](const CornerTick& tick) { return tick.hip.x; }),
+           column("hip_y_m", run, [](const CornerTick& tick) { return tick.hip.y; }),
+           column("cp_x_m", run, [](const CornerTick& tick) { return tick.cp.x; }),
+           column("cp_y_m", run, [](const CornerTick& tick) { return tick.cp.y; }),
+           column("go_x_m", run, [](const CornerTick& tick) { return tick.go.x; }),
+           column("go_y_m", run, [](const CornerTick& tick) { return tick.go.y; }),
+           column("force_x_n", run, [](const CornerTick& tick) { return tick.force.x; }),
+           column("force_y_n", run, [](const CornerTick& tick) { return tick.force.y; })}}}};
+}
+
+}  // namespace palpate::figures

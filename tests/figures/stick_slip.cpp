@@ -1,0 +1,178 @@
+// Figure 3.3.1: a stick-slip transition in a run of the servo loop with the simulated device and
+// hand.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "engine/contact/certified_tracker.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "engine/realtime/servo.hpp"
+#include "engine/rendering/scene.hpp"
+#include "stimuli/two_curve.hpp"
+#include "tests/figures/drawing.hpp"
+#include "tests/figures/make.hpp"
+
+namespace palpate::figures {
+namespace {
+
+using engine::Mode;
+using engine::TickRecord;
+
+constexpr double kTransition = 0.095;  // s: how long the thesis' transition takes
+/// tau_slip for it: mu counts as relaxed (Mode::slip) when 1/1000 of mu_s - mu_d is left.
+const double kTauSlip = kTransition / std::log(1000.0);
+constexpr double kBefore = 0.06;  // s shown before the contact
+constexpr double kAfter = 0.15;   // s shown after the transition
+
+std::vector<TickRecord> recorded() {
+    const engine::Scene scene(
+        stimuli::make_outline({.curvature = 5.0}),
+        {.friction = {.mu_s = 0.7, .mu_d = 0.5, .tau_slip = kTauSlip, .tau_heal = 0.1},
+         .slew = {.speed = 0.2, .radius = 0.003}});
+    engine::SimulatedPantograph device({}, kTick);
+    engine::VirtualServo servo(
+        device, {.limits = {.max_force = 10.0, .ramp_step = engine::ramp_step(0.2, kTick)}});
+    device.begin({});
+    servo.begin(scene);
+    std::vector<TickRecord> ticks;
+    std::array<TickRecord, 256> buffer;
+    while (!device.hand_is_done() && servo.advance() == engine::ServoStatus::running) {
+        while (const std::size_t n = servo.ring().pop(buffer)) {
+            ticks.insert(ticks.end(), buffer.begin(),
+                         buffer.begin() + static_cast<std::ptrdiff_t>(n));
+        }
+    }
+    servo.end();
+    engine::TrackState track;
+    for (TickRecord& tick : ticks) {
+        if (tick.mode == Mode::free) {  // the servo did not look at each
+            tick.go = scene.closest(track, tick.hip).point;
+        }
+    }
+    return ticks;
+}
+
+double time_of(const TickRecord& tick) {
+    return 1e-9 * static_cast<double>(tick.time_ns);
+}
+
+/// Contact, break-away and relaxed mu, as ticks.
+struct Passage {
+    std::size_t touch = 0;
+    std::size_t release = 0;
+    std::size_t relaxed = 0;
+};
+
+/// The first contact that sticks, breaks away once and slides on until mu is relaxed.
+Passage first_passage(const std::vector<TickRecord>& ticks) {
+    Passage at;
+    for (std::size_t i = 1; i < ticks.size(); ++i) {
+        const Mode before = ticks[i - 1].mode;
+        const Mode now = ticks[i].mode;
+        if (before == Mode::free && now != Mode::free) {
+            at = {.touch = i, .release = 0, .relaxed = 0};
+        }
+        if (now == Mode::transition && before == Mode::stuck) {
+            at.release = i;
+        }
+        if (now == Mode::slip && before == Mode::transition && at.touch > 0 && at.release > 0) {
+            at.relaxed = i;
+            return at;
+        }
+    }
+    throw std::runtime_error("the simulated hand made no stick-slip transition");
+}
+
+std::vector<TickRecord> window(const std::vector<TickRecord>& ticks, const Passage& at) {
+    const auto before = static_cast<std::size_t>(kBefore / kTick);
+    const auto after = static_cast<std::size_t>(kAfter / kTick);
+    const std::size_t from = at.touch > before ? at.touch - before : 0;
+    const std::size_t to = std::min(at.relaxed + after, ticks.size());
+    return {ticks.begin() + static_cast<std::ptrdiff_t>(from),
+            ticks.begin() + static_cast<std::ptrdiff_t>(to)};
+}
+
+template <class Value>
+Series over_time(std::string name, const std::vector<TickRecord>& ticks, Value&& value) {
+    Series series{.name = std::move(name)};
+    for (const TickRecord& tick : ticks) {
+        series.x.push_back(time_of(tick));
+        series.y.push_back(value(tick));
+    }
+    return series;
+}
+
+/// Friction over time, > 0 where it acts as at the break-away, between the bounds of its cone.
+Panel force_panel(const std::vector<TickRecord>& ticks, double sign) {
+    Panel panel{.title = "(a) Friction force",
+                .x = {.label = "time", .unit = "s"},
+                .y = {.label = "F_T", .unit = "N"},
+                .height = 240.0};
+    panel.series = {
+        over_time("friction", ticks,
+                  [sign](const TickRecord& t) { return sign * t.tangential_force; }),
+        over_time("± μ F_N", ticks, [](const TickRecord& t) { return t.mu * t.normal_force; }),
+        over_time("± μ F_N", ticks, [](const TickRecord& t) { return -t.mu * t.normal_force; })};
+    for (const std::size_t i : {1U, 2U}) {
+        panel.series[i].ink = Ink::vermillion;
+        panel.series[i].stroke = Stroke::dashed;
+        panel.series[i].width = 1.2;
+    }
+    return panel;
+}
+
+}  // namespace
+
+MadeFigure make_stick_slip() {
+    const std::vector<TickRecord> all = recorded();
+    const Passage at = first_passage(all);
+    const std::vector<TickRecord> ticks = window(all, at);
+    const double t_touch = time_of(all[at.touch]);
+    const double t_release = time_of(all[at.release]);
+    const double t_relaxed = time_of(all[at.relaxed]);
+    const std::vector<Shade> shades{{t_touch, t_release, "stuck", Ink::sky},
+                                    {t_release, t_relaxed, "transition", Ink::orange}};
+    const double sign = all[at.release].tangential_force < 0.0 ? -1.0 : 1.0;
+    Panel force = force_panel(ticks, sign);
+    force.shades = shades;
+    force.markers = {{t_touch, sign * all[at.touch].tangential_force, "contact"},
+                     {t_release, sign * all[at.release].tangential_force, "slips"},
+                     {t_relaxed, sign * all[at.relaxed].tangential_force, "relaxed"}};
+    Panel mu{.title = "(b) Coefficient of friction",
+             .x = {.label = "time", .unit = "s"},
+             .y = {.label = "μ", .unit = "", .low = 0.47, .high = 0.73},
+             .height = 150.0};
+    mu.series = {over_time(
+        "", ticks, [](const TickRecord& t) { return t.mode == Mode::free ? std::nan("") : t.mu; })};
+    mu.shades = shades;
+    Figure figure{.id = "fig_3_3_1",
+                  .title = "Figure 3.3.1: a stick-slip transition with the simulated device",
+                  .panels = {force, mu},
+                  .caption = "",
+                  .width = 860.0};
+    figure.caption = fmt::format(
+        "Ticks recorded from the 1 kHz servo loop with the simulated pantograph (encoder counts, "
+        "motor limits) and hand on the convex object of the study, K = 1000 N/m. Contact at "
+        "{:.3f} s, break-away at {:.3f} s, μ relaxed at {:.3f} s: the transition takes {:.0f} "
+        "ms. tau_slip was set to {:.4g} ms, for which μ falls to a thousandth of its way in "
+        "{:.0f} ms, the length of the transition that the thesis shows.",
+        t_touch, t_release, t_relaxed, 1e3 * (t_relaxed - t_release), 1e3 * kTauSlip,
+        1e3 * kTransition);
+    return {svg(figure),
+            {{"",
+              {column("time_s", ticks, &time_of),
+               column("mode", ticks, [](const TickRecord& t) { return static_cast<int>(t.mode); }),
+               column("friction_n", ticks, [](const TickRecord& t) { return t.tangential_force; }),
+               column("normal_n", ticks, [](const TickRecord& t) { return t.normal_force; }),
+               column("mu", ticks, [](const TickRecord& t) { return t.mu; }),
+               column("hip_x_m", ticks, [](const TickRecord& t) { return t.hip.x; }),
+               column("hip_y_m", ticks, [](const TickRecord& t) { return t.hip.y; }),
+               column("go_x_m", ticks, [](const TickRecord& t) { return t.go.x; }),
+               column("go_y_m", ticks, [](const TickRecord& t) { return t.go.y; })}}}};
+}
+
+}  // namespace palpate::figures

@@ -1,0 +1,141 @@
+#include "tests/figures/surface_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "engine/surface/surface_scene.hpp"
+#include "tests/figures/friction_run.hpp"
+#include "tests/figures/tick_finder.hpp"
+
+namespace palpate::figures {
+namespace {
+
+using engine::Mode;
+using engine::NurbsSurface;
+using engine::Vec3;
+
+constexpr double kOutside = 0.006;   // m outside, to begin with
+constexpr double kDepth = 0.005;     // m, of the first slide
+constexpr double kDeeper = 0.0085;   // m, of the second
+constexpr double kInwards = 0.02;    // m/s, along the normal
+constexpr double kPress = 0.01;      // m/s, from the first depth to the second
+constexpr double kAlong = 0.02;      // m/s
+constexpr double kFirst = 0.30;      // v of the touch
+constexpr double kSlideOne = 0.012;  // m along, before pressing
+constexpr double kSlideTwo = 0.014;  // m along, after pressing
+
+/// HIP below the surface's point at (kSurfaceU, v); depth < 0 above it.
+Vec3 below(const NurbsSurface& surface, double v, double depth) {
+    return surface.at(kSurfaceU, v).point - depth * surface.normal(kSurfaceU, v);
+}
+
+void line(std::vector<Vec3>& path, const Vec3& to, double speed) {
+    const Vec3 from = path.back();
+    const double length = glm::length(to - from);
+    const int ticks = std::max(1, static_cast<int>(std::ceil(length / (speed * kFrictionTick))));
+    for (int i = 1; i <= ticks; ++i) {
+        path.push_back(from + (static_cast<double>(i) / ticks) * (to - from));
+    }
+}
+
+/// Along v at constant depth. @return v at the end
+double along(
+    const NurbsSurface& surface, std::vector<Vec3>& path, double v, double depth, double length) {
+    constexpr double kDifference = 1e-5;  // of v
+    const int ticks = static_cast<int>(std::ceil(length / (kAlong * kFrictionTick)));
+    for (int i = 0; i < ticks; ++i) {
+        const double rate = glm::length(below(surface, v + kDifference, depth) -
+                                        below(surface, v - kDifference, depth)) /
+                            (2.0 * kDifference);
+        v += length / ticks / rate;
+        path.push_back(below(surface, v, depth));
+    }
+    return v;
+}
+
+std::vector<Vec3> path_over(const NurbsSurface& surface) {
+    std::vector<Vec3> path{below(surface, kFirst, -kOutside)};
+    line(path, below(surface, kFirst, kDepth), kInwards);
+    double v = along(surface, path, kFirst, kDepth, kSlideOne);
+    line(path, below(surface, v, kDeeper), kPress);
+    v = along(surface, path, v, kDeeper, kSlideTwo);
+    return path;
+}
+
+}  // namespace
+
+std::shared_ptr<const NurbsSurface> dome() {
+    constexpr std::array<double, 4> kFlat{-0.05, -0.0167, 0.0167, 0.05};  // m
+    std::vector<std::vector<Vec3>> points(4);
+    std::vector<std::vector<double>> weights(4);
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < 4; ++j) {
+            const bool inner_u = i == 1 || i == 2;
+            const bool inner_v = j == 1 || j == 2;
+            const double height = inner_u && inner_v ? 0.046 : inner_u || inner_v ? 0.014 : 0.0;
+            points[i].push_back({kFlat.at(i), kFlat.at(j), height});
+            weights[i].push_back(inner_u && inner_v ? 1.5 : 1.0);
+        }
+    }
+    const std::vector<double> knots{0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0};
+    return std::make_shared<const NurbsSurface>(3, 3, knots, knots, points, weights);
+}
+
+SurfaceRun felt_on_dome(const std::shared_ptr<const NurbsSurface>& surface) {
+    const engine::SurfaceScene scene(surface,
+                                     engine::SceneSpec{.stiffness = kFrictionStiffness,
+                                                       .period = kFrictionTick,
+                                                       .friction = {.mu_s = kFrictionStatic,
+                                                                    .mu_d = kFrictionDynamic,
+                                                                    .tau_slip = kFrictionSlip,
+                                                                    .tau_heal = kFrictionHeal}});
+    engine::SurfaceState state;
+    SurfaceRun run;
+    for (const Vec3& hip : path_over(*surface)) {
+        const engine::SurfaceContact c = scene.tick(state, hip);
+        run.push_back({.t = static_cast<double>(run.size()) * kFrictionTick,
+                       .hip = hip,
+                       .mode = c.mode,
+                       .go = c.go,
+                       .force = c.force,
+                       .depth = c.cp.inside ? c.cp.distance : 0.0,
+                       .normal_force = c.normal_force,
+                       .friction_force = c.tangential_force,
+                       .mu = c.mu,
+                       .go_u = c.go_u,
+                       .go_v = c.go_v});
+    }
+    return run;
+}
+
+SurfaceMarkers find_markers(const SurfaceRun& run) {
+    constexpr double kFriction = 1e-6;  // N: less is rounding
+    constexpr double kDeeperBy = 1e-6;  // m a tick: less is rounding
+    using Tick = SurfaceTick;
+    const auto breaks = [](const Tick&, const Tick& now, const Tick&) {
+        return now.mode == Mode::transition || now.mode == Mode::slip;
+    };
+    TickFinder<SurfaceTick> find(run);
+    SurfaceMarkers at;
+    at[0] =
+        find.next([](const Tick&, const Tick& now, const Tick&) { return now.mode != Mode::free; });
+    at[1] = find.next(
+        [](const Tick&, const Tick&, const Tick& next) { return next.friction_force > kFriction; });
+    at[2] = find.next(breaks);
+    at[3] = find.next([](const Tick&, const Tick& now, const Tick& next) {
+        return next.depth > now.depth + kDeeperBy;
+    });
+    at[4] = find.next(
+        [](const Tick&, const Tick& now, const Tick&) { return now.mode == Mode::stuck; });
+    at[5] = find.next([](const Tick& before, const Tick& now, const Tick& next) {
+        return now.depth > before.depth + kDeeperBy && next.depth <= now.depth + kDeeperBy;
+    });
+    at[6] = find.next(breaks);
+    at[7] =
+        find.next([](const Tick&, const Tick& now, const Tick&) { return now.mode == Mode::slip; });
+    return at;
+}
+
+}  // namespace palpate::figures

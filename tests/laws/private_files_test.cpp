@@ -1,0 +1,116 @@
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using tests::Finished;
+using tests::palpate_command;
+using tests::palpate_program;
+using tests::TemporaryFolder;
+
+// What the program leaves behind for others to read, and how it is built.
+
+TEST_CASE("whatever is written with participants' codes is its owner's alone", "[privacy][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                             "--participant", "P1", "--db", file, "--headless"})
+                .code == 0);
+    const auto others_read = [&](const std::vector<std::string>& words, const std::string& made) {
+        CAPTURE(words, made);
+        const Finished end = palpate_command(words);
+        CAPTURE(end.error);
+        REQUIRE(end.code == 0);
+        using std::filesystem::perms;
+        return (std::filesystem::status(folder.file(made)).permissions() &
+                (perms::group_all | perms::others_all)) != perms::none;
+    };
+    const std::string page = folder.file("codes.html");
+    const std::string script = folder.file("codes.R");
+    const std::string out = folder.file("codes");
+    CHECK_FALSE(others_read({"report", file, "--kind", "simulated", "--keep-codes", "-o", page},
+                            "codes.html"));
+    CHECK_FALSE(others_read(
+        {"stats", file, "--kind", "simulated", "--keep-codes", "--emit-r", script}, "codes.R"));
+    CHECK_FALSE(
+        others_read({"export", file, "--kind", "simulated", "--keep-codes", "-o", out}, "codes"));
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
+        CAPTURE(entry.path());
+        CHECK((entry.is_directory() ||
+               (entry.status().permissions() & std::filesystem::perms::others_all) ==
+                   std::filesystem::perms::none));
+    }
+    CHECK(tests::slurp(page).find("P1") != std::string::npos);
+}
+
+TEST_CASE("a link that somebody laid leads to no file of theirs", "[privacy][law]") {
+    const TemporaryFolder folder;
+    const std::string victim = folder.file("victim");
+    std::ofstream(victim) << "theirs";
+    const auto finished = [&](const std::string& command) {
+        const Finished end =
+            tests::Process({"sh", "-c", command}, {"SDL_VIDEODRIVER=dummy"}).wait();
+        CAPTURE(command, end.error);
+        CHECK(end.code == 0);
+        CHECK(tests::slurp(victim) == "theirs");
+    };
+    // A name that can be foretold: the process's number is the shell's.
+    finished("ln -s '" + victim + "' '" + folder.file("d.sqlite") + "'.$$.part; exec '" +
+             palpate_program() +
+             "' run " PALPATE_SOURCE_DIR
+             "/tests/golden/four_trials.toml --participant P1 --headless --db '" +
+             folder.file("d.sqlite") + "'");
+    std::filesystem::create_directory(folder.file("screens"));
+    finished("ln -s '" + folder.file("nobody") + "' '" + folder.file("screens") +
+             "/end.png'; exec '" + palpate_program() + "' screenshots --protocol pilot -o '" +
+             folder.file("screens") + "'");
+    CHECK_FALSE(std::filesystem::exists(folder.file("nobody")));
+    CHECK_FALSE(std::filesystem::is_symlink(folder.file("screens/end.png")));
+}
+
+TEST_CASE("an export says of what was noted afterwards no time since the first trial",
+          "[privacy][export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                             "--participant", "P1", "--db", file, "--headless"})
+                .code == 0);
+    REQUIRE(palpate_command({"mark", file, "2", "--invalid", "slept"}).code == 0);
+    REQUIRE(palpate_command({"note", file, "slept", "--participant", "P1"}).code == 0);
+    REQUIRE(
+        palpate_command({"export", file, "--kind", "simulated", "-o", folder.file("out")}).code ==
+        0);
+    std::ifstream rows(folder.file("out/events.csv"));
+    std::string head;
+    std::getline(rows, head);
+    REQUIRE(head.find(",event_kind,mark_undone,text,since_first_ns,") != std::string::npos);
+    int late = 0;
+    for (std::string row; std::getline(rows, row);) {
+        CAPTURE(row);
+        if (row.find(",mark,0,,,") != std::string::npos ||
+            row.find(",note,,,,") != std::string::npos) {
+            ++late;
+        } else {
+            CHECK((row.find(",mark,") == std::string::npos &&
+                   row.find(",note,") == std::string::npos));
+        }
+    }
+    CHECK(late == 2);
+}
+
+#if defined(NDEBUG) && !defined(PALPATE_SANITIZED)
+TEST_CASE("the program is built for files of strangers: canaries, checked copies, bound at once",
+          "[build]") {
+    const Finished dynamic = tests::Process({"readelf", "-d", palpate_program()}).wait();
+    CHECK(dynamic.code == 0);
+    CHECK(dynamic.out.find("BIND_NOW") != std::string::npos);
+    CHECK(dynamic.out.find("PIE") != std::string::npos);
+    const Finished symbols =
+        tests::Process({"readelf", "--dyn-syms", "-W", palpate_program()}).wait();
+    CHECK(symbols.out.find("__stack_chk_fail") != std::string::npos);
+    CHECK(symbols.out.find("_chk@GLIBC") != std::string::npos);
+}
+#endif

@@ -1,0 +1,124 @@
+#include <csignal>
+#include <filesystem>
+#include <functional>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/free_board.hpp"
+#include "tests/support/rig_file.hpp"
+#include "tests/support/rig_study.hpp"
+#include "tests/support/stop_ways.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::eventually;
+using tests::Finished;
+using tests::FreeBoard;
+using tests::TemporaryFolder;
+
+// Weak pulses before there is a session, and whoever wants none any more: the shipped program, a
+// board on a pseudo-terminal whose handle nobody holds, a terminal, another shell and a pipe in
+// place of a button.
+
+TEST_CASE("weak pulses of an opening and of commission end by every way to stop, nothing is made",
+          "[commission][haply][safety][law]") {
+    const bool opening = GENERATE(true, false);
+    CAPTURE(opening);
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    const tests::Terminal terminal;
+    tests::StopButton button(folder.file("button"));
+    const std::string made = folder.file(opening ? "d.sqlite" : "new.toml");
+    std::vector<std::string> words{
+        tests::palpate_program(), "commission", "--device", board.word(), "-o", made};
+    if (opening) {
+        words = {tests::palpate_program(),
+                 "run",
+                 tests::study_of_rig(folder),
+                 "--participant",
+                 "P1",
+                 "--db",
+                 made,
+                 "--device",
+                 board.word(),
+                 "--kind",
+                 "real",
+                 "--windowed",
+                 "--calibration",
+                 tests::commissioned_rig(folder, board.word())};
+    }
+    words.insert(words.end(), {"--stop-button", folder.file("button"), "--handle-free"});
+    const auto ends = [&](const std::string& way, const std::function<void(pid_t)>& act,
+                          int code = 3) {
+        CAPTURE(way);
+        Finished end;
+        bool pulsed = false;
+        // A busy machine may leave the board without its turn before any pulse: then once more.
+        for (int attempt = 0; attempt < 8 && !pulsed; ++attempt) {
+            board.bring("0,89.3");
+            tests::Process program(words, {std::string(tests::kTerminal) + "=" + terminal.name(),
+                                           "SDL_VIDEODRIVER=dummy"});
+            std::size_t asked = 0;
+            CHECK(eventually([&] {
+                const std::string out = program.out();
+                const std::size_t asks = out.rfind("Bring the handle to");
+                if (asks != std::string::npos && asks >= asked) {
+                    asked = out.size();
+                    board.bring(tests::last_place(out.substr(asks)));
+                    terminal.type("\n");
+                }
+                pulsed = board.motors() != "0, 0";
+                return pulsed || !program.running();
+            }));
+            if (pulsed) {
+                act(program.id());
+            }
+            end = program.wait();
+        }
+        REQUIRE(pulsed);
+        CHECK(end.code == code);
+        CHECK_THAT(end.error, ContainsSubstring(code == 3 ? "stopped" : ""));
+        CHECK(eventually([&] { return board.motors() == "0, 0"; }));
+        CHECK_FALSE(std::filesystem::exists(made));
+        CHECK((code != 3 || terminal.as_before()));  // who is killed leaves Escape behind
+    };
+    ends("terminal", [&](pid_t) { terminal.type("\x1b"); });
+    ends("palpate stop", [&](pid_t) {
+        const Finished called = tests::palpate_command({"stop"});
+        CHECK(called.code == 0);
+        CHECK_THAT(called.out, ContainsSubstring("weak pulses that prove a rig"));
+    });
+    ends("signal", [&](pid_t program) { kill(program, SIGINT); });
+    ends("hung up", [&](pid_t program) { kill(program, SIGHUP); });
+    ends("stop button", [&](pid_t) {
+        button.send(1);
+        button.send(0);
+    });
+    ends("stop button gone", [&](pid_t) { button.unplug(); });
+    button.plug_in();
+    ends(
+        "killed", [&](pid_t program) { kill(program, SIGKILL); }, 128 + SIGKILL);
+}
+
+TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    const tests::Terminal terminal;
+    const std::string made = folder.file("new.toml");
+    tests::Process program({tests::palpate_program(), "commission", "--device", board.word(), "-o",
+                            made, "--handle-free"},
+                           {std::string(tests::kTerminal) + "=" + terminal.name()});
+    REQUIRE(
+        eventually([&] { return program.out().find("Bring the handle to") != std::string::npos; }));
+    terminal.type("\x1b");
+    bool pulsed = false;
+    CHECK(eventually([&] {
+        pulsed = pulsed || board.motors() != "0, 0";
+        return !program.running();
+    }));
+    const Finished end = program.wait();
+    CHECK(end.code == 3);
+    CHECK_THAT(end.error, ContainsSubstring("stopped"));
+    CHECK_FALSE(pulsed);
+    CHECK_FALSE(std::filesystem::exists(made));
+    CHECK(terminal.as_before());
+}

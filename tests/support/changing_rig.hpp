@@ -1,0 +1,132 @@
+#pragma once
+
+#include <map>
+#include <utility>
+
+#include "protocols/session/trust.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/faulty.hpp"
+
+/// A rig that changes while it is not looked at, and what a session keeps of it.
+namespace palpate::tests {
+
+using namespace protocols;
+using engine::Trip;
+
+/// Keeps the kinds of events, and what trust they leave: written by hand beside the fold.
+class Kinds : public Recorder {
+public:
+    TrialId begin_trial(const PlannedTrial& /*planned*/) override { return ++trial_; }
+    void begin_interval(TrialId /*trial*/,
+                        const Presentation& /*felt*/,
+                        const SceneConstants& /*scene*/) override {}
+    void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {}
+    void end_trial(TrialId /*trial*/, const TrialResult& /*result*/) override {}
+    void event(const Event& event) override {
+        ++count[event.kind];
+        count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
+        causes[event.value] += event.kind == EventKind::fault ? 1U : 0U;
+        anew += event.value == kAnew ? 1U : 0U;
+    }
+    void finish_session() override {}
+
+    std::map<EventKind, std::size_t> count;
+    std::map<std::string, std::size_t> count_of_key;
+    std::map<std::string, std::size_t> causes;  ///< of faults
+    std::size_t anew = 0;                       ///< reconnections of a device that began anew
+
+private:
+    TrialId trial_ = 0;
+};
+
+/// A rig with the truth beside what is believed: it changes at faults and in breaks, and is proved
+/// by steps that fail for the first tries after each change. No force may be felt on one that was
+/// not looked at since.
+class ChangingRig : public FaultyApparatus {
+public:
+    ChangingRig(World& world, int wrong, Trip cause)
+        : FaultyApparatus(world), wrong_(wrong), cause_(cause) {}
+
+    void begin(const engine::SceneView& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override {
+        CHECK(placed);
+        CHECK(pulsed);
+        CHECK(since++ < kMaxTrialsOfAProof);
+        FaultyApparatus::begin(scene, planned, interval);
+    }
+    engine::ServoStatus advance() override {
+        const auto status = FaultyApparatus::advance();
+        if (status == engine::ServoStatus::faulted) {
+            change();
+        }
+        return status;
+    }
+    [[nodiscard]] Trip trip() const override {
+        return FaultyApparatus::trip() == Trip::over_speed ? cause_ : FaultyApparatus::trip();
+    }
+    [[nodiscard]] bool has_proof() const noexcept override { return true; }
+    [[nodiscard]] bool began_anew() override { return std::exchange(anew_, false); }
+    [[nodiscard]] engine::ShortForm prove_place() override {
+        CHECK_FALSE(force_on);
+        return step(places_left_, placed, "the handle is elsewhere");
+    }
+    [[nodiscard]] engine::ShortForm prove_motors() override {
+        CHECK_FALSE(force_on);
+        CHECK(placed);  // a force at a wrong place proves nothing
+        ++pulses;
+        const auto form = step(pulses_left_, pulsed, "a motor is too strong");
+        since = pulsed ? 0 : since;
+        return form;
+    }
+    void change() {
+        placed = pulsed = false;
+        anew_ = begins_anew;
+        places_left_ = pulses_left_ = wrong_;
+    }
+
+    bool begins_anew = false;  ///< at each change
+    int pulses = 0;
+    bool placed = false;
+    bool pulsed = false;
+    std::size_t since = 0;  ///< trials since pulses were right
+
+private:
+    static engine::ShortForm step(int& left, bool& right, const char* why) {
+        right = left == 0;
+        left -= left > 0 ? 1 : 0;
+        return right ? engine::ShortForm{.refused = {}, .found = "as it should be"}
+                     : engine::ShortForm{.refused = why, .found = {}};
+    }
+    bool anew_ = false;
+    int wrong_;
+    Trip cause_;
+    int places_left_ = 0;
+    int pulses_left_ = 0;
+};
+
+/// Somebody in whose breaks the rig changes.
+class Meddler : public Patient {
+public:
+    explicit Meddler(ChangingRig& rig) : rig_(&rig) {}
+    Signal rest(double seconds, const TrialView& next) override {
+        rig_->change();
+        return Patient::rest(seconds, next);
+    }
+
+private:
+    ChangingRig* rig_;
+};
+
+inline SessionEnd run_on(const Protocol& protocol,
+                         ChangingRig& rig,
+                         Patient& observer,
+                         Kinds& kept) {
+    const Plan plan = plan_of(protocol);
+    return run_session(
+        protocol, plan, {}, SessionProgress(protocol, plan, {}),
+        {.apparatus = rig, .observer = observer, .recorder = kept, .pause = [](double) {
+         }});
+}
+
+}  // namespace palpate::tests
