@@ -253,6 +253,11 @@ Table audit_table(const Audit& audit) {
     return table;
 }
 
+std::string gap_text(const AuditGap& gap) {
+    return fmt::format("no answer with friction {}, so no difference with it: {}", gap.friction,
+                       fmt::join(gap.people, ", "));
+}
+
 std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
     const Audit audit = audit_of(database, choice, bounds);
     std::string text = fmt::format(
@@ -267,8 +272,7 @@ std::string audit_text(Database& database, const TrialChoice& choice, const Audi
         audit.study, choice.kind);
     text += left_out_text(audit.left_out);
     for (const AuditGap& gap : audit.gaps) {
-        text += fmt::format("    no answer with friction {}, so no difference with it: {}\n",
-                            gap.friction, fmt::join(gap.people, ", "));
+        text += "    " + gap_text(gap) + '\n';
     }
     text += table_text(audit_table(audit));
     const std::string versions = versions_text(versions_of(database));

@@ -107,6 +107,9 @@ struct Audit {
 /// In words for people.
 [[nodiscard]] std::string_view verdict_text(const std::optional<Equivalence>& found);
 
+/// Who is in no difference, and why, in one line.
+[[nodiscard]] std::string gap_text(const AuditGap& gap);
+
 /// A row a quantity and friction: differences, intervals and bounds in m, as ratios, as shares.
 [[nodiscard]] Table audit_table(const Audit& audit);
 

@@ -153,6 +153,9 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
                         : fmt::format(" Of the rig {}: {}.",
                                       differs.size() == 1 ? "one differs" : "these differ",
                                       fmt::join(differs, "; "))));
+    for (const AuditGap& gap : audit.gaps) {
+        page.paragraph(fmt::format("There is {}.", gap_text(gap)));
+    }
     page.figure(figure);
 }
 

@@ -101,6 +101,11 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
                ContainsSubstring("no answer with friction on, so no difference with it: " + second +
                                  "\n"));
     CHECK_THAT(line_of(audit().out, "late ticks"), ContainsSubstring("  2  "));
+    const std::string page = folder.file("page.html");
+    REQUIRE(palpate_command({"report", file, "--kind", "simulated", "-o", page}).code == 0);
+    CHECK_THAT(tests::slurp(page), ContainsSubstring("There is no answer with friction on, so no "
+                                                     "difference with it: " +
+                                                     second + "."));
     const auto made = nlohmann::json::parse(
         palpate_command({"audit", file, "--kind", "simulated", "--json"}).out);
     CHECK(made.at("no_answer_with").dump() ==
