@@ -7,6 +7,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/stop_ways.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -53,6 +54,16 @@ std::string refused_at_a_board(const TemporaryFolder& folder,
     CHECK(end.code != 0);
     CHECK(end.out.empty());  // not even the word that nobody holds the handle is noted
     return end.error;
+}
+
+/// With what was typed at its terminal beforehand.
+tests::Finished typed(std::vector<std::string> command, const char* keys) {
+    const tests::Terminal terminal;
+    terminal.type(keys);
+    command.insert(command.begin(), tests::palpate_program());
+    return tests::Process(command, {std::string(tests::kTerminal) + "=" + terminal.name(),
+                                    "DISPLAY", "WAYLAND_DISPLAY"})
+        .wait();
 }
 
 /// A session on a device that is broken off after its first answer.
@@ -103,9 +114,14 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
 
     // Another calibration is another rig; this one is meant. The next resumption knows the last,
     // not the first.
-    CHECK(palpate_command(words(file, "sim", {"--calibration", "haplet"})).code == 2);
-    const auto end =
-        palpate_command(words(file, "sim", {"--calibration", "haplet", "--other-device"}));
+    const std::vector<std::string> another = words(file, "sim", {"--calibration", "haplet"});
+    CHECK(palpate_command(another).code == 2);
+    const auto wrong = typed(another, "P2\n");  // at a terminal it is asked for
+    CHECK(wrong.code == 1);
+    CHECK_THAT(wrong.error, ContainsSubstring("type the participant's code") &&
+                                ContainsSubstring("the session goes on with its own device"));
+    CHECK(ask(file, "SELECT count(*) FROM event") == events);
+    const auto end = typed(another, "P1\n");
     CAPTURE(end.out, end.error);
     CHECK(end.code == 0);
     CHECK(ask(file, "SELECT count(DISTINCT calibration_sha256) FROM analysis_trial") == "2");
