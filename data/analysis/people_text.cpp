@@ -270,15 +270,4 @@ std::string answers_text(Database& database,
     return text;
 }
 
-std::string no_correct_text(Database& database, const Group& group) {
-    Statement row = database.prepare(
-        "SELECT count(*) - count(correct), count(*) FROM analysis_trial WHERE counts AND "
-        "study_name = ?1 AND session_kind = ?2 AND phase = 'main'");
-    row.bind(1, group.study).bind(2, group.kind).step();
-    return row.integer(0) == 0
-             ? std::string()
-             : fmt::format("\n  {} of {} have no correct (NULL): neither right nor wrong\n",
-                           row.integer(0), counted(row.integer(1), "answer"));
-}
-
 }  // namespace palpate::data

@@ -8,6 +8,7 @@
 
 #include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
+#include "data/tables/table.hpp"
 
 /// What a summary says of people: each for themselves, all together, and differences within a
 /// person.
@@ -52,15 +53,18 @@ struct PeopleTable {
                                        const Group& group,
                                        const std::set<std::string>& left_out = {});
 
-/// What the rule of a study came to in each run, person by person: thresholds, JNDs, sd and 95 %
-/// interval of the posterior, by the answers that count; then over people. Empty without a rule.
-[[nodiscard]] std::string runs_text(Database& database,
-                                    const Group& group,
+/// What the rule of a study came to in each run: thresholds, JNDs, sd and 95 % interval of the
+/// posterior, by the answers that count; of a rule that estimates nothing the shares.
+struct RuleRuns {
+    Table runs{};                      ///< how many answers each has
+    Table estimates{};                 ///< a row an estimate
+    Table shares{};                    ///< a row a stimulus
+    std::vector<PeopleTable> means{};  ///< of each estimate, a condition a run
+};
+/// Empty without a rule.
+[[nodiscard]] RuleRuns rule_runs(Database& database, const Group& group);
+/// Run by run, unless somebody is left out (then it stands above), then over people.
+[[nodiscard]] std::string runs_text(const RuleRuns& found,
                                     const std::set<std::string>& left_out = {});
-/// Its means by estimate, a condition a run.
-[[nodiscard]] std::vector<PeopleTable> runs_tables(Database& database, const Group& group);
-
-/// How many answers of main trials are neither right nor wrong; empty where all are.
-[[nodiscard]] std::string no_correct_text(Database& database, const Group& group);
 
 }  // namespace palpate::data

@@ -17,6 +17,8 @@ namespace {
 using protocols::Estimate;
 using protocols::Protocol;
 
+constexpr const char* kVerify = "unknown; palpate verify says more";
+
 /// A run of a session that has at least one answer.
 struct Run {
     std::string person;
@@ -60,60 +62,88 @@ bool of_a_share(std::string_view name) {
     return name == "lapse" || name == "guess";
 }
 
-std::string estimate_line(const Estimate& one, std::size_t width) {
-    std::string text = fmt::format("      {:<{}}  ", one.name, width);
-    if (!one.mean) {
-        return text + "unknown: it has no reversal yet\n";
-    }
-    text += fmt::format("{:<8.4g}  sd {:<8}", *one.mean,
-                        one.sd ? fmt::format("{:.4g}", *one.sd) : "unknown");
-    if (one.low && one.high) {
-        text += fmt::format("  {:.4g} to {:.4g}", *one.low, *one.high);
-        text += one.cut && !of_a_share(one.name)
-                  ? "   (to the end of the protocol's grid: it may be further out)"
-                  : "";
-    } else {
-        text += fmt::format("  {}", counted(one.reversals, "reversal"));
-    }
-    return text + '\n';
+/// Of a session, a run of its rule: the first cells of a row.
+std::vector<Cell> cells_of(const Run& run) {
+    return {run.person, run.number, run.name};
+}
+
+void add_row(Table& table, const Run& run, std::vector<Cell> more) {
+    std::vector<Cell> row = cells_of(run);
+    row.insert(row.end(), more.begin(), more.end());
+    table.rows.push_back(std::move(row));
+}
+
+/// A row for each run, with more columns.
+Table of_runs(std::string place, std::vector<Column> more) {
+    Table table{.place = std::move(place),
+                .columns = {{.key = "person", .words = "person"},
+                            {.key = "session", .words = "session"},
+                            {.key = "run", .words = "run"}},
+                .index = 3};
+    table.columns.insert(table.columns.end(), more.begin(), more.end());
+    return table;
+}
+
+RuleRuns nothing_found() {
+    const auto number = Column::Says::significant;
+    RuleRuns found{
+        .runs = of_runs("runs/-", {{.key = "answers", .words = "answers"},
+                                   {.key = "planned", .words = "of"},
+                                   {.key = "marked", .words = "marked, left out"},
+                                   {.key = "no_correct", .words = "without correct"}}),
+        .estimates =
+            of_runs("estimates/-", {{.key = "estimate", .words = "estimate"},
+                                    {.key = "mean", .words = "mean", .says = number},
+                                    {.key = "sd", .words = "sd", .says = number},
+                                    {.key = "interval_95", .words = "interval", .says = number},
+                                    {.key = "reversals", .words = "reversals"},
+                                    {.key = "remark", .words = " "}}),
+        .shares = of_runs("shares/-", {{.key = "stimulus", .words = "at", .says = number},
+                                       {.key = "k", .words = "k"},
+                                       {.key = "n", .words = "of n"},
+                                       {.key = "share", .words = "share", .digits = 2},
+                                       {.key = "interval_95", .words = "interval", .digits = 2}})};
+    found.estimates.index = 4;
+    return found;
+}
+
+void add_estimate(RuleRuns& found, const Run& run, const Estimate& one) {
+    const bool interval = one.low && one.high;
+    const bool further = interval && one.cut && !of_a_share(one.name);
+    add_row(found.estimates, run,
+            {one.name, cell_of(one.mean, "unknown: it has no reversal yet"), cell_of(one.sd),
+             interval ? Cell(Interval{*one.low, *one.high}) : Cell(Nothing{}),
+             interval ? Cell(Nothing{}) : cell_of(one.reversals),
+             further ? Cell("to the end of the protocol's grid: it may be further out")
+                     : Cell(Nothing{})});
 }
 
 /// How often each stimulus of a rule that estimates nothing was answered with 1.
-std::string constant_lines(Database& database, const Run& run) {
+void add_shares(RuleRuns& found, Database& database, const Run& run) {
     Statement row = database.prepare(
         "SELECT stimulus, sum(rule_outcome), count(*), max(rule_outcome) FROM analysis_trial WHERE"
         " session_id = ?1 AND run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus");
     row.bind(1, run.session).bind(2, run.run);
-    std::string text;
     while (row.step()) {
         if (row.integer(3) > 1) {
-            return "      more than two answers: SELECT stimulus, rule_outcome FROM analysis_trial "
-                   "WHERE run_trial_number IS NOT NULL\n";
+            add_row(found.shares, run,
+                    {Nothing{"more than two answers: SELECT stimulus, rule_outcome FROM "
+                             "analysis_trial WHERE run_trial_number IS NOT NULL"},
+                     Nothing{}, Nothing{}, Nothing{}, Nothing{}});
+            return;
         }
-        const Interval ci = wilson(row.integer(1), row.integer(2));
-        text +=
-            fmt::format("      at {:<8.4g}  {:>3} of {:>3} = {:.2f} ({:.2f} to {:.2f})\n",
-                        row.real(0), row.integer(1), row.integer(2),
-                        static_cast<double>(row.integer(1)) / static_cast<double>(row.integer(2)),
-                        ci.low, ci.high);
+        const std::int64_t k = row.integer(1);
+        const std::int64_t n = row.integer(2);
+        add_row(found.shares, run,
+                {row.real(0), k, n, static_cast<double>(k) / static_cast<double>(n), wilson(k, n)});
     }
-    return text;
 }
 
-std::string head_line(const Run& run, const Protocol& protocol) {
-    std::string text =
-        fmt::format("    {} session {}, run {}: {} of {}", run.person, run.number, run.name,
-                    run.answers, counted(protocol.procedure->trials, "answer"));
-    if (run.marked > 0) {
-        text += fmt::format(", {} of them marked later and left out", run.marked);
-    }
-    return text + fmt::format("; {} without correct\n", run.no_correct);
-}
-
-/// By the name of an estimate, in their order; a person's mean is that over their sessions.
-using Means = std::vector<PeopleTable>;
-
-void add(Means& means, const std::string& estimate, const Run& run, double mean) {
+/// Tables by the name of an estimate, in their order; a person's mean is that over their sessions.
+void add(std::vector<PeopleTable>& means,
+         const std::string& estimate,
+         const Run& run,
+         double mean) {
     auto table = std::ranges::find(means, estimate, &PeopleTable::what);
     if (table == means.end()) {
         means.push_back({.what = estimate, .factor = "run", .share = false});
@@ -127,33 +157,30 @@ void add(Means& means, const std::string& estimate, const Run& run, double mean)
     own.mean += (mean - own.mean) / static_cast<double>(own.n);
 }
 
-std::string run_text(Database& database, const Run& run, const Protocol& protocol, Means& means) {
-    std::string text = head_line(run, protocol);
+void add_run(RuleRuns& found, Database& database, const Run& run, const Protocol& protocol) {
+    add_row(found.runs, run,
+            {run.answers, cell_of(protocol.procedure->trials), run.marked, run.no_correct});
     try {
         const auto runs = runs_that_count(database, run.session);
         const protocols::Procedure& procedure = runs.of(static_cast<std::size_t>(run.run));
         std::vector<Estimate> all = procedure.estimates();
         if (all.empty()) {
-            return text + constant_lines(database, run);
+            add_shares(found, database, run);
+            return;
         }
         const std::optional<Estimate> jnd = procedure.jnd();
         if (jnd) {
             all.insert(all.begin() + 1, *jnd);
         }
-        std::size_t width = 0;
         for (const Estimate& one : all) {
-            width = std::max(width, one.name.size());
-        }
-        for (const Estimate& one : all) {
-            text += estimate_line(one, width);
+            add_estimate(found, run, one);
             const bool of_people = !jnd || one.name == "threshold" || one.name == "JND";
             if (one.mean && procedure.trials() > 0 && of_people && !of_a_share(one.name)) {
-                add(means, one.name, run, *one.mean);
+                add(found.means, one.name, run, *one.mean);
             }
         }
-        return text;
     } catch (const std::exception&) {  // what was stored is not what the rule takes
-        return text + "      unknown; palpate verify says more\n";
+        found.runs.rows.back()[3] = Nothing{kVerify};
     }
 }
 
@@ -246,62 +273,49 @@ std::string standard_text(const Protocol& protocol) {
 
 std::string legend(const Protocol& protocol) {
     const protocols::ProcedureSpec& spec = *protocol.procedure->rule.spec;
-    return standard_text(protocol) +
-           std::visit(Meaning{protocol.response.kind == protocols::ResponseKind::two_interval},
-                      spec);
-}
-
-/// Runs, what is said of each, and the means of each estimate.
-struct RunsRead {
-    std::vector<Run> runs;
-    std::string text;
-    Means means;
-    std::optional<Protocol> protocol;  ///< of the last
-};
-
-RunsRead read_runs(Database& database, const Group& group) {
-    RunsRead read{.runs = runs_of(database, group), .text = {}, .means = {}, .protocol = {}};
-    for (const Run& run : read.runs) {
-        read.protocol = protocol_of(database, run.session);
-        if (!read.protocol || !read.protocol->procedure) {
-            read.text += fmt::format("    {} session {}: unknown; palpate verify says more\n",
-                                     run.person, run.number);
-            continue;
-        }
-        read.text += run_text(database, run, *read.protocol, read.means);
-    }
-    // Whoever came first: the first run is what others are less.
-    for (PeopleTable& table : read.means) {
-        std::ranges::stable_sort(table.conditions, {}, [&](const std::string& name) {
-            return std::ranges::min(
-                       read.runs, {},
-                       [&](const Run& run) { return std::pair(run.name != name, run.run); })
-                .run;
-        });
-    }
-    return read;
+    std::string text =
+        standard_text(protocol) +
+        std::visit(Meaning{protocol.response.kind == protocols::ResponseKind::two_interval}, spec);
+    text.pop_back();  // the line's end
+    return text;
 }
 
 }  // namespace
 
-std::vector<PeopleTable> runs_tables(Database& database, const Group& group) {
-    return read_runs(database, group).means;
+RuleRuns rule_runs(Database& database, const Group& group) {
+    RuleRuns found = nothing_found();
+    const std::vector<Run> runs = runs_of(database, group);
+    std::optional<Protocol> protocol;  // of the last
+    for (const Run& run : runs) {
+        protocol = protocol_of(database, run.session);
+        if (protocol && protocol->procedure) {
+            add_run(found, database, run, *protocol);
+        } else {
+            add_row(found.runs, run, {Nothing{kVerify}, Nothing{}, Nothing{}, Nothing{}});
+        }
+    }
+    // Whoever came first: the first run is what others are less.
+    for (PeopleTable& table : found.means) {
+        std::ranges::stable_sort(table.conditions, {}, [&](const std::string& name) {
+            return std::ranges::min(
+                       runs, {},
+                       [&](const Run& run) { return std::pair(run.name != name, run.run); })
+                .run;
+        });
+    }
+    found.runs.title = "  what the rule estimates, run by run";
+    if (protocol && protocol->procedure) {
+        found.runs.title += '\n' + legend(*protocol);
+    }
+    return found;
 }
 
-std::string runs_text(Database& database,
-                      const Group& group,
-                      const std::set<std::string>& left_out) {
-    const RunsRead read = read_runs(database, group);
-    if (read.runs.empty()) {
-        return {};
-    }
+std::string runs_text(const RuleRuns& found, const std::set<std::string>& left_out) {
     std::string text;
     if (left_out.empty()) {
-        text = "\n  what the rule estimates, run by run\n";
-        text += read.protocol && read.protocol->procedure ? legend(*read.protocol) : std::string();
-        text += read.text;
+        text = table_text(found.runs) + table_text(found.estimates) + table_text(found.shares);
     }
-    for (const PeopleTable& table : read.means) {
+    for (const PeopleTable& table : found.means) {
         text += people_text(table, left_out);
     }
     return text;

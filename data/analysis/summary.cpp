@@ -111,7 +111,7 @@ std::string confusion_text(Database& database, const Group& group) {
 
 /// Whom the protocol's rules leave out, and the shares without them; nothing where there are no
 /// rules.
-std::string exclusions_text(Database& database, const Group& group) {
+std::string exclusions_text(Database& database, const Group& group, const RuleRuns& runs) {
     const Exclusions exclusions = judge(database, group.study, group.kind);
     if (!exclusions.rules) {
         return {};
@@ -139,57 +139,70 @@ std::string exclusions_text(Database& database, const Group& group) {
                left_out.size() == 1 ? "this one" : "these") +
            (left_out.size() == everybody.size()
                 ? std::string("\n  nobody is left\n")
-                : answers_text(database, group, left_out) + runs_text(database, group, left_out));
+                : answers_text(database, group, left_out) + runs_text(runs, left_out));
 }
 
-/// Trials that a fault cut short; nothing as long as there are none.
-std::int64_t faults_of(Database& database, const Group& group) {
+/// What stands beside the answers that count; nothing is said of none.
+struct Counts {
+    std::int64_t faulted = 0;  ///< trials that a fault cut short
+    std::int64_t invalid = 0;  ///< answers that do not count
+    std::int64_t no_correct = 0;
+    std::int64_t answers = 0;  ///< of main trials, that count
+};
+
+Counts counts_of(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT count(*) FROM trial JOIN session USING (session_id) JOIN study USING (study_id) "
-        "WHERE study_name = ?1 AND session_kind = ?2 AND outcome = 'faulted'");
+        "SELECT (SELECT count(*) FROM trial JOIN session USING (session_id) JOIN study USING "
+        "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND outcome = 'faulted'),"
+        " count(*) FILTER (WHERE invalid_reason IS NOT NULL),"
+        " count(*) FILTER (WHERE counts AND phase = 'main' AND correct IS NULL),"
+        " count(*) FILTER (WHERE counts AND phase = 'main')"
+        " FROM analysis_trial WHERE study_name = ?1 AND session_kind = ?2");
     row.bind(1, group.study).bind(2, group.kind).step();
-    return row.integer(0);
+    return {row.integer(0), row.integer(1), row.integer(2), row.integer(3)};
 }
 
-std::string faults_text(Database& database, const Group& group) {
-    const std::int64_t n = faults_of(database, group);
-    return n == 0 ? std::string()
-                  : fmt::format("\n  {} ended by a fault and not counted: SELECT * FROM fault\n",
-                                counted(n, "trial"));
+std::string counts_text(const Counts& counts) {
+    std::string text;
+    if (counts.answers > 0) {
+        text += fmt::format("\n  {} of {} have no correct (NULL): neither right nor wrong\n",
+                            counts.no_correct, counted(counts.answers, "answer"));
+    }
+    if (counts.faulted > 0) {
+        text += fmt::format("\n  {} ended by a fault and not counted: SELECT * FROM fault\n",
+                            counted(counts.faulted, "trial"));
+    }
+    if (counts.invalid > 0) {
+        text += fmt::format(
+            "\n  {} invalid and left out: SELECT * FROM analysis_trial WHERE invalid_reason IS "
+            "NOT NULL\n",
+            counted(counts.invalid, "answered trial is", "answered trials are"));
+    }
+    return text;
 }
 
-/// Answers that do not count; nothing as long as there are none.
-std::string invalid_text(Database& database, const Group& group) {
-    Statement row = database.prepare(
-        "SELECT count(*) FROM analysis_trial WHERE invalid_reason IS NOT NULL AND study_name = ?1 "
-        "AND session_kind = ?2");
-    row.bind(1, group.study).bind(2, group.kind).step();
-    const std::int64_t n = row.integer(0);
-    return n == 0 ? std::string()
-                  : fmt::format(
-                        "\n  {} invalid and left out: SELECT * FROM analysis_trial WHERE "
-                        "invalid_reason IS NOT NULL\n",
-                        counted(n, "answered trial is", "answered trials are"));
-}
-
-/// Sessions that were felt on more than one device; nothing as long as there are none.
-std::string devices_text(Database& database, const Group& group) {
+/// Sessions that were felt on more than one device.
+Table devices_table(Database& database, const Group& group) {
     Statement row = database.prepare(
         "SELECT participant_code, session_number, device, coalesce(calibration_sha256, ''),"
         " count(*), count(*) OVER (PARTITION BY session_id) FROM analysis_trial WHERE"
         " study_name = ?1 AND session_kind = ?2 GROUP BY session_id, device, calibration_sha256"
         " ORDER BY participant_code, session_number, min(trial_id)");
     row.bind(1, group.study).bind(2, group.kind);
-    std::string text;
+    Table table{.place = "devices/-",
+                .title = "  CAUTION: felt on more than one device or calibration",
+                .columns = {{.key = "person", .words = "person"},
+                            {.key = "session", .words = "session"},
+                            {.key = "attempts", .words = "attempts"},
+                            {.key = "device", .words = "on"}},
+                .index = 2};
     while (row.step()) {
         if (row.integer(5) > 1) {
-            text += fmt::format("    {} session {}: {} on {}\n", row.text(0), row.integer(1),
-                                counted(row.integer(4), "attempt"),
-                                device_text({.name = row.text(2), .calibration = row.text(3)}));
+            table.rows.push_back({row.text(0), row.integer(1), row.integer(4),
+                                  device_text({.name = row.text(2), .calibration = row.text(3)})});
         }
     }
-    return text.empty() ? text
-                        : "\n  CAUTION: felt on more than one device or calibration:\n" + text;
+    return table;
 }
 
 /// For a POSIX shell.
@@ -207,12 +220,12 @@ std::string summary_text(Database& database) {
     const Snapshot now(database);
     std::string text;
     for (const Group& group : groups(database)) {
+        const RuleRuns runs = rule_runs(database, group);
         text += title(group) + confusion_text(database, group) + answers_text(database, group) +
-                runs_text(database, group) + exclusions_text(database, group) +
-                no_correct_text(database, group) + faults_text(database, group) +
-                invalid_text(database, group) + '\n' +
+                runs_text(runs) + exclusions_text(database, group, runs) +
+                counts_text(counts_of(database, group)) + '\n' +
                 left_out_text(left_out_of(database, group.study, group.kind, true)) +
-                devices_text(database, group) + '\n';
+                table_text(devices_table(database, group)) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";
@@ -229,10 +242,19 @@ std::string summary_json(Database& database) {
                 {"studies", Json::array()}};
     for (const Group& group : groups(database)) {
         const LeftOut account = left_out_of(database, group.study, group.kind, true);
+        const Counts counts = counts_of(database, group);
+        const RuleRuns runs = rule_runs(database, group);
         Json one = {{"study", group.study},
                     {"kind", group.kind},
                     {"left_out", left_out_json(account)},
-                    {"faulted_trials", faults_of(database, group)},
+                    {"faulted_trials", counts.faulted},
+                    {"invalid_answers", counts.invalid},
+                    {"no_correct", counts.no_correct},
+                    {"answers", counts.answers},
+                    {"devices", Json::array()},
+                    {"runs", Json::array()},
+                    {"estimates", Json::array()},
+                    {"shares", Json::array()},
                     {"confusion", Json::array()},
                     {"applied", Json::array()},
                     {"not_applied", Json::array()}};
@@ -240,11 +262,15 @@ std::string summary_json(Database& database) {
              chooses_pictures(database, group) ? confusion_of(database, group) : Confusion()) {
             one["confusion"].push_back({{"felt", pair.first}, {"chosen", pair.second}, {"n", n}});
         }
+        for (const Table& table :
+             {devices_table(database, group), runs.runs, runs.estimates, runs.shares}) {
+            put_table(one, table);
+        }
         std::set<std::string> excluded;
         for (const LeftOut::Reason& reason : account.broken) {
             excluded.insert(reason.person);
         }
-        for (const auto& tables : {answers_tables(database, group), runs_tables(database, group)}) {
+        for (const auto& tables : {answers_tables(database, group), runs.means}) {
             for (const PeopleTable& table : tables) {
                 one["applied"].push_back(people_json(table, excluded));
                 one["not_applied"].push_back(people_json(table, {}));
