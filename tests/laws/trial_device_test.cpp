@@ -119,8 +119,8 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     CHECK(palpate_command(another).code == 2);
     const auto wrong = typed(another, "P2\n");  // at a terminal it is asked for
     CHECK(wrong.code == 1);
-    CHECK_THAT(wrong.error, ContainsSubstring("type the participant's code") &&
-                                ContainsSubstring("the session goes on with its own device"));
+    CHECK_THAT(wrong.out, ContainsSubstring("type the participant's code"));
+    CHECK_THAT(wrong.error, ContainsSubstring("the session goes on with its own device"));
     CHECK(ask(file, "SELECT count(*) FROM event") == events);
     const auto end = typed(another, "P1\n");
     CAPTURE(end.out, end.error);
