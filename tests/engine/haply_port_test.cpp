@@ -94,8 +94,11 @@ TEST_CASE("a board unplugged and plugged in again over a real port reads right a
     CHECK_FALSE(device->reconnect());
     CHECK_THAT(device->trouble(), ContainsSubstring("there is no device at "));
     board.plug(true);
-    CHECK_FALSE(device->reconnect());  // back, but where is the handle?
-    CHECK_THAT(device->trouble(), ContainsSubstring("put the handle at its home pose"));
+    // Back, but where is the handle? A busy machine opens the port at a second try.
+    CHECK(eventually([&] {
+        REQUIRE_FALSE(device->reconnect());
+        return device->trouble().find("put the handle at its home pose") != std::string::npos;
+    }));
     CHECK(eventually([&] { return device->reconnect(); }));
     CHECK(device->trouble().empty());
     reading = device->read();
