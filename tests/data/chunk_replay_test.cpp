@@ -132,7 +132,7 @@ TEST_CASE(
     "the sizes of chunks, the order in which they are asked for and an early end change no bit",
     "[replay][trace][law]") {
     data::Database database(tests::demo_file(), data::Access::read);
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
     CAPTURE(seed);
     tests::Random random(seed);
     const Recorded recorded(database, 1 + random.below(10));
@@ -154,7 +154,7 @@ TEST_CASE(
 TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is given",
           "[replay][trace][law]") {
     data::Database database(tests::demo_file(), data::Access::read);
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{6}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
     CAPTURE(seed);
     tests::Random random(seed);
     const Recorded recorded(database, 2);

@@ -95,7 +95,7 @@ std::size_t open_blocks(data::Database& database,
 
 TEST_CASE("real participants begin with each friction in turns, whoever else ran",
           "[store][friction_blocks][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{6}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
     CAPTURE(seed);
     const TemporaryFolder folder;
     data::Database database(folder.file("d.sqlite"), data::Access::write);
@@ -122,7 +122,7 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
 
 TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back",
           "[store][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{8}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
     CAPTURE(seed);
     const TemporaryFolder folder;
     data::Database database(folder.file("d.sqlite"), data::Access::write);

@@ -79,7 +79,7 @@ Acknowledged record_and_kill(const std::string& file,
 TEST_CASE(
     "kill -9 at any moment: the file is sound, nothing acknowledged is lost, the order goes on",
     "[store][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     CAPTURE(seed);
     tests::Random random(seed);
     const TemporaryFolder folder;

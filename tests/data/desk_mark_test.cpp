@@ -168,7 +168,7 @@ private:
 
 TEST_CASE("with marks at the desk a session that is resumed runs the order of an unbroken one",
           "[session][desk][law]") {
-    const auto seed = GENERATE(range(0ULL, 2ULL));
+    const auto seed = GENERATE(palpate::tests::seeds(2ULL));
     CAPTURE(seed);
     const std::string unbroken = attempts(seed, 0);
     CHECK(unbroken.find(kMarkedAtDesk) != std::string::npos);
@@ -180,7 +180,7 @@ TEST_CASE("with marks at the desk a session that is resumed runs the order of an
 
 TEST_CASE("verify finds nothing wrong in a session with marks and pauses on every screen",
           "[session][desk][law]") {
-    const auto seed = GENERATE(range(0ULL, 2ULL));
+    const auto seed = GENERATE(palpate::tests::seeds(2ULL));
     CAPTURE(seed);
     const tests::TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
@@ -219,7 +219,7 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
 
 TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark",
           "[session][desk][law]") {
-    const auto seed = GENERATE(range(0ULL, 4ULL));
+    const auto seed = GENERATE(palpate::tests::seeds(4ULL));
     CAPTURE(seed);
     const tests::TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);

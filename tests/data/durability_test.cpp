@@ -128,7 +128,7 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
 
 TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old",
           "[store][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{6}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
     CAPTURE(seed);
     tests::Random random(seed);
     const TemporaryFolder folder;

@@ -101,7 +101,7 @@ int run_to_the_end(Database& database,
 TEST_CASE(
     "resumed from its database after any kill, a session with faults runs as the unbroken one",
     "[store][fault][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
     CAPTURE(seed);
     const TemporaryFolder folder;
     const auto spec = tests::session_spec(tests::short_protocol());
@@ -130,7 +130,7 @@ TEST_CASE(
 TEST_CASE(
     "the last ticks before a fault are there in plain SQL, also when the trace lost its chunks",
     "[store][fault][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{10}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
     CAPTURE(seed);
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);

@@ -95,7 +95,7 @@ TEST_CASE(
         hold_against_grid(model, fit_curve(model));
     }
     SECTION("drawn answers") {
-        const auto seed = GENERATE(range(0U, 60U));
+        const auto seed = GENERATE(palpate::tests::seeds(60U));
         CAPTURE(seed);
         Random random(seed);
         const CurveSpec spec{

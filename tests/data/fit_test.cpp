@@ -69,7 +69,7 @@ double value(const CurveSpec& spec, const CurveFit& fit, Quantity quantity) {
 }  // namespace
 
 TEST_CASE("two levels are fitted exactly by the line through both quantiles", "[fit][law]") {
-    const auto seed = GENERATE(range(0U, 30U));
+    const auto seed = GENERATE(palpate::tests::seeds(30U));
     const Family family = GENERATE(from_range(kFamilies));
     CAPTURE(seed, family);
     Random random(seed);
@@ -116,7 +116,7 @@ TEST_CASE("two levels are fitted exactly by the line through both quantiles", "[
 }
 
 TEST_CASE("the gradient of the log-likelihood is the limit of its differences", "[fit][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(seed);
     const Family family = kFamilies[seed % 6];
@@ -157,7 +157,7 @@ TEST_CASE("the gradient of the log-likelihood is the limit of its differences", 
 
 TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with what is called a 1",
           "[fit][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     const Family family = GENERATE(Family::normal, Family::logistic);
     CAPTURE(seed, family);
     Random random(seed);
@@ -206,7 +206,7 @@ TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with wh
 }
 
 TEST_CASE("a Weibull is the same on its three axes", "[fit][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     Random random(seed);
     const Case one = some_case(Family::weibull, 0.5, 0.02);
@@ -237,7 +237,7 @@ TEST_CASE("a Weibull is the same on its three axes", "[fit][law]") {
 TEST_CASE(
     "a prior that knows all leaves its mode, one that knows nothing the maximum of likelihood",
     "[fit][law]") {
-    const auto seed = GENERATE(range(0U, 10U));
+    const auto seed = GENERATE(palpate::tests::seeds(10U));
     CAPTURE(seed);
     Random random(seed);
     const Case one = some_case(Family::logistic, 0.0, 0.0);

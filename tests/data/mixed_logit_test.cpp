@@ -86,7 +86,7 @@ TEST_CASE("n nodes of Gauss and Hermite integrate every power below 2 n exactly"
 
 TEST_CASE("the quadrature's likelihood is that of a dense grid, and Laplace's is near it",
           "[inference][law]") {
-    const auto seed = GENERATE(range(0U, 6U));
+    const auto seed = GENERATE(palpate::tests::seeds(6U));
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -102,7 +102,7 @@ TEST_CASE("the quadrature's likelihood is that of a dense grid, and Laplace's is
 }
 
 TEST_CASE("where people do not differ the likelihood is that of coins", "[inference][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     std::mt19937_64 random(seed);
     const People people = drawn_people(random, 5, 30, 0.3, 0.5, 0.5);
     double wanted = 0.0;
@@ -120,7 +120,7 @@ TEST_CASE("where people do not differ the likelihood is that of coins", "[infere
 
 TEST_CASE("a fit is the highest point around, and turning the conditions round turns its effect",
           "[inference][law]") {
-    const auto seed = GENERATE(range(0U, 8U));
+    const auto seed = GENERATE(palpate::tests::seeds(8U));
     CAPTURE(seed);
     std::mt19937_64 random(100 + seed);
     People people = drawn_people(random, 10, 40, -0.5, 0.7, 0.4);

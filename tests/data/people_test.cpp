@@ -68,7 +68,7 @@ constexpr const char* kAnswered =
 
 TEST_CASE("with answers that do not count, a session resumed anywhere runs as the unbroken one",
           "[store][invalid][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
     CAPTURE(seed);
     const TemporaryFolder folder;
     auto protocol = tests::small_protocol(2);

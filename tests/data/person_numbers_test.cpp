@@ -112,7 +112,7 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
 
 TEST_CASE("the area of confidence is the share of pairs, ties half, counted one by one",
           "[inference][law]") {
-    const auto seed = GENERATE(range(0U, 30U));
+    const auto seed = GENERATE(palpate::tests::seeds(30U));
     std::mt19937 random(seed);
     const auto levels = [&] {
         std::vector<double> all(1 + random() % 20);
@@ -137,7 +137,7 @@ TEST_CASE("the area of confidence is the share of pairs, ties half, counted one 
 
 TEST_CASE("a trend gives back the slopes of a plane, and leaves out what it cannot tell apart",
           "[inference][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     const double a = uniform(random);

@@ -69,7 +69,7 @@ public:
 }  // namespace
 
 TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[store][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{8}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
     const bool async = GENERATE(false, true);
     CAPTURE(seed, async);
     const TemporaryFolder folder;

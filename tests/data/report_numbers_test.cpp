@@ -18,7 +18,7 @@ namespace {}  // namespace
 
 TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say their value",
           "[report][law]") {
-    const auto seed = GENERATE(range(0U, 300U));
+    const auto seed = GENERATE(palpate::tests::seeds(300U));
     CAPTURE(seed);
     Random random(seed);
     const double size = random.decade(-12.0, 12.0);

@@ -85,7 +85,7 @@ Figure one_panel(std::vector<double> x, std::vector<double> y) {
 
 TEST_CASE("every figure is well-formed, the same twice, and its data lie inside its axes",
           "[report][law]") {
-    const auto seed = GENERATE(range(0U, 120U));
+    const auto seed = GENERATE(palpate::tests::seeds(120U));
     CAPTURE(seed);
     Random random(seed);
     const Figure figure = random_figure(random);

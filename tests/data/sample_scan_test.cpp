@@ -65,7 +65,7 @@ std::string random_condition(tests::Random& random, const std::string& trial) {
 
 TEST_CASE("a query gives the same rows with and without the index", "[sample][law]") {
     Opened database(demo_file());
-    const auto seed = GENERATE(range(0U, 48U));
+    const auto seed = GENERATE(palpate::tests::seeds(48U));
     tests::Random with(seed);
     tests::Random without(seed);
     const std::string columns[] = {

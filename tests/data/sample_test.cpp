@@ -133,7 +133,7 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     tests::Random random(seed);
     const auto chunk =
         rows_of(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial_id = 4");

@@ -107,7 +107,7 @@ TEST_CASE("intervals of shares are those of Newcombe's table", "[sql][functions]
 
 TEST_CASE("at the ends of an exact interval the binomial tails are what is left of the confidence",
           "[sql][functions][law]") {
-    const auto seed = GENERATE(range(0U, 200U));
+    const auto seed = GENERATE(palpate::tests::seeds(200U));
     tests::Random random(seed);
     const int n = 1 + random.below(80);
     const int k = random.below(n + 1);
@@ -124,7 +124,7 @@ TEST_CASE("at the ends of an exact interval the binomial tails are what is left 
 
 TEST_CASE("d' gives back the share that it came from, by closed forms for two and three",
           "[sql][functions][law]") {
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     tests::Random random(seed);
     const double d = random.in(-1.0, 4.0);
     CAPTURE(seed, d);
@@ -170,7 +170,7 @@ TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[s
 }
 
 TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][functions][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     tests::Random random(seed);
     Asked asked;
     std::vector<double> x(static_cast<std::size_t>(2 + random.below(40)));
@@ -214,7 +214,7 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
 
 TEST_CASE("over any window a function says to the bit what the rows of its frame say as a group",
           "[sql][functions][law]") {
-    const auto seed = GENERATE(range(0U, 25U));
+    const auto seed = GENERATE(palpate::tests::seeds(25U));
     tests::Random random(seed);
     const int before = random.below(6);
     const int after = random.below(6) - 2;

@@ -10,7 +10,7 @@ using protocols::EventKind;
 
 TEST_CASE("a trial's device is the last one that was meant before it, or the session's first",
           "[store][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{50}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
     CAPTURE(seed);
     tests::Random random(seed);
     const TrialDevice first{.name = "first", .calibration = "0"};

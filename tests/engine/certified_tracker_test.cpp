@@ -62,7 +62,7 @@ private:
 }  // namespace
 
 TEST_CASE("certified tracking gives the global closest point on every tick", "[contact][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(seed);
     const double size = random.decade(-4.0, 2.0);
@@ -131,7 +131,7 @@ TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its p
 }
 
 TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[rendering][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     Random random(seed);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
@@ -158,7 +158,7 @@ TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[ren
 
 TEST_CASE("a damper takes energy from a moving hand and never pulls or leaves the cone",
           "[rendering][law]") {
-    const auto seed = GENERATE(range(0U, 30U));
+    const auto seed = GENERATE(palpate::tests::seeds(30U));
     CAPTURE(seed);
     Random random(seed);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});

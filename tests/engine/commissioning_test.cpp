@@ -144,7 +144,7 @@ TEST_CASE(
     "tenth, "
     "and the same twice as strong or half do not",
     "[commissioning][law]") {
-    const auto seed = GENERATE(range(0U, palpate::tests::cases(8U)));
+    const auto seed = GENERATE(palpate::tests::seeds(8U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const CommissioningResult right = commissioned(plant, {}, {});
@@ -188,7 +188,7 @@ TEST_CASE("a motion that mass and friction do not explain blames no motor",
 TEST_CASE(
     "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
     "[commissioning][law]") {
-    const auto seed = GENERATE(range(0U, palpate::tests::cases(6U)));
+    const auto seed = GENERATE(palpate::tests::seeds(6U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant, {}, {}).record;

@@ -29,7 +29,7 @@ double finely(double z, double travel, int steps, const std::function<double(dou
 
 TEST_CASE("Dahl's law is its differential equation, solved finely, for every exponent",
           "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 30U));
+    const auto seed = GENERATE(palpate::tests::seeds(30U));
     CAPTURE(seed);
     Random random(seed);
     tests::LawCase c = tests::random_law_case(LawKind::dahl, random);
@@ -67,7 +67,7 @@ TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[fr
 }
 
 TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     CAPTURE(seed);
     Random random(seed);
     tests::LawCase c = tests::random_law_case(LawKind::lugre, random);
@@ -120,7 +120,7 @@ TEST_CASE("an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, 
 
 TEST_CASE("Hayward and Armstrong's law is its differential equation, solved finely",
           "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     Random random(seed);
     tests::LawCase c = tests::random_law_case(LawKind::hayward_armstrong, random);
@@ -144,7 +144,7 @@ TEST_CASE("Hayward and Armstrong's law is its differential equation, solved fine
 
 TEST_CASE("Hayward and Armstrong's law holds for good below its share, and is Dahl's without one",
           "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     Random random(seed);
     const Friction friction{.mu_s = 0.5, .mu_d = 0.5};

@@ -17,7 +17,7 @@ using palpate::tests::Random;
 
 TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever hand and friction",
           "[rendering][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(seed);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});

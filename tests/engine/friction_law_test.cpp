@@ -36,7 +36,7 @@ Friction random_friction(Random& random) {
 
 TEST_CASE("friction stays inside the cone: |F_T| <= mu F_N and mu <= mu_s on every tick",
           "[friction][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Friction friction = random_friction(random);
@@ -61,7 +61,7 @@ TEST_CASE("friction stays inside the cone: |F_T| <= mu F_N and mu <= mu_s on eve
 // normal: in the triangle c, h, GO the law of sines gives sin(angle at h) = R sin(atan mu) / |h -
 // c|.
 TEST_CASE("a slipping god-object rests where the law of sines puts it", "[friction][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const double kappa = random.in(2.0, 12.0);
@@ -96,7 +96,7 @@ TEST_CASE("a slipping god-object rests where the law of sines puts it", "[fricti
 
 TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick",
           "[friction][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
@@ -209,7 +209,7 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
 }  // namespace
 
 TEST_CASE("with vertex slew the force never steps by more than the bound", "[friction][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     const double rate = GENERATE(1000.0, 4000.0);
     CAPTURE(seed, rate);
     const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
@@ -219,7 +219,7 @@ TEST_CASE("with vertex slew the force never steps by more than the bound", "[fri
 
 TEST_CASE("round a shallow corner the force never steps by more than the bound",
           "[friction][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
     CAPTURE(seed);
     const Scene scene(
         std::make_shared<const Outline>(Outline(

@@ -23,7 +23,7 @@ struct Anchored {
 }  // namespace
 
 TEST_CASE("the maps of velocity are their formulas", "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     CAPTURE(seed);
     Random random(seed);
     for (const LawKind kind : {LawKind::coulomb_sign, LawKind::viscous, LawKind::stribeck}) {
@@ -51,7 +51,7 @@ TEST_CASE("the maps of velocity are their formulas", "[friction][law]") {
 
 TEST_CASE("stiction and Karnopp's law are a spring from where HIP stuck, and Coulomb's law else",
           "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     CAPTURE(seed);
     Random random(seed);
     for (const LawKind kind : {LawKind::stiction, LawKind::karnopp}) {
@@ -101,7 +101,7 @@ TEST_CASE("coming to rest keeps the force, to within the travel of the tick", "[
 
 TEST_CASE("the reset integrator and the friction cone are anchors that HIP drags along",
           "[friction][law]") {
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     CAPTURE(seed);
     Random random(seed);
     for (const LawKind kind : {LawKind::reset_integrator, LawKind::friction_cone}) {

@@ -31,7 +31,7 @@ Calibration any_gantry(Random& random) {
 
 TEST_CASE("three straight axes stand at home + r q, to 50 nm, within their ends and nowhere else",
           "[gantry][law]") {
-    const auto seed = GENERATE(range(0U, 100U));
+    const auto seed = GENERATE(palpate::tests::seeds(100U));
     CAPTURE(seed);
     Random random(seed);
     const Calibration calibration = any_gantry(random);
@@ -66,7 +66,7 @@ TEST_CASE(
     "torques are r F, a force that is too strong keeps its direction, and one up to the weakest is "
     "given",
     "[gantry][law]") {
-    const auto seed = GENERATE(range(0U, 100U));
+    const auto seed = GENERATE(palpate::tests::seeds(100U));
     CAPTURE(seed);
     Random random(seed);
     const Calibration calibration = any_gantry(random);

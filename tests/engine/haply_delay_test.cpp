@@ -62,7 +62,7 @@ TEST_CASE("answers that take too long for a force are refused, at first and afte
 }
 
 TEST_CASE("each reading is as old as it says, however the board's answers come", "[haply][law]") {
-    const auto seed = GENERATE(range(0U, 12U));
+    const auto seed = GENERATE(palpate::tests::seeds(12U));
     CAPTURE(seed);
     Random random(seed);
     HaplyBench bench;

@@ -50,7 +50,7 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
 
 TEST_CASE("an answer on its way at a rest is never taken for another: no garbage, no old reading",
           "[haply][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(seed);
     HaplyBench bench;
@@ -246,7 +246,7 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
 
 TEST_CASE("in a thousand seconds of random faults the driver never sends what it must not",
           "[haply][law]") {
-    const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, palpate::tests::cases(100))));
+    const auto seed = static_cast<std::uint64_t>(GENERATE(palpate::tests::seeds(100)));
     CAPTURE(seed);
     Random random(seed);
     HaplyBench bench;
@@ -316,7 +316,7 @@ TEST_CASE("in a thousand seconds of random faults the driver never sends what it
 }
 
 TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", "[haply][law]") {
-    const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, 200)));
+    const auto seed = static_cast<std::uint64_t>(GENERATE(palpate::tests::seeds(200)));
     CAPTURE(seed);
     Random random(seed);
     HaplyBench bench;

@@ -41,7 +41,7 @@ double worst_error(const NurbsData<D>& data, double size) {
 
 TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definition says",
           "[geometry][law]") {
-    const auto seed = GENERATE(range(0U, 150U));
+    const auto seed = GENERATE(palpate::tests::seeds(150U));
     CAPTURE(seed);
     Random random(seed);
     const double size = random.decade(-6.0, 3.0);
@@ -53,7 +53,7 @@ TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definiti
 }
 
 TEST_CASE("derivatives are those of the definition", "[geometry][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(1000U + seed);
     const NurbsData<2> data = random_nurbs<2>(random, 0.1, 0.5);

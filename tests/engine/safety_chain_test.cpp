@@ -10,7 +10,7 @@ using namespace palpate::engine;
 using palpate::tests::Random;
 
 TEST_CASE("no command is stronger than the limit, and its direction is kept", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.max_force = random.in(0.5, 10.0), .ramp_step = 1.0};
@@ -49,7 +49,7 @@ TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safe
 }
 
 TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{50}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
@@ -64,7 +64,7 @@ TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]"
 
 TEST_CASE("a command changes no faster than the slew limit, within the force limit",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
@@ -131,7 +131,7 @@ TEST_CASE("what device or scene report switches off in the same tick, with that 
 }
 
 TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
@@ -241,7 +241,7 @@ TEST_CASE("where no new reading comes there is no force until one does, and then
 
 TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{400}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{400}));
     CAPTURE(seed);
     Random random(seed);
     const auto perhaps = [&](double value) {

@@ -46,7 +46,7 @@ Vec2 on_arc(const Vec2& middle, double radius, double from, double to, double t)
 }  // namespace
 
 TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Pantograph device = coarse();
@@ -63,7 +63,7 @@ TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safet
 }
 
 TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Pantograph device = coarse();
@@ -85,7 +85,7 @@ TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][
 
 TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     const std::size_t axis = GENERATE(0U, 1U);
     CAPTURE(seed, axis);
     Random random(seed);
@@ -133,7 +133,7 @@ TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck en
 
 TEST_CASE("encoders that all stand still under a force end it within 0.3 s, whatever the force",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     CAPTURE(seed);
     Random random(seed);
     const int axes = random.coin() ? 2 : 3;
@@ -162,7 +162,7 @@ TEST_CASE("encoders that all stand still under a force end it within 0.3 s, what
 
 TEST_CASE("a hand that rests within a count keeps its force, which eases until it moves one",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Pantograph device = coarse();

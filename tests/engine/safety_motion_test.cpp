@@ -33,7 +33,7 @@ int trips_at(const SafetyLimits& limits, double speed, double angle, double coun
 
 TEST_CASE("a hand above the speed limit trips within the window, and one below it never",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{
@@ -58,7 +58,7 @@ TEST_CASE("a count of 0.1 mm a tick trips no speed limit of 0.05 m/s", "[safety]
 }
 
 TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.ramp_step = 1.0, .jump = random.in(0.001, 0.02)};
@@ -79,7 +79,7 @@ TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
 }
 
 TEST_CASE("old readings and late ticks give the hand the time it really had", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{200}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{200}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.0015};
@@ -103,7 +103,7 @@ TEST_CASE("old readings and late ticks give the hand the time it really had", "[
 
 TEST_CASE("a trial that begins with an old reading takes its way from the first fresh one",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.01};

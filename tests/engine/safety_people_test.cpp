@@ -7,7 +7,7 @@ using palpate::tests::Random;
 
 TEST_CASE("a screen without a sign of life for longer than allowed switches off, not before",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.ramp_step = 1.0, .screen_silence = random.in(0.05, 1.0)};
@@ -28,7 +28,7 @@ TEST_CASE("a screen without a sign of life for longer than allowed switches off,
 
 TEST_CASE("the force ends with its time by the servo's own count, and a ramp out may end after it",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
     CAPTURE(seed);
     Random random(seed);
     const double period = random.coin() ? 1e-3 : 2.5e-4;

@@ -48,7 +48,7 @@ PressedWall pressed(const Machine& machine, const Vec2& side, double hand, doubl
 
 TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     CAPTURE(seed);
     Random random(seed);
     // Of a light hand to one that just gives way: 200 N/m pull against it.
@@ -64,7 +64,7 @@ TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is 
 
 TEST_CASE("a reversed or swapped motor is found on one side of an object at least",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     CAPTURE(seed);
     Random random(seed);
     const double hand = seed == 0 ? 60.0 : random.in(50.0, 120.0);
@@ -80,7 +80,7 @@ TEST_CASE("a reversed or swapped motor is found on one side of an object at leas
 
 TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard it presses",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     PressedWall wall = pressed(Machine{Vec2{1.0, 0.0}, Vec2{0.0, 1.0}}, {0.0, 1.0},
@@ -112,7 +112,7 @@ bool trips(double came, double on, double at, bool full = true) {
 
 TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
     const double came = random.in(0.03, 0.5);

@@ -107,7 +107,7 @@ TEST_CASE(
                                                          {Act::gives_energy, Trip::energy},
                                                          {Act::runs_away, Trip::runaway},
                                                          {Act::is_no_number, Trip::not_finite}}));
-    const auto seed = GENERATE(range(0U, 10U));
+    const auto seed = GENERATE(palpate::tests::seeds(10U));
     CAPTURE(static_cast<int>(act), seed);
     Random one(seed);
     Random other(seed);
@@ -133,7 +133,7 @@ TEST_CASE(
 
 TEST_CASE("a force in space keeps its direction at the limit, and a slew takes the straight way",
           "[safety][space][law]") {
-    const auto seed = GENERATE(range(0U, 100U));
+    const auto seed = GENERATE(palpate::tests::seeds(100U));
     CAPTURE(seed);
     Random random(seed);
     const SafetyLimits limits{.max_force = 5.0, .ramp_step = 1.0, .slew = random.in(0.05, 20.0)};
@@ -159,7 +159,7 @@ TEST_CASE(
     "within 0.6 m if only at every hill, and no other",
     "[safety][space][encoder][law]") {
     const int axis = GENERATE(0, 1, 2);
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     const auto pushed = GENERATE(as<std::string>(), "always", "over hills", "never");
     const bool stuck = GENERATE(true, false);
     CAPTURE(axis, seed, pushed, stuck);

@@ -57,7 +57,7 @@ TEST_CASE("without friction the force is K times the depth along the closest poi
 }
 
 TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
     CAPTURE(seed);
     for (const double kappa : kCurvatures) {
         for (const Friction& friction : {Friction{}, kSceneFriction}) {

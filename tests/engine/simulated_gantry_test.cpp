@@ -9,7 +9,7 @@ using namespace palpate::engine;
 
 TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper, on each axis",
           "[gantry][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> share{-0.9, 0.9};
@@ -59,7 +59,7 @@ TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and 
 
 TEST_CASE("the hand of a gantry comes down on the patch, crosses it and leaves, the same each time",
           "[gantry][law]") {
-    const auto seed = GENERATE(range(0U, 10U));
+    const auto seed = GENERATE(palpate::tests::seeds(10U));
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> turn{0.0, 6.28};
     const SurfaceExploration plan{.strokes = 6 + static_cast<int>(seed % 3), .turn = turn(random)};

@@ -9,7 +9,7 @@ using palpate::tests::Random;
 
 TEST_CASE("the slowest motion of a bow is the one that its closed form says",
           "[deformation][law]") {
-    const auto seed = GENERATE(range(0U, 20U));
+    const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     Random random(seed + 2908U);
     DnurbsSpec spec{.degree = 3,

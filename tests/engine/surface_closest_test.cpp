@@ -30,7 +30,7 @@ Vec3 random_point(Random& random, double size) {
 
 TEST_CASE("the closest point of any surface is the one an independent search finds",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(range(0U, 35U));
+    const auto seed = GENERATE(palpate::tests::seeds(35U));
     CAPTURE(seed);
     Random random(seed);
     const double size = seed % 5U == 4U ? random.decade(-4.0, 3.0) : 0.1;
@@ -58,7 +58,7 @@ TEST_CASE("the closest point of any surface is the one an independent search fin
 
 TEST_CASE("closest points of a ball, a ring and a tube are those of their formulas",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(range(0U, 6U));
+    const auto seed = GENERATE(palpate::tests::seeds(6U));
     CAPTURE(seed);
     Random random(seed);
     const double r = 0.03;
@@ -139,7 +139,7 @@ TEST_CASE("poles are found from every side", "[contact][surface]") {
 
 TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a search",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(range(0U, 16U));
+    const auto seed = GENERATE(palpate::tests::seeds(16U));
     CAPTURE(seed);
     Random random(seed);
     const SurfaceData data = bicubic_8x8(random, seed % 2U == 0U ? 0.0 : 0.7, 0.01 + 0.002 * seed);
@@ -165,7 +165,7 @@ TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a
 
 TEST_CASE("tracking over rings, folds, teleports and far away is global too",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(range(0U, 30U));
+    const auto seed = GENERATE(palpate::tests::seeds(30U));
     CAPTURE(seed);
     Random random(seed);
     const SurfaceFeet feet = feet_of(seed % 3U == 0U   ? torus(0.06, 0.02)
@@ -190,7 +190,7 @@ TEST_CASE("tracking over rings, folds, teleports and far away is global too",
 
 TEST_CASE("above a hollow, through and beyond its centres of curvature, the answer is global",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(range(0U, 6U));
+    const auto seed = GENERATE(palpate::tests::seeds(6U));
     CAPTURE(seed);
     Random random(seed);
     // z = (x^2 / R + y^2 / r) / 2: beyond z = R the lowest point splits into two, left and right.

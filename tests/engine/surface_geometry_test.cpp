@@ -33,7 +33,7 @@ double length(const Long3& a) {
 
 TEST_CASE("a surface of any degree, spacing and weights is what its definition says",
           "[geometry][surface][law]") {
-    const auto seed = GENERATE(range(0U, 120U));
+    const auto seed = GENERATE(palpate::tests::seeds(120U));
     CAPTURE(seed);
     Random random(seed);
     const double size = random.decade(-6.0, 3.0);
@@ -48,7 +48,7 @@ TEST_CASE("a surface of any degree, spacing and weights is what its definition s
 }
 
 TEST_CASE("derivatives of a surface are those of its definition", "[geometry][surface][law]") {
-    const auto seed = GENERATE(range(0U, 120U));
+    const auto seed = GENERATE(palpate::tests::seeds(120U));
     CAPTURE(seed);
     Random random(1000U + seed);
     const SurfaceData data = random_surface(random, 0.1, seed % 3U == 0U ? 0.0 : 0.5);
@@ -181,7 +181,7 @@ TEST_CASE("what is no surface is refused with the place, the value and the remed
 
 TEST_CASE("a surface of which a span is a mere curve is refused, however it is turned",
           "[geometry][surface][law]") {
-    const auto seed = GENERATE(range(0U, 40U));
+    const auto seed = GENERATE(palpate::tests::seeds(40U));
     CAPTURE(seed);
     Random random(seed + 2907U);
     SurfaceData d{.degree_u = 1 + random.below(3), .degree_v = 1 + random.below(3)};

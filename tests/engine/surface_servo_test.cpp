@@ -78,7 +78,7 @@ TEST_CASE(
     "in space the force is K times the depth, within the limit and its slew in all three "
     "coordinates, and every tick is computed again from HIP alone",
     "[servo][surface][law]") {
-    const auto seed = GENERATE(range(0U, 30U));
+    const auto seed = GENERATE(palpate::tests::seeds(30U));
     CAPTURE(seed);
     const Friction friction = seed % 2 == 0 ? Friction{} : Friction{0.6, 0.4, 0.02, 0.1};
     const SurfaceScene scene = wall(1000.0, friction);

@@ -46,7 +46,7 @@ TEST_CASE("outside a convex vertex nearest features give the thesis' borders, th
     const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
-    const auto seed = GENERATE(range(0U, 300U));
+    const auto seed = GENERATE(palpate::tests::seeds(300U));
     CAPTURE(seed);
     Random random(seed);
     const double angle =
@@ -70,7 +70,7 @@ TEST_CASE("inside a convex vertex nearest features meet on the bisector, end nor
     const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
-    const auto seed = GENERATE(range(0U, 300U));
+    const auto seed = GENERATE(palpate::tests::seeds(300U));
     CAPTURE(seed);
     Random random(seed);
     const double angle = random.in(-0.5, 0.5);  // from the bisector, > 0 towards the second edge
@@ -88,7 +88,7 @@ TEST_CASE("inside a convex vertex nearest features meet on the bisector, end nor
 
 TEST_CASE("inside and outside at vertices are those of the half-planes, convex and concave",
           "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 300U));
+    const auto seed = GENERATE(palpate::tests::seeds(300U));
     CAPTURE(seed);
     Random random(seed);
     const double turn = random.in(-1.5, 1.5);

@@ -47,7 +47,7 @@ const TrackerSpec kNewton{.kind = TrackerKind::newton, .iterations = 3};
 
 TEST_CASE("with an exact tracker the frictionless thesis scene is K times the penetration",
           "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 5U));
+    const auto seed = GENERATE(palpate::tests::seeds(5U));
     CAPTURE(seed);
     const auto curves = two_cubics();
     const ThesisScene scene = scene_of(ThesisLaw::frictionless, kNewton);
@@ -79,7 +79,7 @@ TEST_CASE("a lagging tracker is felt as drag without friction", "[thesis]") {
 }
 
 TEST_CASE("no contact, no force: and a stuck GO rests but for its seating", "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 5U));
+    const auto seed = GENERATE(palpate::tests::seeds(5U));
     CAPTURE(seed);
     for (const ThesisLaw law : kLaws) {
         const ThesisScene scene = scene_of(law, kNewton);
@@ -103,7 +103,7 @@ TEST_CASE("no contact, no force: and a stuck GO rests but for its seating", "[th
 }
 
 TEST_CASE("finite in, finite out, for every law, tracker and region rule", "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 12U));
+    const auto seed = GENERATE(palpate::tests::seeds(12U));
     CAPTURE(seed);
     Random random(seed);
     for (const ThesisLaw law : kLaws) {

@@ -87,7 +87,7 @@ TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[the
 TEST_CASE(
     "the sampled stability limit of the feedback tracker is 2 over T times the second derivative",
     "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(seed);
     const NurbsCurve<2> curve = random_cubic(random);
@@ -112,7 +112,7 @@ TEST_CASE("beyond the centre of curvature no gain is stable", "[thesis]") {
 
 TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gauss-Newton step",
           "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 200U));
+    const auto seed = GENERATE(palpate::tests::seeds(200U));
     CAPTURE(seed);
     Random random(seed);
     const NurbsCurve<2> curve = random_cubic(random);
@@ -136,7 +136,7 @@ TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gau
 }
 
 TEST_CASE("the linearised law of gain 1 over T is one Newton step", "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 200U));
+    const auto seed = GENERATE(palpate::tests::seeds(200U));
     CAPTURE(seed);
     Random random(seed);
     const NurbsCurve<2> curve = random_cubic(random);
@@ -199,7 +199,7 @@ TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "
 
 TEST_CASE("trackers turn any finite input into finite output, and take nothing from the heap",
           "[thesis][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Random random(seed);
     const NurbsData<2> data = random_nurbs<2>(random, 0.1, 1.0);

@@ -121,7 +121,7 @@ curvature_per_m = {}
 
 TEST_CASE("palpate closest answers for separate curves like an oracle that proves its distance",
           "[cli][law]") {
-    const auto seed = GENERATE(range(0U, 6U));
+    const auto seed = GENERATE(palpate::tests::seeds(6U));
     CAPTURE(seed);
     Random random(seed);
     const TemporaryFolder folder;

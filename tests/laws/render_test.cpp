@@ -87,7 +87,7 @@ std::string sheet(Random& random) {
 
 TEST_CASE("out of contact render's god-object is the closest point, as `palpate closest` finds it",
           "[cli][law]") {
-    const auto seed = GENERATE(range(0U, 6U));
+    const auto seed = GENERATE(palpate::tests::seeds(6U));
     const bool space = seed % 2U == 1U;
     CAPTURE(seed, space);
     Random random(seed + 2900U);
@@ -206,7 +206,7 @@ TEST_CASE(
     "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
     "path",
     "[cli][law]") {
-    const auto seed = GENERATE(range(0U, 2U));
+    const auto seed = GENERATE(palpate::tests::seeds(2U));
     const std::string command = GENERATE(as<std::string>{}, "render", "closest");
     CAPTURE(seed, command);
     Random random(seed + 2910U);

@@ -78,7 +78,7 @@ std::string surface(const std::string& points, const char* knots_u, int degree_u
 
 TEST_CASE("an outline is closed or clearly open: what nearly closes is refused where it ends",
           "[cli][law]") {
-    const auto seed = GENERATE(range(0U, 4U));
+    const auto seed = GENERATE(palpate::tests::seeds(4U));
     CAPTURE(seed);
     Random random(seed + 2904U);
     const double size = random.decade(-2.0, -1.0);
@@ -99,7 +99,7 @@ TEST_CASE("an outline is closed or clearly open: what nearly closes is refused w
 
 TEST_CASE("an outline that crosses itself is refused with the place of the crossing",
           "[cli][law]") {
-    const auto seed = GENERATE(range(0U, 4U));
+    const auto seed = GENERATE(palpate::tests::seeds(4U));
     CAPTURE(seed);
     Random random(seed + 2905U);
     const double size = random.decade(-1.7, -1.0);
@@ -121,7 +121,7 @@ TEST_CASE("an outline that crosses itself is refused with the place of the cross
 
 TEST_CASE("a surface with a collapsed span is refused, however it lies in space",
           "[cli][surface][law]") {
-    const auto seed = GENERATE(range(0U, 4U));
+    const auto seed = GENERATE(palpate::tests::seeds(4U));
     CAPTURE(seed);
     Random random(seed + 2906U);
     // Rows of two points; the second row repeats the first where it is asked to.

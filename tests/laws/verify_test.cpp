@@ -141,7 +141,7 @@ TEST_CASE(
     write_quick_protocol(folder.file("p.toml"));
     REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
     data::Database database(folder.file("a.sqlite"), data::Access::write);
-    for (std::uint64_t seed = 0; seed < 80; ++seed) {
+    for (std::uint64_t seed = 0; seed < tests::cases(80U); ++seed) {
         tests::Random random(seed);
         const Undone undone(database);
         const std::int64_t row = a_row(database, "trace_chunk", random);

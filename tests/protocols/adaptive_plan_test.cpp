@@ -37,7 +37,7 @@ Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
 TEST_CASE(
     "every run has its trials, one half of its comparisons in each interval, within the limits",
     "[adaptive][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     Protocol protocol = adaptive_protocol();
     protocol.procedure->max_run = 2;
     protocol.procedure->max_run_interval = 3;

@@ -159,7 +159,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a placed object is the object enlarged, then turned, then moved", "[free_forms][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
     CAPTURE(seed);
     Random random(seed);
     Protocol study = free_forms();
@@ -317,7 +317,7 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
           "[free_forms][observer][law]") {
     Protocol study = free_forms();
     study.observer = {.noise = 0.0, .lapse = 0.0};
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
     CAPTURE(seed);
     Random random(seed);
     std::vector<std::size_t> order{0, 1, 2, 3};

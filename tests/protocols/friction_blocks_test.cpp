@@ -86,7 +86,7 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
           "[friction_blocks][law]") {
     const auto how = GENERATE(FrictionBlocks::abba, FrictionBlocks::blocked);
     const auto frictions = GENERATE(std::size_t{2}, std::size_t{3});
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{25}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{25}));
     CAPTURE(seed, frictions);
     const Protocol protocol = study(how, frictions);
     const Plan plan = blocked_plan_of(protocol, seed);
@@ -124,7 +124,7 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
 
 TEST_CASE("abba goes there and back, blocked goes there again", "[friction_blocks][law]") {
     const auto frictions = GENERATE(std::size_t{2}, std::size_t{3}, std::size_t{4});
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
     CAPTURE(seed, frictions);
     const auto there = [&](const std::vector<std::size_t>& all) {
         return std::vector<std::size_t>(all.begin(),
@@ -235,7 +235,7 @@ TEST_CASE("with nobody there yet each friction begins as often as the others",
 TEST_CASE("after every participant no order of frictions is used more than once more than another",
           "[friction_blocks][counterbalance][law]") {
     const auto frictions = GENERATE(std::size_t{2}, std::size_t{3});
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
     CAPTURE(seed, frictions);
     const Protocol protocol = study(FrictionBlocks::abba, frictions);
     std::vector<std::vector<std::string>> before;
@@ -254,7 +254,7 @@ TEST_CASE("after every participant no order of frictions is used more than once 
 }
 
 TEST_CASE("a trial that is run again stays in its friction block", "[friction_blocks][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{10}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
     const Plan plan = blocked_plan_of(study(FrictionBlocks::abba), seed);
     RequeueRule rule;
     rule.key.seed = seed;

@@ -77,7 +77,7 @@ std::size_t part_of(const Plan& plan, std::size_t position) {
 
 TEST_CASE("each position ends with one answer that counts, or has used up its repetitions",
           "[session][invalid][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     const Plan plan = first_plan_of(blocked());
     const std::size_t max = seed % 4;
@@ -107,7 +107,7 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
 }
 
 TEST_CASE("read again after any attempt, what is left is what it was", "[session][invalid][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{50}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
     CAPTURE(seed);
     const Plan plan = first_plan_of(blocked());
     const RequeueRule rule = rule_of(seed, 3);

@@ -36,7 +36,7 @@ Natural number(std::size_t n) {
 
 TEST_CASE("a share of whole numbers of any size is the quotient of what they are made of",
           "[order][law]") {
-    const auto seed = GENERATE(range(0U, 50U));
+    const auto seed = GENERATE(palpate::tests::seeds(50U));
     CAPTURE(seed);
     Pcg32 random(seed, 3);
     const double part = random.next();
@@ -57,7 +57,7 @@ TEST_CASE("a share of whole numbers of any size is the quotient of what they are
 
 TEST_CASE("the counter finds as many orders as there are, for both limits at once",
           "[order][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
     CAPTURE(seed);
     Random random(seed);
     const Order trials = some_trials(random);
@@ -147,7 +147,7 @@ TEST_CASE("the acceptance of whole shuffles is the published one", "[order]") {
 
 TEST_CASE("the acceptance is the number of admissible orders over the number of all",
           "[order][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Order trials = some_trials(random);

@@ -112,7 +112,7 @@ TEST_CASE("without a spread everybody is the typical one, and a person is the sa
 
 TEST_CASE("the noise of a percept is learned away and grows with felt friction",
           "[observer][law]") {
-    const auto seed = GENERATE(range(0U, 50U));
+    const auto seed = GENERATE(palpate::tests::seeds(50U));
     CAPTURE(seed);
     tests::Random random(seed);
     Person person;
@@ -194,7 +194,7 @@ TEST_CASE("an observer file says what it means: read, written and read again it 
     CHECK(parse_observer(observer_example(), "example") == typical_observer());
     CHECK(parse_observer("format = 1\n", "empty") == ObserverModel{});
     CHECK(load_observer("typical") == typical_observer());
-    const auto seed = GENERATE(range(0U, 100U));
+    const auto seed = GENERATE(palpate::tests::seeds(100U));
     tests::Random random(seed);
     ObserverModel model;
     model.typical = {.noise = random.in(0.0, 9.0),

@@ -129,7 +129,7 @@ TEST_CASE(
     "whatever faults, each position is answered once, and faulted ones come again later in their "
     "part",
     "[session][fault][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);
@@ -176,7 +176,7 @@ TEST_CASE(
 
 TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",
           "[session][fault][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);

@@ -46,7 +46,7 @@ std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle,
 
 TEST_CASE("every sweep along the surface is one stroke, however the surface lies",
           "[strokes][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     tests::Random random(seed);
     const int sweeps = 1 + random.below(12);

@@ -27,7 +27,7 @@ TEST_CASE("trust is no more than what was proved since the rig could last have c
           "[session][trust][law]") {
     // The law, said without the fold: what of place and pulses was proved after the last event that
     // could have changed it.
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
+    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
     CAPTURE(seed);
     Random random(seed);
     RigTrust trust;
@@ -271,7 +271,7 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
 TEST_CASE(
     "a device that goes while somebody is at the start is lost there, and proved before a force",
     "[session][trust][fault][law]") {
-    const std::uint64_t seed = GENERATE(range(0U, 12U));
+    const std::uint64_t seed = GENERATE(palpate::tests::seeds(12U));
     CAPTURE(seed);
     const Protocol protocol = tests::adaptive_protocol();  // of two intervals
     World world;

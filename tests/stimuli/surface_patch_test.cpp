@@ -45,7 +45,7 @@ double off(const SurfacePatch& patch, const Vec3& p) {
 
 TEST_CASE("a patch is the surface of revolution that its curvatures name, to rounding",
           "[stimuli][surface][law]") {
-    const auto seed = GENERATE(range(0U, 60U));
+    const auto seed = GENERATE(palpate::tests::seeds(60U));
     CAPTURE(seed);
     Drawn drawn(seed);
     CAPTURE(drawn.patch.size, drawn.patch.curvature_x, drawn.patch.curvature_y);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/support/cases.hpp"
+
 // Catch2 v3 (Debian 13, Ubuntu 24.04) and v2 (Debian 12) behind one include.
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
@@ -18,3 +20,13 @@ inline auto ContainsSubstring(const std::string& text) {
 
 }  // namespace Catch::Matchers
 #endif
+
+namespace palpate::tests {
+
+/// For GENERATE: `all` seeds from 0, fewer under sanitizers.
+template <class Count>
+auto seeds(Count all) {
+    return Catch::Generators::range(Count{0}, cases(all));
+}
+
+}  // namespace palpate::tests
