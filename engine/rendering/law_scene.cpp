@@ -30,7 +30,7 @@ std::vector<double> begins_of(const Outline& outline) {
 }  // namespace
 
 void Scene::add_law() {
-    if (spec_.law.kind == LawKind::none) {
+    if (spec_.law.traits == nullptr) {
         return;
     }
     law_ = FrictionLaw(spec_.law, spec_.friction, spec_.stiffness, spec_.period);

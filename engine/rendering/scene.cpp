@@ -19,7 +19,7 @@ bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
 
 /// What the walk of the god-object gives: with a law of friction of its own none.
 SceneSpec felt_by_walk(SceneSpec spec) noexcept {
-    if (spec.law.kind != LawKind::none) {
+    if (spec.law.traits != nullptr) {
         spec.friction = {};
     }
     return spec;
@@ -54,7 +54,7 @@ const SceneSpec& checked(const SceneSpec& spec) {
             "give 0 N s/m with a compliance: the object has a damping of its own");
     require(!soft || spec.slew.none(), "vertex slew", spec.slew.speed,
             "give 0 m/s with a compliance: the vertex yields");
-    if (soft && spec.law.kind != LawKind::none) {
+    if (soft && spec.law.traits != nullptr) {
         throw std::invalid_argument(
             "an object with a compliance takes friction \"frictionless\", \"gos\" or \"coulomb\": "
             "give one of them, or leave the compliance out");

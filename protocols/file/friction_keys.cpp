@@ -1,6 +1,10 @@
 #include <algorithm>
-#include <array>
+#include <vector>
 
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "engine/friction/laws/law.hpp"
 #include "protocols/file/keys.hpp"
 
 namespace palpate::protocols {
@@ -55,48 +59,20 @@ constexpr Key kFriction[]{
 };
 // clang-format on
 
-constexpr std::array<std::string_view, 2> kBoth{"mu_s", "mu_d"};
-constexpr std::array<std::string_view, 1> kDynamic{"mu_d"};
-constexpr std::array<std::string_view, 2> kViscous{"mu_d", "viscous_n_s_per_m"};
-constexpr std::array<std::string_view, 2> kTimes{"tau_slip_ms", "tau_heal_ms"};
-constexpr std::array<std::string_view, 1> kSpring{"tangential_stiffness_n_per_m"};
-constexpr std::array<std::string_view, 2> kMap{"stribeck_speed_mm_per_s",
-                                               "smoothing_speed_mm_per_s"};
-constexpr std::array<std::string_view, 2> kKarnopp{"tangential_stiffness_n_per_m",
-                                                   "stick_speed_mm_per_s"};
-constexpr std::array<std::string_view, 2> kDahl{"tangential_stiffness_n_per_m", "dahl_exponent"};
-constexpr std::array<std::string_view, 3> kBristles{"tangential_stiffness_n_per_m", "bristles",
-                                                    "law_seed"};
-constexpr std::array<std::string_view, 2> kReset{"tangential_stiffness_n_per_m",
-                                                 "bristle_damping_n_s_per_m"};
-constexpr std::array<std::string_view, 4> kLuGre{"tangential_stiffness_n_per_m",
-                                                 "bristle_damping_n_s_per_m", "viscous_n_s_per_m",
-                                                 "stribeck_speed_mm_per_s"};
-constexpr std::array<std::string_view, 2> kAdhesion{"tangential_stiffness_n_per_m", "stick_share"};
-constexpr std::array<std::string_view, 3> kSnags{"tangential_stiffness_n_per_m", "snag_spacing_mm",
-                                                 "law_seed"};
+/// Whether it is the number of the key, whatever its unit.
+bool is_number_of(std::string_view key, std::string_view number) {
+    return !number.empty() && key.starts_with(number) &&
+           (key.size() == number.size() || key[number.size()] == '_');
+}
 
-constexpr LawKeys kLawKeys[]{
-    {"frictionless", {}, {}},
-    {"gos", kBoth, kTimes},
-    {"coulomb", kDynamic, {}},
-    {"coulomb_sign", kDynamic, {}},
-    {"viscous", kViscous, {}},
-    {"stiction", kBoth, kSpring},
-    {"stribeck", kBoth, kMap},
-    {"karnopp", kBoth, kKarnopp},
-    {"dahl", kDynamic, kDahl},
-    {"bristle", kBoth, kBristles},
-    {"reset_integrator", kBoth, kReset},
-    {"lugre", kBoth, kLuGre},
-    {"lugre_euler", kBoth, kLuGre},
-    {"hayward_armstrong", kDynamic, kAdhesion},
-    {"friction_cone", kBoth, kSpring},
-    {"snags", kBoth, kSnags},
-};
-
-bool has(WordList words, std::string_view word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
+std::vector<LawKeys> all_law_keys() {
+    std::vector<LawKeys> all{{.law = "frictionless", .rubs = false, .sticks = false},
+                             {.law = "gos", .relaxes = true},
+                             {.law = "coulomb", .sticks = false}};
+    for (const engine::LawTraits* const own : engine::all_laws()) {
+        all.push_back({.law = own->word, .sticks = own->sticks, .own = own});
+    }
+    return all;
 }
 
 }  // namespace
@@ -105,22 +81,37 @@ template <>
 constinit const Keys KeysOf<FrictionSpec>::value = kFriction;
 
 bool LawKeys::needs(std::string_view key) const {
-    return has(required, key);
+    return (rubs && key == "mu_d") || (sticks && key == "mu_s") ||
+           (own != nullptr && own->needs_first && is_number_of(key, own->reads.front()));
 }
 
 bool LawKeys::reads(const Key& key) const {
     const bool by_law = key.need == Need::by_law || key.need == Need::by_law_optional;
-    return !by_law || needs(key.name) || has(optional, key.name);
+    return !by_law || needs(key.name) || (relaxes && key.name.starts_with("tau_")) ||
+           (own != nullptr && std::ranges::any_of(own->reads, [&](std::string_view number) {
+                return is_number_of(key.name, number);
+            }));
 }
 
-std::span<const LawKeys> friction_laws() noexcept {
-    return kLawKeys;
+std::span<const LawKeys> friction_laws() {
+    static const std::vector<LawKeys> kAll = all_law_keys();
+    return kAll;
 }
 
-const LawKeys* keys_of_law(std::string_view law) noexcept {
-    const auto* found = std::find_if(std::begin(kLawKeys), std::end(kLawKeys),
-                                     [&](const LawKeys& one) { return one.law == law; });
-    return found == std::end(kLawKeys) ? nullptr : found;
+const LawKeys* keys_of_law(std::string_view law) {
+    const auto all = friction_laws();
+    const auto found = std::ranges::find(all, law, &LawKeys::law);
+    return found == all.end() ? nullptr : &*found;
+}
+
+std::string wrong_law(std::string_view law, WordList more) {
+    std::vector<std::string_view> words;
+    for (const LawKeys& one : friction_laws()) {
+        words.push_back(one.law);
+    }
+    words.insert(words.end(), more.begin(), more.end());
+    return fmt::format("law is {}, give one of {}{}", shown(std::string(law)),
+                       fmt::join(words, ", "), suggestion(law, words, ""));
 }
 
 }  // namespace palpate::protocols

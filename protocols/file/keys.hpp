@@ -111,8 +111,10 @@ const Keys KeysOf<InstructionTexts>::value;
 /// A law of [[friction]] and the keys that it reads beside name and law.
 struct LawKeys {
     std::string_view law;
-    WordList required{};
-    WordList optional{};
+    bool rubs = true;                        ///< mu_d
+    bool sticks = true;                      ///< mu_s
+    bool relaxes = false;                    ///< tau_slip and tau_heal
+    const engine::LawTraits* own = nullptr;  ///< of engine/friction/laws: what it reads
 
     /// Whether a friction of this law must have the key.
     [[nodiscard]] bool needs(std::string_view key) const;
@@ -120,9 +122,11 @@ struct LawKeys {
     [[nodiscard]] bool reads(const Key& key) const;
 };
 /// All laws, in the order in which they are listed.
-[[nodiscard]] std::span<const LawKeys> friction_laws() noexcept;
+[[nodiscard]] std::span<const LawKeys> friction_laws();
 /// Null for a word that is no law.
-[[nodiscard]] const LawKeys* keys_of_law(std::string_view law) noexcept;
+[[nodiscard]] const LawKeys* keys_of_law(std::string_view law);
+/// What is wrong with a word that is none of the laws, nor of `more`.
+[[nodiscard]] std::string wrong_law(std::string_view law, WordList more = {});
 
 /// The version of the format that this program reads: `format = 1`.
 inline constexpr std::int64_t kFormat = 1;

@@ -124,7 +124,7 @@ private:
         bool known = true;
         for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
             const FrictionSpec& friction = protocol_.frictions[i];
-            if (engine::law_kind(friction.law) != engine::LawKind::none) {
+            if (engine::law_named(friction.law) != nullptr) {
                 known = false;
                 add(fmt::format("friction.{}.law", i + 1),
                     fmt::format("law is \"{}\", which surfaces do not have: give "
@@ -229,7 +229,7 @@ private:
         }
         for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
             const FrictionSpec& friction = protocol_.frictions[i];
-            if (engine::law_kind(friction.law) != engine::LawKind::none) {
+            if (engine::law_named(friction.law) != nullptr) {
                 add(fmt::format("friction.{}.law", i + 1),
                     fmt::format("{}, and law is \"{}\": give \"frictionless\", \"gos\" or "
                                 "\"coulomb\"",

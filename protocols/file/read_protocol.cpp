@@ -222,13 +222,7 @@ private:
     void law(FrictionSpec& friction, const std::string& path) {
         const LawKeys* law = keys_of_law(friction.law);
         if (law == nullptr) {
-            std::vector<std::string_view> words;
-            for (const LawKeys& one : friction_laws()) {
-                words.push_back(one.law);
-            }
-            problems_.add(places_.of(path + ".law"),
-                          fmt::format("law is {}, give one of {}{}", shown(friction.law),
-                                      fmt::join(words, ", "), suggestion(friction.law, words, "")));
+            problems_.add(places_.of(path + ".law"), wrong_law(friction.law));
             return;
         }
         for (const Key& key : keys_of<FrictionSpec>()) {

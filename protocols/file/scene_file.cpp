@@ -1,5 +1,6 @@
 #include "protocols/file/scene_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "engine/surface/surface_object.hpp"
 #include "engine/surface/surface_trim.hpp"
 #include "protocols/file/document.hpp"
+#include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
 #include "protocols/file/outline_shape.hpp"
 
@@ -26,7 +28,7 @@ struct FrictionTable {
     double tau_heal = 0.0;
 
     FrictionTable() {
-        friction.law = Law::gos;
+        friction.law = "gos";
         friction.slew = {.speed = 0.0, .radius = 0.003};
     }
 };
@@ -82,7 +84,7 @@ constexpr Key kGain[]{
 // Keys that a law does not use may stay, so that laws can be compared by changing one word.
 constexpr Key kSceneFriction[]{
     {.name = "law", .slot = of_friction<[](auto& f) -> auto& { return f.friction.law; }>,
-     .meaning = "by which the contact force is computed"},
+     .meaning = "by which the contact force is computed: one of a protocol's [laws](#laws-of-friction), thesis_literal or thesis_latched"},
     {.name = "vertex_slew_m_per_s", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.speed; }>, .range = {0, 1e6},
      .meaning = "how fast the contact may turn around a vertex; 0: at once"},
     {.name = "vertex_radius_m", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.radius; }>, .range = {0, 1e3, true},
@@ -153,21 +155,18 @@ SceneRenderer read_renderer(TableReader table) {
     return r;
 }
 
-std::string_view word_of_law(Law law) {
-    return kLaws[static_cast<std::size_t>(law)];
-}
-
 SceneFriction read_friction(TableReader table) {
     FrictionTable f;
     table.read(kSceneFriction, &f);
-    const Law law = f.friction.law;
-    f.friction.own.kind = engine::law_kind(word_of_law(law));
-    const bool own = f.friction.own.kind != engine::LawKind::none;
-    const bool rubs = law != Law::frictionless;
-    const bool sticks =
-        rubs && law != Law::coulomb && !(own && !engine::traits_of(f.friction.own.kind).sticks);
-    table.read(kMuD, &f, rubs);
-    table.read(kMuS, &f, sticks);
+    const LawKeys* law = keys_of_law(is_thesis_law(f.friction.law) ? "gos" : f.friction.law);
+    if (law == nullptr || (is_thesis_law(f.friction.law) &&
+                           std::ranges::find(kThesisLaws, f.friction.law) == kThesisLaws.end())) {
+        table.refuse("law", wrong_law(f.friction.law, kThesisLaws));
+        law = keys_of_law("frictionless");
+    }
+    f.friction.own.traits = law->own;
+    table.read(kMuD, &f, law->rubs);
+    table.read(kMuS, &f, law->sticks);
     table.refuse_unknown();
     if (f.mu_s < 0.0) {
         f.mu_s = f.mu_d;
@@ -177,14 +176,18 @@ SceneFriction read_friction(TableReader table) {
                                          "smaller than dynamic friction",
                                          f.mu_s, f.mu_d));
     }
-    if (own) {
-        f.friction.set = {.mu_s = sticks ? f.mu_s : f.mu_d, .mu_d = f.mu_d};
+    if (!law->sticks) {
+        f.mu_s = f.mu_d;
+    }
+    if (law->rubs) {
+        f.friction.set = {.mu_s = f.mu_s, .mu_d = f.mu_d};
+    }
+    if (law->relaxes) {
+        f.friction.set.tau_slip = f.tau_slip;
+        f.friction.set.tau_heal = f.tau_heal;
+    }
+    if (law->own != nullptr) {
         table.attempt([&] { engine::FrictionLaw(f.friction.own, f.friction.set, 1.0, 1.0); });
-    } else if (law == Law::coulomb) {
-        f.friction.set = {.mu_s = f.mu_d, .mu_d = f.mu_d};
-    } else if (rubs) {
-        f.friction.set = {
-            .mu_s = f.mu_s, .mu_d = f.mu_d, .tau_slip = f.tau_slip, .tau_heal = f.tau_heal};
     }
     return f.friction;
 }
@@ -278,7 +281,7 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
     }
     if (!scene.surfaces.empty() &&
         (!scene.renderer.certified() || is_thesis_law(scene.friction.law) ||
-         scene.friction.own.kind != engine::LawKind::none)) {
+         scene.friction.own.traits != nullptr)) {
         problems.add(
             at,
             "the thesis' trackers and the laws from the literature are for plane curves: on a "

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,39 +17,9 @@
 /// surface, and how they are to be felt. Problems are reported like those of a protocol.
 namespace palpate::protocols {
 
-/// The laws by which the contact force can be computed. The thesis_ ones are the thesis' Algorithm
-/// 1, those after them the laws of engine/friction/laws, in their order.
-enum class Law : std::uint8_t {
-    frictionless,
-    gos,
-    coulomb,
-    thesis_literal,
-    thesis_latched,
-    coulomb_sign,
-    viscous,
-    stiction,
-    stribeck,
-    karnopp,
-    dahl,
-    bristle,
-    reset_integrator,
-    lugre,
-    lugre_euler,
-    hayward_armstrong,
-    friction_cone,
-    snags,
-};
-
-inline constexpr std::array<std::string_view, 18> kLaws{
-    "frictionless",     "gos",          "coulomb",     "thesis_literal",
-    "thesis_latched",   "coulomb_sign", "viscous",     "stiction",
-    "stribeck",         "karnopp",      "dahl",        "bristle",
-    "reset_integrator", "lugre",        "lugre_euler", "hayward_armstrong",
-    "friction_cone",    "snags"};
-/// As words_of() of keys.hpp: in the order of Law.
-[[nodiscard]] constexpr WordList words_of(Law) {
-    return kLaws;
-}
+/// The laws by which the contact force can be computed beside those of a protocol: the thesis'
+/// Algorithm 1.
+inline constexpr std::array<std::string_view, 2> kThesisLaws{"thesis_literal", "thesis_latched"};
 
 /// How the closest point is found: proved the nearest, or followed in one of the thesis' ways.
 enum class Tracker : std::uint8_t {
@@ -88,10 +59,10 @@ struct SceneRenderer {
 
 /// How friction is computed.
 struct SceneFriction {
-    Law law = Law::frictionless;
+    std::string law = "frictionless";  ///< as [[friction]] of a protocol, or of kThesisLaws
     engine::Friction set{};
     engine::Slew slew{};
-    engine::LawSpec own{};   ///< of a law of engine/friction/laws, with its kind
+    engine::LawSpec own{};   ///< of a law of engine/friction/laws
     double dead_band = 0.0;  ///< m/s: the thesis' laws take slower CPs for resting
 };
 
@@ -129,8 +100,8 @@ enum class Crossings : std::uint8_t { refused, taken };
 [[nodiscard]] engine::Outline outline_of(const SceneFile& scene);
 
 /// Whether the contact force follows one of the thesis' laws.
-[[nodiscard]] constexpr bool is_thesis_law(Law law) noexcept {
-    return law == Law::thesis_literal || law == Law::thesis_latched;
+[[nodiscard]] constexpr bool is_thesis_law(std::string_view law) noexcept {
+    return law.starts_with("thesis_");
 }
 
 /// What the engine needs of a scene whose law is none of the thesis'.

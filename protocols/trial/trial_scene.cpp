@@ -12,7 +12,7 @@ engine::SceneSpec contact_of(const Protocol& protocol, const Presentation& felt)
     const FrictionSpec& friction = felt.friction;
     const ApparatusSpec& apparatus = protocol.apparatus;
     engine::LawSpec law = friction.own;
-    law.kind = engine::law_kind(friction.law);
+    law.traits = engine::law_named(friction.law);
     return {.stiffness = apparatus.stiffness,
             .damping = apparatus.damping,
             .period = 1.0 / apparatus.rate_hz,

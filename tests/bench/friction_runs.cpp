@@ -205,7 +205,7 @@ void times_of(const RubbedLaw& law, FrictionRow& row) {
             }
         });
     }
-    if (law.own.kind != engine::LawKind::none) {
+    if (law.own.traits != nullptr) {
         const engine::FrictionLaw alone(law.own, law.friction, kStiffness, kTick);
         engine::LawState state;
         row.law_alone = best_time(kTicks, [&] {
@@ -224,12 +224,13 @@ std::vector<RubbedLaw> rubbed_laws() {
         {.name = "frictionless", .friction = {}},
         {.name = "gos", .friction = {.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1}},
         {.name = "coulomb", .friction = one}};
-    for (const engine::LawTraits& traits : engine::law_traits()) {
+    for (const engine::LawTraits* const each : engine::all_laws()) {
+        const engine::LawTraits& traits = *each;
         RubbedLaw& law = laws.emplace_back();
         law.name = traits.word;
         law.friction = traits.sticks ? engine::Friction{.mu_s = 0.7, .mu_d = 0.5} : one;
-        law.own.kind = traits.kind;
-        law.own.viscosity = traits.kind == engine::LawKind::viscous ? 1.0 : 0.0;
+        law.own.traits = &traits;
+        law.own.viscosity = traits.needs_first ? 1.0 : 0.0;
     }
     laws.push_back({.name = "hayward_armstrong z^8", .friction = one, .as_recalled = true});
     return laws;
@@ -250,10 +251,11 @@ std::vector<EulerRun> euler_runs() {
     constexpr double kBristles = 1e4;  ///< N/m
     constexpr double kLight = 2.0;     ///< N
     const engine::Friction friction{.mu_s = 0.7, .mu_d = 0.5};
-    const engine::FrictionLaw exact({.kind = engine::LawKind::lugre, .stiffness = kBristles},
+    const engine::FrictionLaw exact({.traits = engine::law_named("lugre"), .stiffness = kBristles},
                                     friction, kStiffness, kTick);
-    const engine::FrictionLaw euler({.kind = engine::LawKind::lugre_euler, .stiffness = kBristles},
-                                    friction, kStiffness, kTick);
+    const engine::FrictionLaw euler(
+        {.traits = engine::law_named("lugre_euler"), .stiffness = kBristles}, friction, kStiffness,
+        kTick);
     std::vector<EulerRun> runs;
     for (double speed = 0.05; speed < 0.501; speed += 0.025) {
         EulerRun& run = runs.emplace_back();

@@ -32,7 +32,7 @@ TEST_CASE("Dahl's law is its differential equation, solved finely, for every exp
     const auto seed = GENERATE(palpate::tests::seeds(30U));
     CAPTURE(seed);
     Random random(seed);
-    tests::LawCase c = tests::random_law_case(LawKind::dahl, random);
+    tests::LawCase c = tests::random_law_case(law_named("dahl"), random);
     c.spec.exponent = seed % 3 == 0 ? 1.0 : random.in(1.0, 3.0);
     tests::move_about(c, random, 200);
     double f = 0.0;
@@ -56,8 +56,8 @@ TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[fr
     // alpha)).
     const double alpha = GENERATE(0.0, 0.3, 0.5, 0.9);
     CAPTURE(alpha);
-    const FrictionLaw law({.kind = LawKind::dahl, .exponent = alpha}, {.mu_s = 0.5, .mu_d = 0.5},
-                          1000.0, tests::kLawTick);
+    const FrictionLaw law({.traits = law_named("dahl"), .exponent = alpha},
+                          {.mu_s = 0.5, .mu_d = 0.5}, 1000.0, tests::kLawTick);
     LawState state;
     for (int i = 1; i <= 300; ++i) {
         const double f = -law.step(state, {.travel = 1e-4, .load = 4.0}).force;
@@ -70,7 +70,7 @@ TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[fr
     const auto seed = GENERATE(palpate::tests::seeds(40U));
     CAPTURE(seed);
     Random random(seed);
-    tests::LawCase c = tests::random_law_case(LawKind::lugre, random);
+    tests::LawCase c = tests::random_law_case(law_named("lugre"), random);
     tests::move_about(c, random, 200);
     double z = 0.0;
     tests::check_law(
@@ -98,7 +98,7 @@ TEST_CASE("an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, 
           "[friction][law]") {
     const double share = GENERATE(0.5, 0.9, 0.99, 1.01, 1.1, 2.0);
     CAPTURE(share);
-    const LawSpec spec{.kind = LawKind::lugre_euler};
+    const LawSpec spec{.traits = law_named("lugre_euler")};
     const FrictionLaw law(spec, {.mu_s = 0.5, .mu_d = 0.5}, 1e4, tests::kLawTick);
     const double limit = euler_limit(1e4, 4.0, 0.5, tests::kLawTick);
     CHECK(limit == Approx(0.4));
@@ -123,7 +123,7 @@ TEST_CASE("Hayward and Armstrong's law is its differential equation, solved fine
     const auto seed = GENERATE(palpate::tests::seeds(20U));
     CAPTURE(seed);
     Random random(seed);
-    tests::LawCase c = tests::random_law_case(LawKind::hayward_armstrong, random);
+    tests::LawCase c = tests::random_law_case(law_named("hayward_armstrong"), random);
     tests::move_about(c, random, 150);
     double z = 0.0;
     tests::check_law(
@@ -148,8 +148,8 @@ TEST_CASE("Hayward and Armstrong's law holds for good below its share, and is Da
     CAPTURE(seed);
     Random random(seed);
     const Friction friction{.mu_s = 0.5, .mu_d = 0.5};
-    const FrictionLaw holds({.kind = LawKind::hayward_armstrong, .stick_share = 0.7}, friction,
-                            1000.0, tests::kLawTick);
+    const FrictionLaw holds({.traits = law_named("hayward_armstrong"), .stick_share = 0.7},
+                            friction, 1000.0, tests::kLawTick);
     LawState state;
     double x = 0.0;
     for (int i = 0; i < 5000; ++i) {  // |k x| < 0.7 x 2 N
@@ -158,11 +158,11 @@ TEST_CASE("Hayward and Armstrong's law holds for good below its share, and is Da
                 Approx(-1000.0 * to).margin(1e-9));
         x = to;
     }
-    tests::LawCase same = tests::random_law_case(LawKind::hayward_armstrong, random);
+    tests::LawCase same = tests::random_law_case(law_named("hayward_armstrong"), random);
     same.spec.stick_share = 0.0;
     tests::move_about(same, random);
     tests::LawCase dahl = same;
-    dahl.spec.kind = LawKind::dahl;
+    dahl.spec.traits = law_named("dahl");
     const FrictionLaw law = dahl.law();
     LawState other;
     tests::check_law(

@@ -377,7 +377,7 @@ TEST_CASE("a compliance that cannot be rendered is refused with the remedy", "[s
     CHECK(says({.slew = {.speed = 0.2, .radius = 0.003}, .compliance = 1e-3}, two) ==
           "vertex slew is 0.2: give 0 m/s with a compliance: the vertex yields");
     CHECK_THAT(says({.friction = {.mu_s = 0.5, .mu_d = 0.5},
-                     .law = {.kind = LawKind::lugre},
+                     .law = {.traits = law_named("lugre")},
                      .compliance = 1e-3},
                     two),
                Catch::StartsWith("an object with a compliance takes friction \"frictionless\""));

@@ -48,11 +48,11 @@ Pulled pulled(const engine::SceneSpec& spec, double speed) {
     return out;
 }
 
-engine::SceneSpec pull_spec(engine::LawKind kind) {
+engine::SceneSpec pull_spec(const engine::LawTraits* kind) {
     engine::SceneSpec spec{.stiffness = kFrictionStiffness,
                            .period = kTick,
                            .friction = {.mu_s = kFrictionStatic, .mu_d = kFrictionDynamic}};
-    spec.law.kind = kind;
+    spec.law.traits = kind;
     spec.law.stribeck_speed = kPullStribeck;
     return spec;
 }
@@ -95,8 +95,8 @@ MadeFigure make_law_curves() {
         table.push_back(column_largest);
         figure.panels.push_back(made);
     };
-    panel("(a) Stiction", pull_spec(engine::LawKind::none), "stiction");
-    panel("(b) Stiction with the Stribeck effect", pull_spec(engine::LawKind::stribeck),
+    panel("(a) Stiction", pull_spec(nullptr), "stiction");
+    panel("(b) Stiction with the Stribeck effect", pull_spec(engine::law_named("stribeck")),
           "stribeck");
     figure.caption = fmt::format(
         "HIP is drawn along a line, {:g} mm deep, at one speed after the other: what friction is "

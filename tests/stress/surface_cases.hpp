@@ -18,7 +18,7 @@ struct SurfaceCase {
     tests::SurfaceData
         data;  ///< over which the hand goes: what is felt, or the whole of its pieces
     std::vector<tests::SurfaceData> pieces;  ///< joined; empty: one surface
-    protocols::Law law = protocols::Law::frictionless;
+    std::string law = "frictionless";
     engine::SceneSpec spec{};
     std::shared_ptr<const engine::NurbsSurface> surface;
     std::vector<engine::Vec3> path;

@@ -13,7 +13,8 @@
 namespace palpate::tests {
 
 using engine::FrictionLaw;
-using engine::LawKind;
+using engine::law_named;
+using engine::LawTraits;
 using engine::Rub;
 
 inline constexpr double kLawTick = 1e-3;  ///< s
@@ -28,13 +29,12 @@ struct LawCase {
     [[nodiscard]] FrictionLaw law() const { return {spec, friction, stiffness, kLawTick}; }
 };
 
-inline LawCase random_law_case(LawKind kind, Random& random) {
+inline LawCase random_law_case(const LawTraits* kind, Random& random) {
     LawCase c;
     const double mu_d = random.in(0.1, 1.0);
-    c.friction = {.mu_s = engine::traits_of(kind).sticks ? mu_d * random.in(1.0, 2.0) : mu_d,
-                  .mu_d = mu_d};
+    c.friction = {.mu_s = kind->sticks ? mu_d * random.in(1.0, 2.0) : mu_d, .mu_d = mu_d};
     c.stiffness = random.decade(2.0, 4.0);
-    c.spec = {.kind = kind,
+    c.spec = {.traits = kind,
               .viscosity = random.in(0.0, 2.0),
               .bristle_damping = random.in(0.0, 1.0),
               .stribeck_speed = random.decade(-3.0, -1.0),

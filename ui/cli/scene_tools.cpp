@@ -26,7 +26,7 @@ namespace {
 using engine::Vec;
 using engine::Vec2;
 using engine::Vec3;
-using protocols::Law;
+using protocols::is_thesis_law;
 using protocols::SceneFile;
 
 /// A mode as render writes it: whoever reads its tables knows them so.
@@ -173,7 +173,7 @@ void check_even(const Trajectory& path) {
 /// differ.
 bool by_thesis(const SceneFile& file) {
     return is_thesis_law(file.friction.law) ||
-           (!file.renderer.certified() && file.friction.law == Law::frictionless);
+           (!file.renderer.certified() && file.friction.law == "frictionless");
 }
 
 Feel feel_of(const SceneFile& scene, double period, MakePlaneFeel thesis) {

@@ -76,13 +76,12 @@ std::vector<std::string_view> what_it_does(const engine::LawTraits& law) {
 /// Laws of friction that do what nobody may have meant: they creep, chatter or give energy.
 void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string>& all) {
     for (const protocols::FrictionSpec& friction : protocol.frictions) {
-        const engine::LawKind kind = engine::law_kind(friction.law);
-        if (kind == engine::LawKind::none) {
+        const engine::LawTraits* const named = engine::law_named(friction.law);
+        if (named == nullptr) {
             continue;
         }
-        const engine::LawTraits& law = engine::traits_of(kind);
-        const bool spring = kind != engine::LawKind::coulomb_sign &&
-                            kind != engine::LawKind::viscous && kind != engine::LawKind::stribeck;
+        const engine::LawTraits& law = *named;
+        const bool spring = law.reads.front() == "tangential_stiffness";
         const double stiffness =
             friction.own.stiffness > 0.0 ? friction.own.stiffness : protocol.apparatus.stiffness;
         const double max = friction.mu_s * protocol.apparatus.force_limit;

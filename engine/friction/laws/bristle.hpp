@@ -49,4 +49,13 @@ namespace palpate::engine {
             .slid = snapped};
 }
 
+inline constexpr LawTraits kBristle{.word = "bristle",
+                                    .paper = "Haessig & Friedland 1991",
+                                    .step = bristle,
+                                    .reads = {"tangential_stiffness", "bristles", "law_seed"},
+                                    .sticks = true,
+                                    .max_mu_s = 3,
+                                    .passive = true,
+                                    .in_cone = true};
+
 }  // namespace palpate::engine

@@ -19,4 +19,11 @@ namespace palpate::engine {
             .slid = rub.travel != 0.0};
 }
 
+inline constexpr LawTraits kCoulombSign{.word = "coulomb_sign",
+                                        .paper = "Coulomb 1785",
+                                        .step = coulomb_sign,
+                                        .in_cone = true,
+                                        .creeps = true,
+                                        .chatters = true};
+
 }  // namespace palpate::engine

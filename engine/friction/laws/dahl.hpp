@@ -46,4 +46,12 @@ namespace palpate::engine {
             .slid = std::fabs(after - before) < 0.5 * law.stiffness * std::fabs(rub.travel)};
 }
 
+inline constexpr LawTraits kDahl{.word = "dahl",
+                                 .paper = "Dahl 1968",
+                                 .step = dahl,
+                                 .reads = {"tangential_stiffness", "dahl_exponent"},
+                                 .passive = true,
+                                 .in_cone = true,
+                                 .creeps = true};
+
 }  // namespace palpate::engine

@@ -34,4 +34,12 @@ namespace palpate::engine {
             .slid = state.sliding};
 }
 
+inline constexpr LawTraits kFrictionCone{.word = "friction_cone",
+                                         .paper = "Harwin & Melder 2002",
+                                         .step = friction_cone,
+                                         .reads = {"tangential_stiffness"},
+                                         .sticks = true,
+                                         .passive = true,
+                                         .in_cone = true};
+
 }  // namespace palpate::engine

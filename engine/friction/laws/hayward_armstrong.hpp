@@ -62,4 +62,11 @@ namespace palpate::engine {
             .slid = std::fabs(after - before) < 0.5 * std::fabs(rub.travel)};
 }
 
+inline constexpr LawTraits kHaywardArmstrong{.word = "hayward_armstrong",
+                                             .paper = "Hayward & Armstrong 2000",
+                                             .step = hayward_armstrong,
+                                             .reads = {"tangential_stiffness", "stick_share"},
+                                             .passive = true,
+                                             .in_cone = true};
+
 }  // namespace palpate::engine

@@ -22,4 +22,12 @@ namespace palpate::engine {
     return stuck_spring(law, state, rub, slow || sign_of(rub.travel) != state.way);
 }
 
+inline constexpr LawTraits kKarnopp{.word = "karnopp",
+                                    .paper = "Karnopp 1985",
+                                    .step = karnopp,
+                                    .reads = {"tangential_stiffness", "stick_speed"},
+                                    .sticks = true,
+                                    .in_cone = true,
+                                    .chatters = true};
+
 }  // namespace palpate::engine

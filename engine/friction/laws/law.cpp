@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "engine/base/text.hpp"
 #include "engine/friction/laws/bristle.hpp"
@@ -20,23 +21,11 @@
 namespace palpate::engine {
 namespace {
 
-// clang-format off
-constexpr LawTraits kTraits[]{
-    {.kind = LawKind::coulomb_sign,      .word = "coulomb_sign",      .paper = "Coulomb 1785",               .in_cone = true, .creeps = true, .chatters = true},
-    {.kind = LawKind::viscous,           .word = "viscous",           .paper = "Coulomb with a viscous term", .creeps = true, .chatters = true},
-    {.kind = LawKind::stiction,          .word = "stiction",          .paper = "Morin 1833",                 .sticks = true, .in_cone = true, .chatters = true},
-    {.kind = LawKind::stribeck,          .word = "stribeck",          .paper = "Stribeck 1902",              .sticks = true, .in_cone = true, .creeps = true, .chatters = true},
-    {.kind = LawKind::karnopp,           .word = "karnopp",           .paper = "Karnopp 1985",               .sticks = true, .in_cone = true, .chatters = true},
-    {.kind = LawKind::dahl,              .word = "dahl",              .paper = "Dahl 1968",                  .passive = true, .in_cone = true, .creeps = true},
-    {.kind = LawKind::bristle,           .word = "bristle",           .paper = "Haessig & Friedland 1991",   .sticks = true, .passive = true, .in_cone = true},
-    {.kind = LawKind::reset_integrator,  .word = "reset_integrator",  .paper = "Haessig & Friedland 1991",   .sticks = true, .in_cone = true},
-    {.kind = LawKind::lugre,             .word = "lugre",             .paper = "Canudas de Wit et al. 1995", .sticks = true, .passive = true, .in_cone = true, .creeps = true},
-    {.kind = LawKind::lugre_euler,       .word = "lugre_euler",       .paper = "Canudas de Wit et al. 1995", .sticks = true, .creeps = true},
-    {.kind = LawKind::hayward_armstrong, .word = "hayward_armstrong", .paper = "Hayward & Armstrong 2000",   .passive = true, .in_cone = true},
-    {.kind = LawKind::friction_cone,     .word = "friction_cone",     .paper = "Harwin & Melder 2002",       .sticks = true, .passive = true, .in_cone = true},
-    {.kind = LawKind::snags,             .word = "snags",             .paper = "Mark et al. 1996",           .sticks = true, .in_cone = true, .chatters = true},
+constexpr const LawTraits* kAll[]{
+    &kCoulombSign, &kViscous,         &kStiction, &kStribeck,   &kKarnopp,          &kDahl,
+    &kBristle,     &kResetIntegrator, &kLuGre,    &kLuGreEuler, &kHaywardArmstrong, &kFrictionCone,
+    &kSnags,
 };
-// clang-format on
 
 LawTask checked(const LawSpec& spec, const Friction& friction, double stiffness, double period) {
     const auto finite_from_zero = [](double v) {
@@ -66,8 +55,9 @@ LawTask checked(const LawSpec& spec, const Friction& friction, double stiffness,
     require(spec.bristles >= 1 && spec.bristles <= kMaxBristles, "bristles", spec.bristles,
             "give 1 to 64");
     require(positive(spec.snag_spacing), "snag spacing", spec.snag_spacing, "give m above 0");
-    require(spec.kind != LawKind::bristle || 3.0 * friction.mu_d >= friction.mu_s, "mu_d",
-            friction.mu_d, "give the law of bristles at least mu_s / 3");
+    const int max = spec.traits == nullptr ? 0 : spec.traits->max_mu_s;
+    require(max == 0 || max * friction.mu_d >= friction.mu_s, "mu_d", friction.mu_d,
+            ("give this law at least mu_s / " + std::to_string(max)).c_str());
     return {.spec = spec,
             .mu_s = friction.mu_s,
             .mu_d = friction.mu_d,
@@ -77,18 +67,13 @@ LawTask checked(const LawSpec& spec, const Friction& friction, double stiffness,
 
 }  // namespace
 
-std::span<const LawTraits> law_traits() noexcept {
-    return kTraits;
+std::span<const LawTraits* const> all_laws() noexcept {
+    return kAll;
 }
 
-const LawTraits& traits_of(LawKind kind) noexcept {
-    return kTraits[static_cast<std::size_t>(kind) - 1];
-}
-
-LawKind law_kind(std::string_view word) noexcept {
-    const auto* found = std::find_if(std::begin(kTraits), std::end(kTraits),
-                                     [&](const LawTraits& law) { return law.word == word; });
-    return found == std::end(kTraits) ? LawKind::none : found->kind;
+const LawTraits* law_named(std::string_view word) noexcept {
+    const auto* found = std::ranges::find(kAll, word, &LawTraits::word);
+    return found == std::end(kAll) ? nullptr : *found;
 }
 
 double euler_limit(double stiffness, double load, double mu_d, double period) noexcept {
@@ -99,40 +84,7 @@ FrictionLaw::FrictionLaw(const LawSpec& spec,
                          const Friction& friction,
                          double stiffness,
                          double period)
-    : task_(checked(spec, friction, stiffness, period)), step_(step_of(spec.kind)) {}
-
-FrictionLaw::Step FrictionLaw::step_of(LawKind kind) noexcept {
-    switch (kind) {
-        case LawKind::none:
-            break;
-        case LawKind::coulomb_sign:
-            return coulomb_sign;
-        case LawKind::viscous:
-            return viscous;
-        case LawKind::stiction:
-            return stiction;
-        case LawKind::stribeck:
-            return stribeck_map;
-        case LawKind::karnopp:
-            return karnopp;
-        case LawKind::dahl:
-            return dahl;
-        case LawKind::bristle:
-            return bristle;
-        case LawKind::reset_integrator:
-            return reset_integrator;
-        case LawKind::lugre:
-            return lugre;
-        case LawKind::lugre_euler:
-            return lugre_euler;
-        case LawKind::hayward_armstrong:
-            return hayward_armstrong;
-        case LawKind::friction_cone:
-            return friction_cone;
-        case LawKind::snags:
-            return snags;
-    }
-    return &FrictionLaw::none;
-}
+    : task_(checked(spec, friction, stiffness, period)),
+      step_(spec.traits == nullptr ? &FrictionLaw::none : spec.traits->step) {}
 
 }  // namespace palpate::engine

@@ -4,31 +4,16 @@
 
 namespace palpate::engine {
 
-/// Laws of friction from the literature, beside the god-object spring law that is the default
-/// (engine/friction/friction_law.hpp). Each is a file of this folder.
-enum class LawKind : std::uint8_t {
-    none,  ///< the god-object spring law, or no friction
-    coulomb_sign,
-    viscous,
-    stiction,
-    stribeck,
-    karnopp,
-    dahl,
-    bristle,
-    reset_integrator,
-    lugre,
-    lugre_euler,
-    hayward_armstrong,
-    friction_cone,
-    snags,
-};
+/// A law of friction from the literature, beside the god-object spring law that is the default
+/// (engine/friction/friction_law.hpp). Each is a file of this folder (law_task.hpp).
+struct LawTraits;
 
 /// Most bristles of a contact: a tick visits each of them.
 inline constexpr int kMaxBristles = 64;
 
 /// Which law, and what it needs beside mu_s and mu_d. A law reads its own numbers alone.
 struct LawSpec {
-    LawKind kind = LawKind::none;
+    const LawTraits* traits = nullptr;  ///< none: the god-object spring law, or no friction
     double stiffness = 0.0;        ///< N/m, >= 0: of its spring along the surface; 0: the object's
     double viscosity = 0.0;        ///< N s/m, >= 0: viscous, LuGre's sigma_2
     double bristle_damping = 0.0;  ///< N s/m, >= 0: sigma_1 of LuGre and the reset integrator

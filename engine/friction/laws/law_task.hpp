@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "engine/friction/laws/law_spec.hpp"
 
@@ -43,6 +44,27 @@ struct LawTask {
     double mu_d = 0.0;
     double stiffness = 1000.0;  ///< N/m, > 0
     double period = 0.001;      ///< s
+};
+
+/// What a law is, and what is known of it before it is felt.
+struct LawTraits {
+    std::string_view word{};   ///< in files
+    std::string_view paper{};  ///< who published it
+    /// One tick on. No allocation, no lock; finite for finite numbers, the same bits everywhere.
+    FrictionForce (*step)(const LawTask&, LawState&, const Rub&) noexcept = nullptr;
+    /// Numbers of LawSpec that it reads, as files call them, without their unit.
+    std::array<std::string_view, 4> reads{};
+    bool needs_first = false;  ///< the first of them has to be given
+    bool sticks = false;       ///< reads mu_s beside mu_d
+    int max_mu_s = 0;          ///< in mu_d; 0: any
+    bool by_place = false;     ///< wants to know where on the outline the contact is
+    /// Held for a tick it gives no more than its springs' leak of K/2 |dh|^2: the same proof as
+    /// that of the god-object spring law, for it only ever lets its spring's anchor go towards HIP.
+    /// On an object that is hollow by kappa the leak is that of K + |kappa| d K.
+    bool passive = false;
+    bool in_cone = false;   ///< |F_T| <= mu_s F_N on every tick
+    bool creeps = false;    ///< drifts under an oscillating load that would not break it away
+    bool chatters = false;  ///< its force jumps with the encoder's steps at low speed
 };
 
 /// +1, 0 or -1; of NaN 0.

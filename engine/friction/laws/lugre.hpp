@@ -74,4 +74,22 @@ namespace palpate::engine {
         .slid = std::fabs(change) < 0.5 * std::fabs(rub.travel)};
 }
 
+inline constexpr LawTraits kLuGre{
+    .word = "lugre",
+    .paper = "Canudas de Wit et al. 1995",
+    .step = lugre,
+    .reads = {"tangential_stiffness", "bristle_damping", "viscous", "stribeck_speed"},
+    .sticks = true,
+    .passive = true,
+    .in_cone = true,
+    .creeps = true};
+
+inline constexpr LawTraits kLuGreEuler{
+    .word = "lugre_euler",
+    .paper = "Canudas de Wit et al. 1995",
+    .step = lugre_euler,
+    .reads = {"tangential_stiffness", "bristle_damping", "viscous", "stribeck_speed"},
+    .sticks = true,
+    .creeps = true};
+
 }  // namespace palpate::engine

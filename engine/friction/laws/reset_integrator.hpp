@@ -32,4 +32,11 @@ namespace palpate::engine {
             .slid = false};
 }
 
+inline constexpr LawTraits kResetIntegrator{.word = "reset_integrator",
+                                            .paper = "Haessig & Friedland 1991",
+                                            .step = reset_integrator,
+                                            .reads = {"tangential_stiffness", "bristle_damping"},
+                                            .sticks = true,
+                                            .in_cone = true};
+
 }  // namespace palpate::engine

@@ -70,4 +70,13 @@ namespace palpate::engine {
             .slid = rub.travel != 0.0};
 }
 
+inline constexpr LawTraits kSnags{.word = "snags",
+                                  .paper = "Mark et al. 1996",
+                                  .step = snags,
+                                  .reads = {"tangential_stiffness", "snag_spacing", "law_seed"},
+                                  .sticks = true,
+                                  .by_place = true,
+                                  .in_cone = true,
+                                  .chatters = true};
+
 }  // namespace palpate::engine

@@ -17,4 +17,12 @@ namespace palpate::engine {
     return stuck_spring(law, state, rub, sign_of(rub.travel) != state.way);
 }
 
+inline constexpr LawTraits kStiction{.word = "stiction",
+                                     .paper = "Morin 1833",
+                                     .step = stiction,
+                                     .reads = {"tangential_stiffness"},
+                                     .sticks = true,
+                                     .in_cone = true,
+                                     .chatters = true};
+
 }  // namespace palpate::engine

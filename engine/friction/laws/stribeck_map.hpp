@@ -24,4 +24,13 @@ namespace palpate::engine {
             .slid = rub.travel != 0.0};
 }
 
+inline constexpr LawTraits kStribeck{.word = "stribeck",
+                                     .paper = "Stribeck 1902",
+                                     .step = stribeck_map,
+                                     .reads = {"stribeck_speed", "smoothing_speed"},
+                                     .sticks = true,
+                                     .in_cone = true,
+                                     .creeps = true,
+                                     .chatters = true};
+
 }  // namespace palpate::engine

@@ -19,4 +19,12 @@ namespace palpate::engine {
             .slid = rub.travel != 0.0};
 }
 
+inline constexpr LawTraits kViscous{.word = "viscous",
+                                    .paper = "Coulomb with a viscous term",
+                                    .step = viscous,
+                                    .reads = {"viscous"},
+                                    .needs_first = true,
+                                    .creeps = true,
+                                    .chatters = true};
+
 }  // namespace palpate::engine

@@ -6,7 +6,6 @@
 namespace palpate::figures {
 namespace {
 
-using protocols::Law;
 using protocols::SceneFile;
 using protocols::Tracker;
 
@@ -25,13 +24,13 @@ TrackerSpec tracker_of(const protocols::SceneRenderer& renderer) {
 static_assert(static_cast<int>(Tracker::newton) - 1 == static_cast<int>(TrackerKind::newton));
 
 ThesisSpec thesis_spec(const SceneFile& file, double period) {
-    const Law law = file.friction.law;
+    const std::string& law = file.friction.law;
     return {.stiffness = file.renderer.stiffness,
             .period = period,
             .tracker = tracker_of(file.renderer),
-            .law = law == Law::thesis_literal ? ThesisLaw::literal
-                 : law == Law::thesis_latched ? ThesisLaw::latched
-                                              : ThesisLaw::frictionless,
+            .law = law == "thesis_literal" ? ThesisLaw::literal
+                 : law == "thesis_latched" ? ThesisLaw::latched
+                                           : ThesisLaw::frictionless,
             .mu_s = file.friction.set.mu_s,
             .mu_d = file.friction.set.mu_d,
             .dead_band = file.friction.dead_band};
