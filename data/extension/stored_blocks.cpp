@@ -155,7 +155,7 @@ private:
             counts_.resize(ticks_.size());
             hips_.resize(ticks_.size());
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                counts_[i] = ticks_[i].counts;
+                counts_[i] = {ticks_[i].counts[0], ticks_[i].counts[1]};
             }
             hip_->at(counts_, hips_);
             for (std::size_t i = 0; i < ticks_.size(); ++i) {

@@ -67,7 +67,8 @@ bool Retrace::same_hip(const TickRecord& tick) noexcept {
         return same(engine::Vec2{whole(tick.hip.x), whole(tick.hip.y)}, tick.hip) &&
                same(whole(tick.hip_z), tick.hip_z);
     }
-    return same(machine_ ? machine_->at(tick.counts) : engine::Vec2{}, tick.hip) &&
+    return same(machine_ ? machine_->at({tick.counts[0], tick.counts[1]}) : engine::Vec2{},
+                tick.hip) &&
            same(0.0, tick.hip_z);
 }
 

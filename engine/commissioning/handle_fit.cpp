@@ -85,8 +85,8 @@ Track track_of(
     track.period = samples.size() > 1 ? samples[1].time - samples[0].time : 1e-3;
     for (std::size_t k = 1; k < samples.size(); ++k) {
         const Vec2 asked(acting_torque(samples, k, delay));
-        const auto before = machine.angles(samples[k - 1].joints());
-        const auto after = machine.angles(samples[k].joints());
+        const auto before = machine.angles(samples[k - 1].counts);
+        const auto after = machine.angles(samples[k].counts);
         const FiveBar& linkage = machine.spec().linkage;
         const auto pose =
             linkage.forward({0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])});

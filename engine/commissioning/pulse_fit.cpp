@@ -69,7 +69,7 @@ private:
 
 std::vector<Moment> moments_of(const Pantograph& machine, const Pulse& pulse, double delay) {
     const auto& samples = pulse.samples;
-    const auto start = machine.angles(samples.front().joints());
+    const auto start = machine.angles(samples.front().counts);
     const auto fix = machine.locate(start);
     std::vector<Moment> moments;
     if (!fix) {
@@ -80,7 +80,7 @@ std::vector<Moment> moments_of(const Pantograph& machine, const Pulse& pulse, do
     Moment now;
     for (std::size_t k = 1; k < samples.size(); ++k) {
         const double step = samples[k].time - samples[k - 1].time;
-        const auto angles = machine.angles(samples[k].joints());
+        const auto angles = machine.angles(samples[k].counts);
         const Vec2 turned{angles[0] - start[0], angles[1] - start[1]};
         const Vec2 sign{sign_of_rate(samples, k, 0), sign_of_rate(samples, k, 1)};
         now.summed += 0.5 * step * (turned + now.turned);

@@ -70,8 +70,8 @@ PulseMatch match_linkage(const PantographSpec& spec,
     const Pantograph machine(spec);
     const auto& samples = pulse.samples;
     const std::size_t last = std::min(pulse.turn, samples.size() - 1);
-    const auto start = machine.angles(samples.front().joints());
-    const auto end = machine.angles(samples[last].joints());
+    const auto start = machine.angles(samples.front().counts);
+    const auto end = machine.angles(samples[last].counts);
     const auto from = machine.locate(start);
     if (!from) {
         return {.share = 0.0, .angle = kPi, .counts = HUGE_VAL};

@@ -43,14 +43,6 @@ Trip found(const Reading& reading) noexcept {
     return Trip::device_lost;
 }
 
-Machine::Counts counts_of(const Reading& reading) noexcept {
-    return {reading.counts[0], reading.counts[1], reading.count_3};
-}
-
-Vec3 hip_of(const Reading& reading) noexcept {
-    return {reading.hip, reading.hip_z};
-}
-
 constexpr std::array<double, 5> kForces{0.1, 0.2, 0.3, 0.5, 1.0};
 constexpr std::array<Vec3, 6> kDirections{Vec3{1.0, 0.0, 0.0}, Vec3{-1.0, 0.0, 0.0},
                                           Vec3{0.0, 1.0, 0.0}, Vec3{0.0, -1.0, 0.0},
@@ -96,19 +88,14 @@ PulseRunner::Tick PulseRunner::tick(const Vec3& force) {
     const bool in_time = wait_();
     Tick tick{.reading = device_->read(), .in_time = in_time};
     tick.command = make_safe(safety_, limits_,
-                             {.force = Vec2(force),
+                             {.force = force,
                               .hip = tick.reading.hip,
                               .counts = tick.reading.counts,
                               .found = found(tick.reading),
                               .fresh = tick.reading.fresh,
                               .time_ns = ticks_++ * static_cast<std::int64_t>(period_ * 1e9 + 0.5),
-                              .load = Vec2(load_),
-                              .force_z = force.z,
-                              .hip_z = tick.reading.hip_z,
-                              .load_3 = load_.z,
-                              .count_3 = tick.reading.count_3});
-    const AppliedForce applied = device_->press(Vec3(tick.command.force, tick.command.force_z));
-    load_ = {applied.load, applied.load_3};
+                              .load = load_});
+    load_ = device_->write(tick.command.force).load;
     return tick;
 }
 
@@ -119,7 +106,7 @@ void PulseRunner::settle() {
     Machine::Counts from{};
     int since = 0;
     for (double waited = 0.0; waited < kPatience && since < still; waited += period_) {
-        const Machine::Counts now = counts_of(tick(Vec3{}).reading);
+        const Machine::Counts now = tick(Vec3{}).reading.counts;
         bool moved = false;
         for (std::size_t i = 0; i < now.size(); ++i) {
             moved = moved || std::abs(now[i] - from[i]) > 1;
@@ -169,17 +156,17 @@ Pulse PulseRunner::give_once(const Vec3& direction, const PulsePlan& plan) {
         late_ticks += now.in_time ? 0 : 1;
         pulse.steady = pulse.steady && late_ticks <= kLateTicks && late_answers <= kLateAnswers;
         if (k == 0) {
-            pulse.place = hip_of(now.reading);
+            pulse.place = now.reading.hip;
         }
-        const Machine::Counts counts = counts_of(now.reading);
+        const Machine::Counts& counts = now.reading.counts;
         const auto place = machine_.locate(counts);
-        const Vec3 given(now.command.force, now.command.force_z);
-        pulse.samples.push_back({.time = static_cast<double>(k) * period_,
-                                 .counts = counts,
-                                 .torque = place ? machine_.drive(*place, given).torque : Vec3{},
-                                 .fresh = now.reading.fresh && now.reading.ok()});
+        pulse.samples.push_back(
+            {.time = static_cast<double>(k) * period_,
+             .counts = counts,
+             .torque = place ? machine_.drive(*place, now.command.force).torque : Vec3{},
+             .fresh = now.reading.fresh && now.reading.ok()});
         pulse.trip = now.command.trip;
-        const bool far = glm::length(hip_of(now.reading) - pulse.place) >= plan.travel;
+        const bool far = glm::length(now.reading.hip - pulse.place) >= plan.travel;
         if (pulse.turn == 0 && k > 0 && (far || k >= longest)) {
             pulse.turn = k + 1;
             end = 2 * pulse.turn + rest;
@@ -187,7 +174,7 @@ Pulse PulseRunner::give_once(const Vec3& direction, const PulsePlan& plan) {
         force = pulse.turn == 0 ? pulse.force : k + 1 < 2 * pulse.turn ? -pulse.force : Vec3{};
     }
     if (pulse.trip == Trip::none) {
-        device_->press(Vec3{});
+        device_->write(Vec3{});
     } else {
         device_->prove_zero();
     }
@@ -203,18 +190,18 @@ Rest PulseRunner::watch(double seconds) {
     for (double waited = 0.0; waited < seconds; waited += period_) {
         static_cast<void>(wait_());
         const Reading reading = device_->read();
-        device_->press(Vec3{});
+        device_->write(Vec3{});
         if (reading.fault == DeviceFault::silent) {
             static_cast<void>(answers_again());
         }
         const bool usable = reading.ok() || reading.fault == DeviceFault::unreachable;
         if (usable && reading.fresh) {
-            const Machine::Counts counts = counts_of(reading);
+            const Machine::Counts& counts = reading.counts;
             const Vec3 now(counts[0], counts[1], counts[2]);
             rest.counts += now;
             least = glm::min(least, now);
             max = glm::max(max, now);
-            last = hip_of(reading);
+            last = reading.hip;
             readings += 1.0;
         }
     }

@@ -21,9 +21,6 @@ struct PulseSample {
     Machine::Counts counts{};
     Vec3 torque{};  ///< N m, asked of the motors from this tick on
     bool fresh = true;
-
-    /// Of the two joints of a linkage.
-    [[nodiscard]] Pantograph::Counts joints() const noexcept { return {counts[0], counts[1]}; }
 };
 
 /// A push to and fro, and what the handle did.

@@ -24,30 +24,25 @@ enum class DeviceFault : std::uint8_t {
 /// Whether the participant holds the handle, where a device can tell.
 enum class Grip : std::uint8_t { unknown, held, released };
 
-/// What a device said when read. Of a machine of three axes hip_z and count_3 are the third; else
-/// 0.
+/// What a device said when read. Of a machine in the plane the third coordinate and count are 0.
 struct Reading {
-    Vec2 hip{};  ///< object frame, m
-    std::array<std::int32_t, 2> counts{};
+    Vec3 hip{};  ///< object frame, m, z up
+    std::array<std::int32_t, 3> counts{};
     DeviceFault fault = DeviceFault::none;  ///< other than none: hip and counts are not to be used
     bool fresh = true;  ///< false: nothing new since the last read, whose values are given again
     /// Ticks that it is older than DeviceTraits::delay_ticks says, >= 0: of answers that came late.
     double behind = 0.0;
     Grip grip = Grip::unknown;
-    double hip_z = 0.0;  ///< m, up
-    std::int32_t count_3 = 0;
 
     /// Whether hip and counts may be used.
     [[nodiscard]] bool ok() const noexcept { return fault == DeviceFault::none; }
 };
 
-/// What a device did with a commanded force. Without a third motor code_3 and load_3 are 0.
+/// What a device did with a commanded force. Of a motor that is not there code and load are 0.
 struct AppliedForce {
-    std::array<std::int32_t, 2> codes{};  ///< DAC codes
+    std::array<std::int32_t, 3> codes{};  ///< DAC codes
     bool saturated = false;               ///< it could not give the force asked for
-    Vec2 load{};  ///< each motor's torque as a share of the torque that it can give for ever, >= 0
-    std::int32_t code_3 = 0;
-    double load_3 = 0.0;
+    Vec3 load{};  ///< each motor's torque as a share of the torque that it can give for ever, >= 0
 };
 
 /// What is known of a device before it is used.
@@ -59,7 +54,7 @@ struct DeviceTraits {
     /// s that the last force stays when this program falls silent; infinity: for ever
     double holds_force = 0.0;
     double round_trip = 0.0;  ///< s from a question to its answer, as measured; 0: it was not
-    int axes = 2;             ///< 3: a machine in space, which is written to by press()
+    int axes = 2;             ///< 3: a machine in space
 };
 
 /// The port to whatever holds the hand: read HIP, write force, once a tick each, in this order.
@@ -73,10 +68,9 @@ public:
 
     /// HIP now; why there is none is in the reading.
     [[nodiscard]] virtual Reading read() noexcept = 0;
-    /// @param force  on the user, object frame, N; finite
-    virtual AppliedForce write(const Vec2& force) noexcept = 0;
-    /// The same of a force in space. A machine in the plane gives what lies in it.
-    virtual AppliedForce press(const Vec3& force) noexcept { return write(Vec2(force)); }
+    /// @param force  on the user, object frame, N; finite. A machine in the plane gives what lies
+    ///        in it.
+    virtual AppliedForce write(const Vec3& force) noexcept = 0;
     /// What people call it, for messages and the record of a session.
     [[nodiscard]] virtual std::string name() const = 0;
 
@@ -98,7 +92,7 @@ public:
     /// Takes what it takes, at most a second; a device that answers has proved it within 50 ms.
     /// @return false: nothing says that the motors are off; read() has a fault from then on
     virtual bool prove_zero() noexcept {
-        write(Vec2{});
+        write(Vec3{});
         return true;
     }
     /// Every millisecond from prove_zero() on, while nobody reads: what was proved stays true.

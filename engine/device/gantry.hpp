@@ -14,7 +14,7 @@ namespace palpate::engine {
 ///   HIP_i = home_i + r_i q_i,   torque_i = r_i F_i    r: m by rad, q: rad since the set-up at home
 class Gantry {
 public:
-    using Counts = std::array<std::int32_t, 3>;
+    using Counts = std::array<std::int32_t, kMaxAxes>;
 
     /// Torques of the three motors.
     struct Drive {

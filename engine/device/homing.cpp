@@ -174,7 +174,7 @@ void measure(Homing& homing, const PantographSpec& spec, std::span<const MarkRea
 
 }  // namespace
 
-void MarkCounts::add(const std::array<std::int32_t, 2>& counts) noexcept {
+void MarkCounts::add(const Pantograph::Counts& counts) noexcept {
     for (std::size_t i = 0; i < 2; ++i) {
         sum_[i] += counts[i];
         min_[i] = readings_ == 0 ? counts[i] : std::min(min_[i], counts[i]);

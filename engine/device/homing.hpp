@@ -20,8 +20,8 @@ struct MarkReading {
 /// Gathers the readings at one mark.
 class MarkCounts {
 public:
-    /// One more reading of both encoders.
-    void add(const std::array<std::int32_t, 2>& counts) noexcept;
+    /// One more reading of both encoders; of two the third is 0.
+    void add(const std::array<std::int32_t, kMaxAxes>& counts) noexcept;
     /// How many were added.
     [[nodiscard]] int readings() const noexcept { return readings_; }
     /// @throws std::invalid_argument if nothing was read

@@ -26,8 +26,7 @@ Machine::Counts home_counts(const Calibration& calibration) {
             number_text(1e3 * calibration.home->x) + ", " + number_text(1e3 * calibration.home->y) +
             ") mm: correct home, the link lengths or the origin");
     }
-    const Pantograph::Counts counts = pantograph.counts(*angles);
-    return {counts[0], counts[1], 0};
+    return pantograph.counts(*angles);
 }
 
 }  // namespace
@@ -41,7 +40,7 @@ std::optional<Machine::Place> Machine::locate(const Counts& counts) const noexce
         return hip ? std::optional(Place{.hip = *hip}) : std::nullopt;
     }
     const auto* pantograph = std::get_if<Pantograph>(&parts_);
-    const auto fix = pantograph->locate(pantograph->angles({counts[0], counts[1]}));
+    const auto fix = pantograph->locate(pantograph->angles(counts));
     return fix ? std::optional(Place{.hip = Vec3(fix->hip, 0.0), .fix = *fix}) : std::nullopt;
 }
 

@@ -12,7 +12,7 @@ namespace palpate::engine {
 /// The arithmetic between a pantograph's motors and encoders and the object frame. A plain value.
 class Pantograph {
 public:
-    using Counts = std::array<std::int32_t, 2>;
+    using Counts = std::array<std::int32_t, kMaxAxes>;  ///< the third is 0
 
     /// Where the handle is and how it moves there.
     struct Fix {

@@ -22,11 +22,7 @@ void PointerDevice::publish(const Vec2& position) noexcept {
 
 Reading PointerDevice::read() noexcept {
     const std::uint64_t word = latest_.load(std::memory_order_relaxed);
-    return {.hip = Vec2{unpacked(word >> 32U), unpacked(word & 0xFFFFFFFFU)}};
-}
-
-AppliedForce PointerDevice::write(const Vec2& /*force*/) noexcept {
-    return {};
+    return {.hip = {unpacked(word >> 32U), unpacked(word & 0xFFFFFFFFU), 0.0}};
 }
 
 }  // namespace palpate::engine

@@ -19,7 +19,7 @@ public:
     void publish(const Vec2& position) noexcept;
 
     [[nodiscard]] Reading read() noexcept override;
-    AppliedForce write(const Vec2& force) noexcept override;
+    AppliedForce write(const Vec3& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "mouse"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
 

@@ -26,7 +26,7 @@ public:
         }
         return at_end() ? readings_.back() : readings_[next_++];
     }
-    AppliedForce write(const Vec2& /*force*/) noexcept override { return {}; }
+    AppliedForce write(const Vec3& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "replay"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
 

@@ -16,6 +16,10 @@ std::int32_t whole_steps(double steps) noexcept {
     return static_cast<std::int32_t>(std::floor(steps + 0.5));
 }
 
+Vec3 in_space(const std::array<std::int32_t, 3>& steps) noexcept {
+    return {steps[0], steps[1], steps[2]};
+}
+
 }  // namespace
 
 SimulatedGantry::SimulatedGantry(const GantryModel& model, double period)
@@ -41,24 +45,22 @@ Reading SimulatedGantry::read() noexcept {
     first_ = false;
     const Vec3& position = plant_.position();
     Reading reading;
-    reading.counts = {whole_steps(position.x * kCountsPerM), whole_steps(position.y * kCountsPerM)};
-    reading.count_3 = whole_steps(position.z * kCountsPerM);
-    reading.hip = {reading.counts[0] / kCountsPerM, reading.counts[1] / kCountsPerM};
-    reading.hip_z = reading.count_3 / kCountsPerM;
+    reading.counts = {whole_steps(position.x * kCountsPerM), whole_steps(position.y * kCountsPerM),
+                      whole_steps(position.z * kCountsPerM)};
+    reading.hip = in_space(reading.counts) / kCountsPerM;
     return reading;
 }
 
-AppliedForce SimulatedGantry::press(const Vec3& force) noexcept {
+AppliedForce SimulatedGantry::write(const Vec3& force) noexcept {
     AppliedForce applied;
     const auto coded = [&](double newton) {
         const double max = plant_.model().force_limit;
         applied.saturated = applied.saturated || std::fabs(newton) > max;
         return whole_steps(std::fmin(std::fmax(newton, -max), max) * kCodesPerN);
     };
-    applied.codes = {coded(force.x), coded(force.y)};
-    applied.code_3 = coded(force.z);
+    applied.codes = {coded(force.x), coded(force.y), coded(force.z)};
     plant_.set_force(waiting_);
-    waiting_ = Vec3(applied.codes[0], applied.codes[1], applied.code_3) / kCodesPerN;
+    waiting_ = in_space(applied.codes) / kCodesPerN;
     return applied;
 }
 

@@ -24,8 +24,7 @@ public:
     [[nodiscard]] double duration() const noexcept { return plant_.duration(); }
 
     [[nodiscard]] Reading read() noexcept override;
-    AppliedForce write(const Vec2& force) noexcept override { return press(Vec3(force, 0.0)); }
-    AppliedForce press(const Vec3& force) noexcept override;
+    AppliedForce write(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override { return "simulated gantry"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return traits_; }
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& /*hip*/) const noexcept override {

@@ -87,24 +87,26 @@ Reading SimulatedPantograph::read() noexcept {
     reading.counts = machine_.counts(plant_.angles());
     fix_ = plant_.lost() ? std::nullopt : machine_.locate(machine_.angles(reading.counts));
     if (fix_) {
-        reading.hip = fix_->hip;
+        reading.hip = Vec3(fix_->hip, 0.0);
     } else {
         reading.fault = DeviceFault::unreachable;
     }
     return reading;
 }
 
-AppliedForce SimulatedPantograph::write(const Vec2& force) noexcept {
+AppliedForce SimulatedPantograph::write(const Vec3& force) noexcept {
     AppliedForce applied;
     Vec2 torque{};
     if (fix_) {
-        const Pantograph::Drive drive = machine_.drive(*fix_, force);
+        const Pantograph::Drive drive = machine_.drive(*fix_, Vec2(force));
         const MotorCode one = coded(machine_.spec().axes[0], drive.torque.x);
         const MotorCode two = coded(machine_.spec().axes[1], drive.torque.y);
-        applied = {.codes = {one.code, two.code}, .saturated = drive.saturated, .load = drive.load};
+        applied = {.codes = {one.code, two.code},
+                   .saturated = drive.saturated,
+                   .load = Vec3(drive.load, 0.0)};
         torque = Vec2{one.torque, two.torque};
     } else {
-        applied.saturated = force != Vec2{};
+        applied.saturated = Vec2(force) != Vec2{};
     }
     plant_.set_torque(delayed_ ? waiting_ : torque);
     waiting_ = torque;

@@ -35,7 +35,7 @@ public:
     [[nodiscard]] double duration() const noexcept { return plant_.duration(); }
 
     [[nodiscard]] Reading read() noexcept override;
-    AppliedForce write(const Vec2& force) noexcept override;
+    AppliedForce write(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override { return "simulated pantograph"; }
     /// The damping is of the joints alone: dry friction and hand come on top.
     [[nodiscard]] DeviceTraits traits() const noexcept override { return traits_; }

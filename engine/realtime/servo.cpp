@@ -81,8 +81,7 @@ void Servo::run_tick(std::int64_t time_ns,
 void Servo::run_idle(std::int64_t at_ns) noexcept {
     const Reading reading = loop_.idle();
     idle_fault_ = reading.fault;
-    rest_.publish(
-        {.at_ns = at_ns, .hip = reading.hip, .hip_z = reading.hip_z, .fault = reading.fault});
+    rest_.publish({.at_ns = at_ns, .hip = reading.hip, .fault = reading.fault});
 }
 
 void Servo::rewind() noexcept {

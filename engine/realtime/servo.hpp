@@ -48,8 +48,7 @@ struct ServoSpec {
 /// What the device said between trials: where a free handle is.
 struct RestReading {
     std::int64_t at_ns = 0;  ///< monotonic_ns() of the reading; 0: a trial began since
-    Vec2 hip{};              ///< m
-    double hip_z = 0.0;      ///< of a machine of three axes
+    Vec3 hip{};              ///< m
     DeviceFault fault = DeviceFault::none;  ///< hip is not new
 };
 

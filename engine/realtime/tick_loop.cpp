@@ -71,10 +71,7 @@ SafetyInput TickLoop::input_of(const TickOrder& order, const Reading& reading) c
             .screen_age = order.screen_age,
             .enable = order.enable,
             .held = order.held && reading.grip != Grip::released,
-            .stop = order.stop,
-            .hip_z = reading.hip_z,
-            .load_3 = applied_.load_3,
-            .count_3 = reading.count_3};
+            .stop = order.stop};
 }
 
 /// All but the contact, after the force is written.
@@ -84,14 +81,14 @@ TickRecord TickLoop::recorded(const TickOrder& order,
     TickRecord record;
     record.tick = next_++;
     record.time_ns = order.time_ns;
-    record.hip = reading.hip;
-    record.hip_z = reading.hip_z;
-    record.command = command.force;
-    record.command_z = command.force_z;
-    record.counts = reading.counts;
-    record.count_3 = reading.count_3;
-    record.codes = applied_.codes;
-    record.code_3 = applied_.code_3;
+    record.hip = Vec2(reading.hip);
+    record.hip_z = reading.hip.z;
+    record.command = Vec2(command.force);
+    record.command_z = command.force.z;
+    record.counts = {reading.counts[0], reading.counts[1]};
+    record.count_3 = reading.counts[2];
+    record.codes = {applied_.codes[0], applied_.codes[1]};
+    record.code_3 = applied_.codes[2];
     record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
     record.flags = flags_of(command, applied_, periods_late(order.lateness_ns, limits_.period) > 0,
                             reading.ok() && !reading.fresh);
@@ -101,10 +98,11 @@ TickRecord TickLoop::recorded(const TickOrder& order,
 TickRecord TickLoop::tick_in_plane(const TickOrder& order) noexcept {
     const Reading reading = usable(device_->read());
     const Scene& scene = *scene_.plane;
-    const Contact contact = scene.tick(state_->plane, reading.hip);
+    const Vec2 hip(reading.hip);
+    const Contact contact = scene.tick(state_->plane, hip);
     SafetyInput input = input_of(order, reading);
-    input.force = contact.force;
-    input.spring = scene.spring(state_->plane, contact, reading.hip);
+    input.force = Vec3(contact.force, 0.0);
+    input.spring = Vec3(scene.spring(state_->plane, contact, hip), 0.0);
     input.depth = contact.mode == Mode::free ? 0.0 : contact.normal_force / limits_.stiffness;
     input.found = found(reading, contact.refused);
     const Command command = make_safe(safety_, limits_, input);
@@ -118,19 +116,15 @@ TickRecord TickLoop::tick_in_plane(const TickOrder& order) noexcept {
 
 TickRecord TickLoop::tick_in_space(const TickOrder& order) noexcept {
     const Reading reading = usable(device_->read());
-    const Vec3 hip(reading.hip, reading.hip_z);
-    const SurfaceContact contact = scene_.space->tick(state_->space, hip);
+    const SurfaceContact contact = scene_.space->tick(state_->space, reading.hip);
     const bool free = contact.mode == Mode::free;
-    const Vec3 spring = free ? Vec3{} : contact.go - hip;
     SafetyInput input = input_of(order, reading);
-    input.force = Vec2(contact.force);
-    input.force_z = contact.force.z;
-    input.spring = Vec2(spring);
-    input.spring_z = spring.z;
+    input.force = contact.force;
+    input.spring = free ? Vec3{} : contact.go - reading.hip;
     input.depth = free ? 0.0 : contact.normal_force / limits_.stiffness;
     input.found = found(reading, contact.refused);
     const Command command = make_safe(safety_, limits_, input);
-    applied_ = device_->press(Vec3(command.force, command.force_z));
+    applied_ = device_->write(command.force);
 
     TickRecord record = recorded(order, reading, command);
     set_contact(record, contact);
@@ -140,25 +134,24 @@ TickRecord TickLoop::tick_in_space(const TickOrder& order) noexcept {
 
 Reading TickLoop::usable(Reading reading) noexcept {
     if (reading.ok() && !(std::isfinite(reading.hip.x) && std::isfinite(reading.hip.y) &&
-                          std::isfinite(reading.hip_z))) {
+                          std::isfinite(reading.hip.z))) {
         reading.fault = DeviceFault::garbage;
     }
     if (!reading.ok()) {
-        reading.hip = Vec2(hip_);
-        reading.hip_z = hip_.z;
+        reading.hip = hip_;
     }
-    hip_ = Vec3(reading.hip, reading.hip_z);
+    hip_ = reading.hip;
     return reading;
 }
 
 Reading TickLoop::idle() noexcept {
     const Reading reading = usable(device_->read());
-    device_->write(Vec2{});
+    device_->write(Vec3{});
     return reading;
 }
 
 void TickLoop::silence() noexcept {
-    device_->write(Vec2{});
+    device_->write(Vec3{});
 }
 
 }  // namespace palpate::engine

@@ -36,34 +36,21 @@ bool finite(const Vec3& v) noexcept {
     return std::isfinite(glm::length(v));
 }
 
-Vec3 force_of(const SafetyInput& input) noexcept {
-    return {input.force, input.force_z};
-}
-Vec3 spring_of(const SafetyInput& input) noexcept {
-    return {input.spring, input.spring_z};
-}
-Vec3 hip_of(const SafetyInput& input) noexcept {
-    return {input.hip, input.hip_z};
-}
-Vec3 load_of(const SafetyInput& input) noexcept {
-    return {input.load, input.load_3};
-}
-
 constexpr double kRounding = 1e-9;  ///< share by which a full command may be less than its limit
 
 bool finite(const SafetyInput& input) noexcept {
-    return finite(force_of(input)) && finite(spring_of(input)) && finite(hip_of(input)) &&
-           finite(load_of(input)) && std::isfinite(input.depth) && std::isfinite(input.behind);
+    return finite(input.force) && finite(input.spring) && finite(input.hip) && finite(input.load) &&
+           std::isfinite(input.depth) && std::isfinite(input.behind);
 }
 
 /// One of them stands still while others move, or all do under a force.
 bool encoders_dead(SafetyState& state,
                    const SafetyLimits& limits,
                    const SafetyInput& input) noexcept {
-    const EncoderWatch::Counts counts{input.counts[0], input.counts[1], input.count_3};
-    const bool one = encoder_stuck(state.encoders, counts, hip_of(input), limits.axes,
+    const bool one = encoder_stuck(state.encoders, input.counts, input.hip, limits.axes,
                                    state.command, limits.stuck_travel);
-    const auto all = stillness(state.still, counts, glm::length(state.command), state.clock.now);
+    const auto all =
+        stillness(state.still, input.counts, glm::length(state.command), state.clock.now);
     return one || all == StillWatch::State::dead;
 }
 
@@ -80,7 +67,7 @@ bool quiet(const SafetyState& state, const SafetyLimits& limits) noexcept {
 /// E of this tick is above its limit, or not a number. Without a limit nothing is summed.
 bool too_active(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     return std::isfinite(limits.energy) &&
-           !(observe_energy(state.energy, limits, hip_of(input), spring_of(input), state.gain,
+           !(observe_energy(state.energy, limits, input.hip, input.spring, state.gain,
                             state.clock.since) <= limits.energy);
 }
 
@@ -91,7 +78,7 @@ bool handle_runs_away(SafetyState& state,
     const bool full =
         input.clipped || glm::length(state.command) >= limits.max_force * (1.0 - kRounding);
     return limits.watch_runaway &&
-           runs_away(state.runaway, full, input.depth, hip_of(input), state.clock.now);
+           runs_away(state.runaway, full, input.depth, input.hip, state.clock.now);
 }
 
 bool contact_buzzes(SafetyState& state,
@@ -102,7 +89,7 @@ bool contact_buzzes(SafetyState& state,
 
 bool too_hot(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     if (limits.heat_step > 0.0) {
-        state.heat = heated(state.heat, load_of(input), limits.heat_step);
+        state.heat = heated(state.heat, input.load, limits.heat_step);
     }
     return limits.heat_step > 0.0 &&
            !(state.heat.x <= 1.0 && state.heat.y <= 1.0 && state.heat.z <= 1.0);
@@ -133,8 +120,7 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
         return Trip::not_finite;
     }
     advance(state.clock, input.time_ns, limits.period, input.fresh);
-    if (const Trip motion =
-            watch_motion(state.motion, limits, hip_of(input), input.fresh, state.clock);
+    if (const Trip motion = watch_motion(state.motion, limits, input.hip, input.fresh, state.clock);
         motion != Trip::none) {
         return motion;
     }
@@ -168,9 +154,8 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
 
 Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     Command command;
-    const Vec3 force = force_of(input);
-    const Vec3 strong = saturated(force, limits.max_force);
-    command.saturated = strong != force;
+    const Vec3 strong = saturated(input.force, limits.max_force);
+    command.saturated = strong != input.force;
     const bool off = quiet(state, limits);
     const bool eases = state.still.eases;
     const double step =
@@ -179,10 +164,8 @@ Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInpu
     state.gain = off ? 0.0 : ramped(state.gain, step, input.enable && !eases);
     command.ramped = state.gain < 1.0;
     const Vec3 target = state.gain * strong;
-    const Vec3 given = off ? Vec3{} : within_slew(state.command, target, limits.slew);
-    command.force = Vec2(given);
-    command.force_z = given.z;
-    command.force_slew = given != target;
+    command.force = off ? Vec3{} : within_slew(state.command, target, limits.slew);
+    command.force_slew = command.force != target;
     return command;
 }
 
@@ -201,7 +184,7 @@ Command make_safe(SafetyState& state,
         state.gain = 0.0;
     }
     command.trip = state.trip;
-    state.command = Vec3(command.force, command.force_z);
+    state.command = command.force;
     note_command(state.energy, state.command);
     return command;
 }

@@ -17,29 +17,24 @@
 
 namespace palpate::engine {
 
-/// What the safety chain gets each tick. In the plane what ends in _z or _3 is 0.
+/// What the safety chain gets each tick. In the plane z, and what is of a third motor, are 0.
 struct SafetyInput {
-    Vec2 force{};        ///< rendered, N
-    Vec2 spring{};       ///< GO - HIP, m; 0 out of contact
+    Vec3 force{};        ///< rendered, N
+    Vec3 spring{};       ///< GO - HIP, m; 0 out of contact
     double depth = 0.0;  ///< normal force / K, m; 0 out of contact
-    Vec2 hip{};          ///< m
-    std::array<std::int32_t, 2> counts{};
+    Vec3 hip{};          ///< m
+    std::array<std::int32_t, 3> counts{};
     Trip found = Trip::none;       ///< what device or scene reported this tick
     bool fresh = true;             ///< HIP was measured since the last tick
     double behind = 0.0;           ///< ticks that HIP is older than delay_ticks, >= 0
     std::int64_t time_ns = 0;      ///< of the wake-up; left alone, a tick is a period
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
-    Vec2 load{};               ///< motors' torque share of the last tick, see AppliedForce::load
-    bool clipped = false;      ///< the motors could not give the last command
-    double screen_age = 0.0;   ///< s since the screen's last sign of life
-    bool enable = true;        ///< ramp towards on (true) or off (false)
-    bool held = true;          ///< someone holds the dead-man key
-    Trip stop = Trip::none;    ///< who ends it by hand: stopped, focus_lost; none: nobody
-    double force_z = 0.0;      ///< N
-    double spring_z = 0.0;     ///< m
-    double hip_z = 0.0;        ///< m
-    double load_3 = 0.0;       ///< of the third motor
-    std::int32_t count_3 = 0;  ///< third encoder
+    Vec3 load{};              ///< motors' torque share of the last tick, see AppliedForce::load
+    bool clipped = false;     ///< the motors could not give the last command
+    double screen_age = 0.0;  ///< s since the screen's last sign of life
+    bool enable = true;       ///< ramp towards on (true) or off (false)
+    bool held = true;         ///< someone holds the dead-man key
+    Trip stop = Trip::none;   ///< who ends it by hand: stopped, focus_lost; none: nobody
 };
 
 /// What the safety chain remembers. A plain value; 12 kB, most of it the ways of the last 20 ms.
@@ -62,12 +57,11 @@ struct SafetyState {
 
 /// What the chain makes of a rendered force, N.
 struct Command {
-    Vec2 force{};
+    Vec3 force{};
     bool saturated = false;
     bool force_slew = false;  ///< it changed as fast as the limit allows
     bool ramped = false;      ///< scaled down by the ramp
     Trip trip = Trip::none;   ///< the latched cause; the force is zero
-    double force_z = 0.0;     ///< N
 };
 
 /// What stands between the rendered force and the device, in this order:

@@ -211,7 +211,7 @@ std::optional<engine::Vec3> DeviceApparatus::place() {
         const auto last = servo_.resting();
         const bool read = last && last->fault == engine::DeviceFault::none &&
                           monotonic_ns() - last->at_ns < kFreshNs;
-        return read ? std::optional(engine::Vec3(last->hip, last->hip_z)) : std::nullopt;
+        return read ? std::optional(last->hip) : std::nullopt;
     };
     std::optional<engine::Vec3> place = look();
     if (!place) {

@@ -248,8 +248,8 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
           "[session][fault][law]") {
     class Still : public engine::Device {
     public:
-        engine::Reading read() noexcept override { return {.hip = {0.0, 0.06}}; }
-        engine::AppliedForce write(const engine::Vec2& /*force*/) noexcept override { return {}; }
+        engine::Reading read() noexcept override { return {.hip = {0.0, 0.06, 0.0}}; }
+        engine::AppliedForce write(const engine::Vec3& /*force*/) noexcept override { return {}; }
         [[nodiscard]] std::string name() const override { return "still"; }
         [[nodiscard]] engine::DeviceTraits traits() const noexcept override {
             return {.gives_force = false};

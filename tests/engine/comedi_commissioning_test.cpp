@@ -29,7 +29,7 @@ public:
     }
     /// A millisecond with what stands at the outputs.
     void pass() {
-        Vec2 given{};
+        Vec3 given{};
         for (std::size_t i = 0; i < 2; ++i) {
             const std::size_t from = motors_.swapped ? 1 - i : i;
             const double asked = volts_of(bench, from) / how.comedi->volts_per_newton_metre[from];

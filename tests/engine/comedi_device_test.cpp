@@ -71,7 +71,7 @@ TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both 
         const Reading reading = device->read();
         REQUIRE(reading.ok());
         CHECK(reading.counts == pantograph.counts(*pantograph.reach(at)));
-        CHECK(glm::length(reading.hip - at) < 1e-4);  // a few encoder counts
+        CHECK(glm::length(Vec2(reading.hip) - at) < 1e-4);  // a few encoder counts
     }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
         REQUIRE(reading.ok());
         const double max = random.coin() ? 3.0 : 60.0;
         const Vec2 force{random.in(-max, max), random.in(-max, max)};
-        const AppliedForce applied = device->write(force);
+        const AppliedForce applied = device->write(Vec3(force, 0.0));
 
         const auto fix = *pantograph.locate(pantograph.angles(reading.counts));
         const Pantograph::Drive drive = pantograph.drive(fix, force);
@@ -124,11 +124,10 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
         CHECK(std::fabs(volts_of(bench, 0) - 10.0 * drive.torque.x) <= 0.500001 * code);
         CHECK(std::fabs(volts_of(bench, 1) + 8.0 * drive.torque.y) <= 0.500001 * code);
         CHECK(applied.saturated == drive.saturated);
-        CHECK(applied.load == drive.load);
+        CHECK(applied.load == Vec3(drive.load, 0.0));
         CHECK(applied.codes[0] == static_cast<std::int32_t>(bench.code[0]));
         CHECK(applied.codes[1] == static_cast<std::int32_t>(bench.code[1]));
-        CHECK(device->weakest_force(Vec3(reading.hip, 0.0)) ==
-              pantograph.weakest_force(reading.hip));
+        CHECK(device->weakest_force(reading.hip) == pantograph.weakest_force(Vec2(reading.hip)));
     }
     for (const std::uint32_t range : bench.range_used) {
         REQUIRE(range == 3);
@@ -154,15 +153,16 @@ TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInf = std::numeric_limits<double>::infinity();
     constexpr double kMax = std::numeric_limits<double>::max();
-    for (const Vec2 force : {Vec2{kNan, 0.0}, Vec2{0.0, kNan}, Vec2{kInf, 1.0}, Vec2{1.0, -kInf}}) {
+    for (const Vec3 force : {Vec3{kNan, 0.0, 0.0}, Vec3{0.0, kNan, 0.0}, Vec3{kInf, 1.0, 0.0},
+                             Vec3{1.0, -kInf, 0.0}}) {
         static_cast<void>(device->read());
-        device->write({2.0, 2.0});
+        device->write({2.0, 2.0, 0.0});
         REQUIRE_FALSE(at_zero(bench));
         CHECK_FALSE(device->write(force).saturated);
         CHECK(at_zero(bench));
     }
     // Finite, but its torque may not be: within the range either way.
-    device->write({kMax, kMax});
+    device->write({kMax, kMax, 0.0});
     const auto& [one, two] = daq_calibration().pantograph.axes;  // 10 and 8 V per N m
     CHECK(std::fabs(volts_of(bench, 0)) <= 10.0 * one.torque_limit + 1e-3);
     CHECK(std::fabs(volts_of(bench, 1)) <= 8.0 * two.torque_limit + 1e-3);
@@ -186,7 +186,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
         bench.counter = counters(how, start, bench.counter_top, somewhere(random));
         const Reading reading = device->read();
         const bool was_failing = bench.calls > bench.failing_call;
-        device->write({random.in(-3.0, 3.0), random.in(1.0, 3.0)});
+        device->write({random.in(-3.0, 3.0), random.in(1.0, 3.0), 0.0});
         if (seen != DeviceFault::none) {
             CHECK(reading.fault == seen);  // until reconnect()
         }
@@ -204,7 +204,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
         CHECK(device->reconnect());
         CHECK(device->trouble().empty());
         CHECK(device->read().ok());
-        device->write({1.0, 1.0});
+        device->write({1.0, 1.0, 0.0});
     }
     device.reset();
     CHECK(at_zero(bench));
@@ -217,7 +217,7 @@ TEST_CASE("zero is never said of a card that does not take it", "[device][comedi
     DaqBench bench;
     auto device = plug(bench, how);
     REQUIRE(device->read().ok());
-    device->write({1.0, 2.0});
+    device->write({1.0, 2.0, 0.0});
     bench.failing_call = failing < 2 ? bench.calls + failing : -1;
     bench.error = EIO;
     CHECK(device->prove_zero() == (failing == 2));
@@ -230,7 +230,7 @@ TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops 
         DaqBench bench;
         const auto device = plug(bench);
         REQUIRE(device->read().ok());
-        device->write({2.0, 1.0});
+        device->write({2.0, 1.0, 0.0});
         bench.counter[1] = value;
         CHECK(device->read().fault == DeviceFault::garbage);
         CHECK(at_zero(bench));
@@ -243,7 +243,7 @@ TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself"
     DaqBench bench;
     const auto device = plug(bench);
     static_cast<void>(device->read());
-    device->write({2.0, 1.0});
+    device->write({2.0, 1.0, 0.0});
     // Driven links flat and apart: the elbows are 151 mm from each other, the free links reach 150.
     const Pantograph pantograph(daq_calibration().pantograph);
     const auto rest = pantograph.counts(*pantograph.reach(*daq_calibration().home));
@@ -252,7 +252,7 @@ TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself"
     bench.counter = {static_cast<std::uint32_t>(flat[0] - rest[0]) & 0xFFFFFFU,
                      static_cast<std::uint32_t>(rest[1] - flat[1]) & 0xFFFFFFU};
     CHECK(device->read().fault == DeviceFault::unreachable);
-    device->write({2.0, 1.0});
+    device->write({2.0, 1.0, 0.0});
     CHECK(at_zero(bench));
     bench.counter = home;
     CHECK(device->read().ok());
@@ -272,7 +272,7 @@ TEST_CASE("a card that stays away is asked again, and says each time what is wro
         CHECK_THAT(device->trouble(),
                    ContainsSubstring(i == 1 ? "another program uses it" : "its driver loaded"));
         CHECK(device->read().fault == DeviceFault::lost);
-        device->write({1.0, 1.0});
+        device->write({1.0, 1.0, 0.0});
     }
     bench.open_error = 0;
     bench.failing_call = -1;
@@ -280,7 +280,7 @@ TEST_CASE("a card that stays away is asked again, and says each time what is wro
     CHECK(device->reconnect());
     const Reading reading = device->read();
     CHECK(reading.ok());
-    CHECK(glm::length(reading.hip - Vec2{0.0, 0.060}) < 1e-4);
+    CHECK(glm::length(Vec2(reading.hip) - Vec2{0.0, 0.060}) < 1e-4);
     CHECK(bench.opened == 5);
 }
 

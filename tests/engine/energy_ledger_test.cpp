@@ -69,7 +69,8 @@ TEST_CASE("what a soft object gives back trips no energy observer, which knows w
     std::vector<Reading> readings;
     for (int i = 0; i < 3000; ++i) {  // 13 mm in and out again, in a second each
         const double share = std::min({1.0, 1e-3 * i, 1e-3 * (3000 - i)});
-        readings.push_back({.hip = at.point + (0.001 - 0.013 * share) * at.normal});
+        const Vec2 hip = at.point + (0.001 - 0.013 * share) * at.normal;
+        readings.push_back({.hip = Vec3(hip, 0.0)});
     }
     ContactState state;
     EnergyObserver knows;
@@ -77,13 +78,13 @@ TEST_CASE("what a soft object gives back trips no energy observer, which knows w
     double max = 0.0;
     double max_unknown = 0.0;
     for (const Reading& reading : readings) {
-        const Contact c = scene.tick(state, reading.hip);
-        const Vec2 stretch = c.mode == Mode::free ? Vec2{} : c.go - reading.hip;
-        const Vec2 spring = scene.spring(state, c, reading.hip);
-        max = std::max(max, observe_energy(knows, limits, Vec3(reading.hip, 0.0), Vec3(spring, 0.0),
-                                           1.0, 1e-3));
-        max_unknown = std::max(max_unknown, observe_energy(ignores, limits, Vec3(reading.hip, 0.0),
-                                                           Vec3(stretch, 0.0), 1.0, 1e-3));
+        const Vec2 hip(reading.hip);
+        const Contact c = scene.tick(state, hip);
+        const Vec3 stretch = c.mode == Mode::free ? Vec3{} : Vec3(c.go - hip, 0.0);
+        const Vec3 spring(scene.spring(state, c, hip), 0.0);
+        max = std::max(max, observe_energy(knows, limits, reading.hip, spring, 1.0, 1e-3));
+        max_unknown =
+            std::max(max_unknown, observe_energy(ignores, limits, reading.hip, stretch, 1.0, 1e-3));
         note_command(knows, Vec3(c.force, 0.0));
         note_command(ignores, Vec3(c.force, 0.0));
     }

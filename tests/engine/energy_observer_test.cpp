@@ -85,8 +85,10 @@ TEST_CASE("a sampled spring with friction, cut and ramped, never raises the ener
     for (const Vec2& hip : random_hand(seed, 8000, {-0.05, -0.01}, {0.05, 0.05},
                                        limits.period * random.in(0.5, 2.0))) {
         const Contact c = scene.tick(contact, hip);
-        const Command command =
-            make_safe(state, limits, {.force = c.force, .spring = spring_of(c, hip), .hip = hip});
+        const Command command = make_safe(state, limits,
+                                          {.force = Vec3(c.force, 0.0),
+                                           .spring = Vec3(spring_of(c, hip), 0.0),
+                                           .hip = Vec3(hip, 0.0)});
         if (command.trip != Trip::none || !(state.energy.energy <= 1e-12)) {
             FAIL("E = " << state.energy.energy << " J");
         }
@@ -113,9 +115,11 @@ TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
                    std::floor(hand.y / count + 0.5) * count};
         }
         const Contact c = scene.tick(contact, hip);
-        const Command command =
-            make_safe(state, limits,
-                      {.force = c.force, .spring = spring_of(c, hip), .hip = hip, .fresh = fresh});
+        const Command command = make_safe(state, limits,
+                                          {.force = Vec3(c.force, 0.0),
+                                           .spring = Vec3(spring_of(c, hip), 0.0),
+                                           .hip = Vec3(hip, 0.0),
+                                           .fresh = fresh});
         REQUIRE((command.trip == Trip::none));
     }
     CHECK((state.trip == Trip::none));
@@ -145,7 +149,8 @@ TEST_CASE("a force that follows the motion trips before it gave the limit and a 
         worst_tick = std::max(worst_tick, std::fabs(glm::dot(Vec2(state.command), step)));
         const double length = glm::length(step);
         force = linear ? push * step / limits.period : length > 0.0 ? push * step / length : Vec2{};
-        const Command c = make_safe(state, limits, {.force = force, .hip = hip});
+        const Command c =
+            make_safe(state, limits, {.force = Vec3(force, 0.0), .hip = Vec3(hip, 0.0)});
         last = hip;
         if (!(given.max() <= kLimit + worst_tick)) {
             FAIL("gave " << given.max() << " J");
@@ -185,8 +190,9 @@ Trip against(const Wall& wall) {
         const double depth = std::max(0.0, -y);
         depths.push_back(depth);
         const Vec2 force{0.0, wall.stiffness * depths.front()};
-        const Command c =
-            make_safe(state, limits, {.force = force, .spring = {0.0, depth}, .hip = hip});
+        const Command c = make_safe(
+            state, limits,
+            {.force = Vec3(force, 0.0), .spring = {0.0, depth, 0.0}, .hip = Vec3(hip, 0.0)});
         commands.push_back(c.force.y);
         for (int i = 0; i < 20; ++i) {
             v += 5e-5 / 0.15 * (commands.front() - 2.0 - wall.damping * v);
@@ -214,10 +220,11 @@ TEST_CASE("a spring of the wrong sign is caught", "[safety]") {
     const SafetyLimits limits{.ramp_step = 1.0, .energy = kLimit};
     SafetyState state;
     double depth = 0.0;
-    while (
-        make_safe(state, limits,
-                  {.force = {0.0, -1000.0 * depth}, .spring = {0.0, depth}, .hip = {0.0, -depth}})
-            .trip == Trip::none) {
+    while (make_safe(state, limits,
+                     {.force = {0.0, -1000.0 * depth, 0.0},
+                      .spring = {0.0, depth, 0.0},
+                      .hip = {0.0, -depth, 0.0}})
+               .trip == Trip::none) {
         depth += 1e-4;
         REQUIRE(depth < 0.02);
     }

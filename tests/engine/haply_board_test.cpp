@@ -54,7 +54,7 @@ TEST_CASE("the board has no watchdog, so the last torque stays on for ever", "[h
     Naive host;
     host.set_up();
     host.torque(0.05, -0.02);
-    const Vec2 given = host.board.torque();
+    const Vec3 given = host.board.torque();
     CHECK(std::fabs(given.y - duty(0.05)) < 1e-9);  // port 1 drives pivot 2
     CHECK(std::fabs(given.x - duty(-0.02)) < 1e-9);
     host.send({}, 20 * 3600 * 20);
@@ -66,7 +66,7 @@ TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[ha
     Naive host;
     host.set_up();
     host.torque(0.05, 0.05);
-    const Vec2 given = host.board.torque();
+    const Vec3 given = host.board.torque();
     host.send({0, 0});  // as hAPI sends it
     CHECK(host.board.torque() == given);
     host.torque(0.0, 0.0);
@@ -75,7 +75,7 @@ TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[ha
     host.set_up();
     CHECK(host.board.torque() == given);
     host.torque(0.0, 0.0);
-    CHECK(host.board.torque() == Vec2{});
+    CHECK(host.board.torque() == Vec3{});
 }
 
 TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][hazard]") {
@@ -88,7 +88,7 @@ TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][
     CHECK(host.board.journal().desyncs == 1);
     CHECK(host.board.journal().resets > resets);
     host.torque(0.0, 0.0);
-    CHECK_FALSE(host.board.torque() == Vec2{});  // the addresses are gone, the force is not
+    CHECK_FALSE(host.board.torque() == Vec3{});  // the addresses are gone, the force is not
 }
 
 TEST_CASE("id 0 reaches every port that was not set up", "[haply][hazard]") {
@@ -96,7 +96,7 @@ TEST_CASE("id 0 reaches every port that was not set up", "[haply][hazard]") {
     host.send(std::vector<std::uint8_t>{2, 0, 0xCD, 0xCC, 0x4C, 0x3D, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                         0, 0});
     CHECK(host.board.journal().id_0 == 1);
-    CHECK_FALSE(host.board.torque() == Vec2{});
+    CHECK_FALSE(host.board.torque() == Vec3{});
 }
 
 TEST_CASE("a packet cut in two is filled with 0xFF, and its rest is read as commands",

@@ -32,7 +32,7 @@ TEST_CASE("whatever answers take, every tick has a new reading, as old as the de
             REQUIRE(reading.ok());
             if (k > 40) {  // the first ones fill the way
                 stale += reading.fresh ? 0 : 1;
-                CHECK(glm::length(reading.hip - led[k - behind]) < 3e-4);
+                CHECK(glm::length(Vec2(reading.hip) - led[k - behind]) < 3e-4);
             }
         }
         CHECK(stale == 0);
@@ -84,7 +84,7 @@ TEST_CASE("each reading is as old as it says, however the board's answers come",
             const auto oldest = static_cast<std::size_t>(promised + reading.behind);
             double missed = 1.0;
             for (std::size_t age = reading.behind > 0.0 ? oldest : 0; age <= oldest; ++age) {
-                missed = std::fmin(missed, glm::length(reading.hip - led[k - age]));
+                missed = std::fmin(missed, glm::length(Vec2(reading.hip) - led[k - age]));
             }
             CHECK(missed < 3e-4);
         }

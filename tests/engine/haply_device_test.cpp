@@ -36,8 +36,8 @@ TEST_CASE("HIP is where the handle is, to half a count, for every machine and pl
         CHECK(std::fabs(std::remainder(read[1] - truth[1], turn)) <= 1.51 * count);
         const auto fix = bench.pantograph.locate(read);
         REQUIRE(fix);
-        CHECK(glm::length(fix->hip - reading.hip) < 1e-12);
-        CHECK(glm::length(reading.hip - hip) < 3e-4);
+        CHECK(glm::length(fix->hip - Vec2(reading.hip)) < 1e-12);
+        CHECK(glm::length(Vec2(reading.hip) - hip) < 3e-4);
     }
     CHECK(reached > 400);
 }
@@ -46,7 +46,7 @@ TEST_CASE("after the set-up HIP is home", "[haply]") {
     HaplyBench bench;
     bench.plant.lead({0.013, 0.027});  // wherever it was: counts start at the set-up
     bench.open();
-    CHECK(glm::length(bench.tick({}).hip - *bench.machine.home) < 1e-4);
+    CHECK(glm::length(Vec2(bench.tick({}).hip) - *bench.machine.home) < 1e-4);
     CHECK(bench.device->trouble().empty());
     CHECK(bench.board.journal().setups == 1);
     CHECK(bench.device->traits().delay_ticks == 1.0);
@@ -63,7 +63,7 @@ TEST_CASE("the motors get the torques of the force, each at its own pivot", "[ha
         bench.plant.lead(hip);
         bench.tick({});
         const Reading reading = bench.device->read();
-        const AppliedForce applied = bench.device->write(force);
+        const AppliedForce applied = bench.device->write(Vec3(force, 0.0));
         bench.cable.pass(kPeriodNs);
         const auto fix = bench.pantograph.locate(bench.pantograph.angles(reading.counts));
         REQUIRE(fix);
@@ -91,11 +91,11 @@ TEST_CASE("no torque is sent before the board answered, and none that is not fin
     bench.board.set_faults({});
     bench.open();
     bench.ticks({0.5, 0.5}, 5);
-    CHECK_FALSE(bench.board.torque() == Vec2{});
+    CHECK_FALSE(bench.board.torque() == Vec3{});
     const double bad =
         GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
     bench.tick({bad, 0.1});
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     CHECK(bench.board.journal().undefined_duty == 0);
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("the first reading after a rest is not one from before it", "[haply][l
     }
     const Reading reading = bench.tick({});
     CHECK(reading.fresh);
-    CHECK(glm::length(reading.hip - Vec2{0.03, 0.02}) < 3e-4);
+    CHECK(glm::length(Vec2(reading.hip) - Vec2{0.03, 0.02}) < 3e-4);
 }
 
 TEST_CASE("a pose that the linkage cannot have gives a fault and no force, and passes", "[haply]") {
@@ -133,7 +133,7 @@ TEST_CASE("a pose that the linkage cannot have gives a fault and no force, and p
     bench.board.set_faults({.turned_deg = std::round((off + 5.0) / count) * count});
     const Reading bad = bench.ticks({0.3, 0.3}, 3);
     CHECK(bad.fault == DeviceFault::unreachable);
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     bench.board.set_faults({});
     bench.ticks({0.3, 0.3}, 2);
     CHECK(bench.tick({0.3, 0.3}).ok());

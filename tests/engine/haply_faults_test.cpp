@@ -14,7 +14,7 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
     HaplyBench bench;
     bench.open();
     bench.ticks({0.5, -0.4}, 20);
-    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    REQUIRE_FALSE(bench.board.torque() == Vec3{});
     SECTION("the destructor") {}
     SECTION("an exception") {
         try {
@@ -44,7 +44,7 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
     const bool away = bench.device == nullptr;
     bench.device.reset();
     CHECK(ends_in_silence(bench.cable.sent()));
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     CHECK((away || bench.guard.releases > 0));
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("an answer on its way at a rest is never taken for another: no garbage
             const Reading reading = bench.tick({});
             REQUIRE(reading.ok());
             asked_anew += reading.fresh ? 1 : 0;
-            CHECK((!reading.fresh || glm::length(reading.hip - hip) < 3e-4));
+            CHECK((!reading.fresh || glm::length(Vec2(reading.hip) - hip) < 3e-4));
         } else {
             REQUIRE(bench.ticks({}, random.below(5)).ok());
         }
@@ -93,7 +93,7 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
     CHECK(fresh > 80);
     CHECK(fresh < 140);
     CHECK(bench.board.journal().exchanges - exchanges <= fresh + 2);  // one question at a time
-    CHECK_FALSE(bench.board.torque() == Vec2{});
+    CHECK_FALSE(bench.board.torque() == Vec3{});
 
     bench.board.set_faults({.silent = true});
     const double force = GENERATE(0.1, 0.0);
@@ -107,7 +107,7 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
     CHECK(ticks >= 38);
     CHECK(ticks <= 46);
     bench.ticks({0.1, 0.0}, 10);
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
 }
 
 TEST_CASE("an answer in pieces is put together", "[haply][law]") {
@@ -126,8 +126,8 @@ TEST_CASE("an answer in pieces is put together", "[haply][law]") {
     CHECK(fresh > 90);
     bench.board.set_faults({});
     bench.ticks({}, 5);
-    CHECK(glm::length(bench.tick({}).hip - bench.pantograph.locate(bench.plant.angles())->hip) <
-          3e-4);
+    CHECK(glm::length(Vec2(bench.tick({}).hip) -
+                      bench.pantograph.locate(bench.plant.angles())->hip) < 3e-4);
 }
 
 TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconnection mends it",
@@ -153,18 +153,18 @@ TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconn
     bench.board.set_faults(faults);
     const Reading bad = bench.ticks({0.3, 0.3}, 3);
     CHECK(bad.fault == DeviceFault::garbage);
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     bench.board.set_faults({});
     CHECK(bench.ticks({0.3, 0.3}, 50).fault == DeviceFault::garbage);
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
 
     CHECK(bench.device->reconnect());
     CHECK(bench.device->trouble().empty());
     CHECK(bench.board.journal().setups == 1);  // the counts are still good
     const Reading good = bench.tick({0.3, 0.3});
     CHECK(good.ok());
-    CHECK(glm::length(good.hip - Vec2{0.02, 0.04}) < 3e-4);
-    CHECK_FALSE(bench.board.torque() == Vec2{});
+    CHECK(glm::length(Vec2(good.hip) - Vec2{0.02, 0.04}) < 3e-4);
+    CHECK_FALSE(bench.board.torque() == Vec3{});
 }
 
 TEST_CASE("unplugged and plugged in again it asks for the handle at home, then goes on",
@@ -182,7 +182,7 @@ TEST_CASE("unplugged and plugged in again it asks for the handle at home, then g
     CHECK_THAT(bench.device->trouble(),
                ContainsSubstring("put the handle at its home pose (0, 60) mm"));
     CHECK(bench.tick({0.3, 0.3}).fault == DeviceFault::lost);  // still latched
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
 
     bench.plant.lead(*bench.machine.home);
     CHECK(bench.device->reconnect());
@@ -190,8 +190,8 @@ TEST_CASE("unplugged and plugged in again it asks for the handle at home, then g
     bench.plant.lead({-0.01, 0.05});
     const Reading reading = bench.tick({0.3, 0.3});
     CHECK(reading.ok());
-    CHECK(glm::length(reading.hip - Vec2{-0.01, 0.05}) < 3e-4);
-    CHECK_FALSE(bench.board.torque() == Vec2{});
+    CHECK(glm::length(Vec2(reading.hip) - Vec2{-0.01, 0.05}) < 3e-4);
+    CHECK_FALSE(bench.board.torque() == Vec3{});
     bench.device.reset();
     CHECK(wrong_with(bench.cable.sent(), 5) == "");
 }
@@ -226,19 +226,19 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
     SECTION("it died between read and write") {
         static_cast<void>(bench.device->read());
         bench.guard.alive = false;
-        bench.device->write({0.3, 0.3});
+        bench.device->write({0.3, 0.3, 0.0});
         bench.cable.pass(kPeriodNs);
-        CHECK(bench.board.torque() == Vec2{});
+        CHECK(bench.board.torque() == Vec3{});
     }
     CHECK(bench.ticks({0.3, 0.3}, 3).fault == expected);
     CHECK_THAT(
         bench.device->trouble(),  // at once, not only after a reconnection in vain
         ContainsSubstring(expected == DeviceFault::silent ? "stopped answering" : "guard process"));
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     CHECK_FALSE(bench.guard.force);
     CHECK(bench.device->reconnect());
     CHECK(bench.tick({0.3, 0.3}).ok());
-    CHECK_FALSE(bench.board.torque() == Vec2{});
+    CHECK_FALSE(bench.board.torque() == Vec3{});
     bench.guard.there = false;
     bench.device.reset();
     CHECK_THROWS_WITH(bench.open(), ContainsSubstring("no guard process"));
@@ -307,7 +307,7 @@ TEST_CASE("in a thousand seconds of random faults the driver never sends what it
     bench.device.reset();
     const Packets& sent = bench.cable.sent();
     CHECK(wrong_with(sent, 5) == "");
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     CHECK(bench.board.journal().undefined_duty == 0);
     CHECK(bench.board.journal().id_0 == 0);
     CHECK(bench.board.journal().unknown == 0);
@@ -333,7 +333,7 @@ TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", 
     bench.device.reset();
     CHECK(wrong_with(bench.cable.sent(), 5) == "");
     CHECK(ends_in_silence(bench.cable.sent()));
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     CHECK(bench.board.journal().hot_resets == 0);
 }
 
@@ -343,19 +343,19 @@ TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
     bench.ticks({0.3, 0.3}, 3);
     bench.board.set_faults({.delay = 10e-3});
     bench.ticks({0.3, 0.3}, 3);
-    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    REQUIRE_FALSE(bench.board.torque() == Vec3{});
     bench.tick({});
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     const double bad = std::numeric_limits<double>::quiet_NaN();
     bench.ticks({0.3, 0.3}, 30);
-    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    REQUIRE_FALSE(bench.board.torque() == Vec3{});
     bench.tick({bad, bad});
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
 }
 
 TEST_CASE("what answers but is no Haply board is refused as that", "[haply]") {
     HaplyBench bench;
     bench.board.set_faults({.wrong_id = true});
     CHECK_THROWS_WITH(bench.open(), ContainsSubstring("not as a Haply board with id 5"));
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
 }

@@ -38,12 +38,12 @@ TEST_CASE("over a real port HIP follows the hand and the motors the force", "[ha
     const auto device = patient(board.path());
     board.begin({.start = {0.0, 0.06}, .speed = 0.5, .tremor = 0.0});
     device->expect_move();
-    Vec2 low{1.0, 1.0};
-    Vec2 high{-1.0, -1.0};
+    Vec3 low{1.0};
+    Vec3 high{-1.0};
     while (!board.hand_is_done()) {
         const Reading reading = device->read();
         REQUIRE(reading.ok());
-        device->write({0.2, 0.2});
+        device->write({0.2, 0.2, 0.0});
         low = glm::min(low, reading.hip);
         high = glm::max(high, reading.hip);
     }
@@ -64,13 +64,13 @@ TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
     const std::size_t before = allocations();
     for (int i = 0; i < 200; ++i) {
         static_cast<void>(device->read());
-        device->write({0.1, 0.1});
+        device->write({0.1, 0.1, 0.0});
     }
     board.hush(true);  // faults allocate nothing either
     const std::size_t between = allocations();
     for (int i = 0; i < 5; ++i) {
         static_cast<void>(device->read());
-        device->write({0.1, 0.1});
+        device->write({0.1, 0.1, 0.0});
     }
     CHECK(allocations() - between == 0);
     CHECK(between - before < 5);  // hush() itself
@@ -82,12 +82,12 @@ TEST_CASE("a board unplugged and plugged in again over a real port reads right a
     EmulatedBoard board(haply_machine(), guided_hand(), folder.file("ttyACM0"));
     const auto device = patient(board.path());
     REQUIRE(device->read().ok());
-    device->write({0.2, 0.2});
+    device->write({0.2, 0.2, 0.0});
     board.plug(false);
     Reading reading;
     CHECK(eventually([&] {
         reading = device->read();
-        device->write({0.2, 0.2});
+        device->write({0.2, 0.2, 0.0});
         return !reading.ok();
     }));
     CHECK(reading.fault == DeviceFault::lost);
@@ -103,8 +103,8 @@ TEST_CASE("a board unplugged and plugged in again over a real port reads right a
     CHECK(device->trouble().empty());
     reading = device->read();
     CHECK(reading.ok());
-    CHECK(glm::length(reading.hip - *haply_machine().home) < 3e-4);
-    device->write({0.2, 0.2});
+    CHECK(glm::length(Vec2(reading.hip) - *haply_machine().home) < 3e-4);
+    device->write({0.2, 0.2, 0.0});
     CHECK(eventually([&] { return !board.motors().off(); }));
 }
 

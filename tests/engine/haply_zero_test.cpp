@@ -29,9 +29,9 @@ TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoev
         CHECK(reading.fault == DeviceFault::garbage);
         CHECK(ticks <= 15);
     }
-    REQUIRE_FALSE(bench.board.torque() == Vec2{});  // zeros alone do not reach the motors
+    REQUIRE_FALSE(bench.board.torque() == Vec3{});  // zeros alone do not reach the motors
     CHECK(bench.device->prove_zero());
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     CHECK(bench.board.zero_since() - 1e-9 * static_cast<double>(cause) < 0.050);
     CHECK(bench.device->read().fault == DeviceFault::garbage);
     CHECK(bench.device->reconnect());  // the handle rests where it is: at home
@@ -47,7 +47,7 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
     SECTION("sound: its counts stay") {
         CHECK(bench.device->prove_zero());
         CHECK(bench.cable.now_ns() - before < 50'000'000);
-        CHECK(bench.board.torque() == Vec2{});
+        CHECK(bench.board.torque() == Vec3{});
         CHECK(bench.tick({0.3, 0.0}).ok());
         CHECK(bench.board.journal().setups == 1);
     }
@@ -58,12 +58,12 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
         const std::int64_t from = bench.cable.now_ns();
         CHECK(bench.device->prove_zero());
         CHECK(bench.cable.now_ns() - from < 50'000'000);
-        CHECK(bench.board.torque() == Vec2{});
+        CHECK(bench.board.torque() == Vec3{});
     }
     SECTION("mute: a fault, and zeros all the same") {
         bench.board.set_faults({.silent = true});
         CHECK_FALSE(bench.device->prove_zero());
-        CHECK(bench.board.torque() == Vec2{});
+        CHECK(bench.board.torque() == Vec3{});
         CHECK(bench.device->read().fault == DeviceFault::silent);
         CHECK_THAT(bench.device->trouble(), ContainsSubstring("the motors are off: hands off"));
         CHECK_FALSE(bench.device->reconnect());
@@ -98,7 +98,7 @@ TEST_CASE("whoever else speaks to the board while nobody ticks is answered with 
         bench.cable.pass(500'000);
         bench.device->keep_off();
         bench.cable.pass(500'000);
-        on += bench.board.torque() == Vec2{} ? 0 : 1;
+        on += bench.board.torque() == Vec3{} ? 0 : 1;
     }
     CHECK(on == 0);
     CHECK(bench.tick({0.3, 0.0}).ok());  // and the next trial finds its own answers
@@ -120,10 +120,10 @@ TEST_CASE("no motor has a torque at a reset, whatever a program that died left b
         bench.board.receive(reset_packet(5).view());
         bench.cable.pass(5'000'000);
     }
-    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    REQUIRE_FALSE(bench.board.torque() == Vec3{});
     const int before = bench.board.journal().hot_resets;
     bench.open();
-    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.torque() == Vec3{});
     // Which of 255 ids somebody else gave it is not known: such a one is zeroed behind the reset.
     CHECK(bench.board.journal().hot_resets == before + (left == 9 ? 1 : 0));
     CHECK(bench.board.zero_since() < 0.040);

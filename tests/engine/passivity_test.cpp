@@ -89,10 +89,10 @@ TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at an
         for (int i = 0; i < ticks; ++i) {
             const Reading reading = device.read();
             REQUIRE(reading.ok());
-            const double speed = glm::length(reading.hip - before) / period;
+            const double speed = glm::length(Vec2(reading.hip) - before) / period;
             (i < ticks / 3 ? early : late) += i < ticks / 3 || i >= 2 * (ticks / 3) ? speed : 0.0;
-            before = reading.hip;
-            device.write({0.0, std::fmax(0.0, stiffness * (surface - reading.hip.y)) - 1.5});
+            before = Vec2(reading.hip);
+            device.write({0.0, std::fmax(0.0, stiffness * (surface - reading.hip.y)) - 1.5, 0.0});
         }
         CHECK(glm::length(before - start) < 0.02);
         CHECK(late < 0.1 * early);

@@ -17,10 +17,11 @@ TEST_CASE("no command is stronger than the limit, and its direction is kept", "[
     SafetyState gate;
     for (int i = 0; i < 200; ++i) {
         const double size = random.decade(-3.0, 4.0);
-        const Vec2 force = random.point(-size, size);
+        const Vec3 force(random.point(-size, size), random.in(-size, size));
         const Command c = make_safe(gate, limits, {.force = force, .enable = true});
         REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-15));
-        REQUIRE(std::fabs(cross(c.force, force)) <= 1e-12 * glm::length(force) * limits.max_force);
+        REQUIRE(glm::length(glm::cross(c.force, force)) <=
+                1e-12 * glm::length(force) * limits.max_force);
         REQUIRE(glm::dot(c.force, force) >= 0.0);
         REQUIRE(c.saturated == (glm::length(force) > limits.max_force));
         if (!c.saturated) {
@@ -32,7 +33,7 @@ TEST_CASE("no command is stronger than the limit, and its direction is kept", "[
 TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safety][law]") {
     const SafetyLimits limits{.max_force = 10.0, .ramp_step = ramp_step(0.2, 1e-3)};
     SafetyState gate;
-    const Vec2 force{3.0, -4.0};
+    const Vec3 force{3.0, -4.0, 0.0};
     double last = 0.0;
     for (int k = 1; k <= 250; ++k) {
         const Command c = make_safe(gate, limits, {.force = force, .enable = true});
@@ -55,7 +56,7 @@ TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]"
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 0.1)};
     SafetyState state;
-    const Vec2 force = random.point(-30.0, 30.0);
+    const Vec3 force(random.point(-30.0, 30.0), random.in(-30.0, 30.0));
     for (int k = 1; k <= 300; ++k) {
         const Command c = make_safe(state, limits, {.force = force});
         REQUIRE(glm::length(c.force) <= k * limits.ramp_step * limits.max_force * (1.0 + 1e-12));
@@ -71,11 +72,11 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
                               .ramp_step = random.in(0.001, 1.0),
                               .slew = random.in(0.05, 3.0)};
     SafetyState state;
-    Vec2 last{};
-    Vec2 force{};
+    Vec3 last{};
+    Vec3 force{};
     for (int k = 0; k < 400; ++k) {
         if (random.below(7) == 0) {
-            force = random.point(-15.0, 15.0);
+            force = Vec3(random.point(-15.0, 15.0), random.in(-15.0, 15.0));
         }
         const Command c =
             make_safe(state, limits, {.force = force, .enable = random.below(9) != 0});
@@ -92,8 +93,8 @@ TEST_CASE("a step of the force arrives at the pace of the slew limit and says so
     const SafetyLimits limits{.ramp_step = 1.0, .slew = 2.0};
     SafetyState state;
     for (const double expected : {2.0, 4.0, 5.0, 5.0}) {
-        const Command c = make_safe(state, limits, {.force = {3.0, -4.0}});
-        CHECK(glm::length(c.force - expected * Vec2{0.6, -0.8}) < 1e-12);
+        const Command c = make_safe(state, limits, {.force = {3.0, -4.0, 0.0}});
+        CHECK(glm::length(c.force - expected * Vec3{0.6, -0.8, 0.0}) < 1e-12);
         CHECK(c.force_slew == (expected < 5.0));
     }
 }
@@ -106,16 +107,16 @@ TEST_CASE("a force that is not finite latches with zero from then on", "[safety]
     CAPTURE(bad, where);
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
-    SafetyInput input{.force = {1.0, 0.0}};
-    const std::array<Vec2*, 4> parts{&input.force, &input.spring, &input.hip, &input.load};
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    SafetyInput input{.force = {1.0, 0.0, 0.0}};
+    const std::array<Vec3*, 4> parts{&input.force, &input.spring, &input.hip, &input.load};
     parts[static_cast<std::size_t>(where)]->y = bad;
     const Command c = make_safe(state, limits, input);
     CHECK((c.trip == Trip::not_finite));
-    CHECK(c.force == Vec2{});
-    const Command later = make_safe(state, limits, {.force = {1.0, 0.0}});
+    CHECK(c.force == Vec3{});
+    const Command later = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}});
     CHECK((later.trip == Trip::not_finite));
-    CHECK(later.force == Vec2{});
+    CHECK(later.force == Vec3{});
 }
 
 TEST_CASE("what device or scene report switches off in the same tick, with that cause",
@@ -124,10 +125,10 @@ TEST_CASE("what device or scene report switches off in the same tick, with that 
                                 Trip::device_garbage, Trip::out_of_workspace);
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .found = found});
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .found = found});
     CHECK((c.trip == found));
-    CHECK(c.force == Vec2{});
+    CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[safety][law]") {
@@ -139,7 +140,7 @@ TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[
     Trip first = Trip::none;
     int zero = 0;
     for (int k = 0; k < 300; ++k) {
-        const SafetyInput input{.force = random.point(1.0, 5.0),
+        const SafetyInput input{.force = Vec3(random.point(1.0, 5.0), 0.0),
                                 .found = random.below(150) == 0 ? Trip::device_lost : Trip::none,
                                 .held = random.below(150) != 0,
                                 .stop = random.below(150) == 0 ? Trip::stopped : Trip::none};
@@ -156,15 +157,15 @@ TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[
     }
     CHECK(zero > 0);
     state = fresh_state(state, limits, 0.0);
-    CHECK((make_safe(state, limits, {.force = {1.0, 0.0}}).trip == Trip::none));
+    CHECK((make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).trip == Trip::none));
 }
 
 TEST_CASE("letting go switches off, where a dead-man switch is asked for", "[safety]") {
     const bool asked = GENERATE(false, true);
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0, .dead_man = asked};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .held = false});
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .held = false});
     CHECK((c.trip == (asked ? Trip::let_go : Trip::none)));
     CHECK(c.force.x == (asked ? 0.0 : 1.0));
 }
@@ -175,11 +176,11 @@ TEST_CASE("a stop by hand and a window without the keyboard switch off at once, 
     const bool enable = GENERATE(true, false);  // also in the ramp out
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
-    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).force.x == 1.0);
     const Command c = make_safe(
-        state, limits, {.force = {1.0, 0.0}, .enable = enable, .held = false, .stop = why});
+        state, limits, {.force = {1.0, 0.0, 0.0}, .enable = enable, .held = false, .stop = why});
     CHECK((c.trip == why));
-    CHECK(c.force == Vec2{});
+    CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("a device without a new reading trips after the ticks allowed, not before",
@@ -212,7 +213,7 @@ TEST_CASE("where no new reading comes there is no force until one does, and then
                               .silent_run = quiet + 200,
                               .spare_delay = 2.0};
     SafetyState state;
-    const SafetyInput pressed{.force = {1.0, 0.0}};
+    const SafetyInput pressed{.force = {1.0, 0.0, 0.0}};
     for (int round = 0; round < 5; ++round) {
         double last = 0.0;
         for (int k = 1; k <= 400; ++k) {
@@ -226,7 +227,7 @@ TEST_CASE("where no new reading comes there is no force until one does, and then
         for (int k = 1; k <= gap; ++k) {
             const double age = k;  // beyond what may be borne, were there a force
             const Command c =
-                make_safe(state, limits, {.force = {1.0, 0.0}, .fresh = false, .behind = age});
+                make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .fresh = false, .behind = age});
             REQUIRE((c.trip == Trip::none));
             REQUIRE(c.force.x == (k < quiet ? 1.0 : 0.0));
             REQUIRE(c.ramped == (k >= quiet));
@@ -279,7 +280,8 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
     };
     const auto vector = [&](double usual) {
         const double x = number(usual);
-        return Vec2{x, number(usual)};
+        const double y = number(usual);
+        return Vec3{x, y, number(usual)};
     };
     SafetyState state;
     Command last;
@@ -298,8 +300,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
                                 .held = random.below(2000) != 0,
                                 .stop = random.below(2000) == 0 ? Trip::stopped : Trip::none};
         const Command c = make_safe(state, limits, input);
-        REQUIRE(std::isfinite(c.force.x));
-        REQUIRE(std::isfinite(c.force.y));
+        REQUIRE(std::isfinite(glm::length(c.force)));
         REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-12));
         REQUIRE(glm::length(c.force) <=
                 (k + 1) * limits.ramp_step * limits.max_force * (1.0 + 1e-12));
@@ -307,7 +308,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
         if (c.trip == Trip::none && (limits.quiet_run == 0 || unheard < limits.quiet_run)) {
             REQUIRE(glm::length(c.force - last.force) <= limits.slew * (1.0 + 1e-12));
         } else {
-            REQUIRE(c.force == Vec2{});
+            REQUIRE(c.force == Vec3{});
             REQUIRE((last.trip == Trip::none || c.trip == last.trip));
         }
         REQUIRE((last.trip == Trip::none || c.trip != Trip::none));

@@ -57,7 +57,7 @@ TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safet
     for (const Vec2& hip : random_hand(seed, 20000, kLow, kHigh, period)) {
         const auto counts = counts_at(device, hip);
         const Vec2 seen = device.locate(device.angles(counts)).value().hip;
-        static_cast<void>(make_safe(state, limits, {.hip = seen, .counts = counts}));
+        static_cast<void>(make_safe(state, limits, {.hip = Vec3(seen, 0.0), .counts = counts}));
     }
     CHECK((state.trip == Trip::none));
 }
@@ -78,7 +78,7 @@ TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][
         const Vec2 hip = on_arc(middle, radius, outward - half, outward + half, k * 1e-3);
         const auto counts = counts_at(device, hip);
         const Vec2 seen = device.locate(device.angles(counts)).value().hip;
-        static_cast<void>(make_safe(state, limits, {.hip = seen, .counts = counts}));
+        static_cast<void>(make_safe(state, limits, {.hip = Vec3(seen, 0.0), .counts = counts}));
     }
     CHECK((state.trip == Trip::none));
 }
@@ -109,7 +109,8 @@ TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes
             way += k < when ? 0.0 : stroke;
             from = fix->hip;
         }
-        const Trip trip = make_safe(state, limits, {.hip = fix->hip, .counts = counts}).trip;
+        const Trip trip =
+            make_safe(state, limits, {.hip = Vec3(fix->hip, 0.0), .counts = counts}).trip;
         if (trip != Trip::none) {
             CHECK((trip == Trip::stuck_encoder));
             CHECK(k > when);
@@ -125,8 +126,8 @@ TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck en
     SafetyState state;
     for (int k = 0; k < 100000; ++k) {  // 8 mm to and fro, one axis alone: a tangent of its circle
         const std::int32_t other = 40 - std::abs(k % 160 - 80);
-        const Vec2 hip{1e-4 * other, 0.0};
-        static_cast<void>(make_safe(state, limits, {.hip = hip, .counts = {7, other}}));
+        static_cast<void>(
+            make_safe(state, limits, {.hip = {1e-4 * other, 0.0, 0.0}, .counts = {7, other}}));
     }
     CHECK((state.trip == Trip::none));
 }
@@ -145,10 +146,9 @@ TEST_CASE("encoders that all stand still under a force end it within 0.3 s, what
     int pressed = 0;  // ticks since the force was above what counts, or since the encoders died
     for (int k = 0; k < 8000; ++k) {
         const std::int32_t count = std::min(k, dead) / 20;  // 50 counts a second until then
-        const Command command = make_safe(
-            state, limits,
-            {.force = Vec2(force), .counts = {7, count}, .force_z = force.z, .count_3 = -3});
-        const bool strong = glm::length(Vec3(command.force, command.force_z)) > kStillForce;
+        const Command command =
+            make_safe(state, limits, {.force = force, .counts = {7, count, -3}});
+        const bool strong = glm::length(command.force) > kStillForce;
         pressed = k > dead && (strong || pressed > 0) ? pressed + 1 : 0;
         if (command.trip != Trip::none) {
             CHECK((command.trip == Trip::stuck_encoder));
@@ -170,7 +170,8 @@ TEST_CASE("a hand that rests within a count keeps its force, which eases until i
     SafetyState state;
     const double stiffness = random.decade(2.0, 3.0);  // of the hand, N/m, without any tremor
     const double angle = random.in(0.0, 2.0 * std::numbers::pi);
-    const Vec2 force = random.in(1.1 * kStillForce, 5.0) * Vec2{std::cos(angle), std::sin(angle)};
+    const Vec3 force =
+        random.in(1.1 * kStillForce, 5.0) * Vec3{std::cos(angle), std::sin(angle), 0.0};
     const Vec2 rest{random.in(-0.02, 0.02), random.in(-0.01, 0.015)};
     Vec2 hip = rest;
     int full = 0;
@@ -178,10 +179,10 @@ TEST_CASE("a hand that rests within a count keeps its force, which eases until i
         const auto counts = counts_at(device, hip);
         const Vec2 seen = device.locate(device.angles(counts)).value().hip;
         const Command command =
-            make_safe(state, limits, {.force = force, .hip = seen, .counts = counts});
+            make_safe(state, limits, {.force = force, .hip = Vec3(seen, 0.0), .counts = counts});
         REQUIRE((command.trip == Trip::none));
         full += command.force == force ? 1 : 0;
-        hip += 0.1 * (rest + command.force / stiffness - hip);  // 10 ms to give way
+        hip += 0.1 * (rest + Vec2(command.force) / stiffness - hip);  // 10 ms to give way
     }
     CHECK(full > 4000);
 }

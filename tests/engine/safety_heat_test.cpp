@@ -15,7 +15,7 @@ TEST_CASE("motors trip when the first-order model says so", "[safety][law]") {
     const int motor = GENERATE(0, 1);
     CAPTURE(load, step, motor);
     const SafetyLimits limits{.ramp_step = 1.0, .heat_step = step};
-    const Vec2 loads = motor == 0 ? Vec2{load, 0.0} : Vec2{0.0, load};
+    const Vec3 loads = motor == 0 ? Vec3{load, 0.0, 0.0} : Vec3{0.0, load, 0.0};
     const double expected = -std::log(1.0 - 1.0 / (load * load)) / step;
     SafetyState state;
     int ticks = 1;
@@ -34,7 +34,7 @@ TEST_CASE("a load that the motors can bear for ever never trips", "[safety][law]
     SafetyState state;
     for (int k = 0; k < 20000; ++k) {
         const Vec2 load = random.below(3) == 0 ? random.point(0.0, 1.0) : Vec2{1.0, 1.0};
-        REQUIRE((make_safe(state, limits, {.load = load}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.load = Vec3(load, 0.0)}).trip == Trip::none));
         REQUIRE(state.heat.x <= 1.0);
     }
 }
@@ -52,7 +52,7 @@ TEST_CASE("the heat model is the exponential to third order, and stable for any 
 TEST_CASE("motors stay warm from trial to trial and cool in between", "[safety][law]") {
     const SafetyLimits limits{.ramp_step = 1.0, .heat_step = 1e-3};  // tau = 1 s
     SafetyState state;
-    while (make_safe(state, limits, {.load = {2.0, 0.0}}).trip == Trip::none) {
+    while (make_safe(state, limits, {.load = {2.0, 0.0, 0.0}}).trip == Trip::none) {
     }
     const double hot = state.heat.x;
     CHECK((fresh_state(state, limits, 0.0).trip == Trip::none));

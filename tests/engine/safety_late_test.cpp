@@ -111,20 +111,20 @@ TEST_CASE("readings that became older than the stiffness allows trip when the me
     const SafetyLimits limits{.period = period, .ramp_step = 1.0, .spare_delay = spare};
     SafetyState state;
     for (int k = 0; k < 300; ++k) {
-        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0}}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).trip == Trip::none));
     }
     // behind (1 - (1 - T / window)^n) > spare, for n ticks in a row
     const double n = std::log(1.0 - std::fmin(spare / behind, 1.0)) / std::log1p(-period / 0.25);
     const int all = spare < behind ? static_cast<int>(std::floor(n)) : 20000;
     for (int k = 0; k < all; ++k) {
-        const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .behind = behind});
+        const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .behind = behind});
         REQUIRE((c.trip == Trip::none));
     }
     if (spare < behind) {
-        static_cast<void>(make_safe(state, limits, {.force = {1.0, 0.0}, .behind = behind}));
-        const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .behind = behind});
+        static_cast<void>(make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .behind = behind}));
+        const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .behind = behind});
         CHECK((c.trip == Trip::delayed));
-        CHECK(c.force == Vec2{});
+        CHECK(c.force == Vec3{});
     }
 }
 

@@ -21,7 +21,7 @@ int trips_at(const SafetyLimits& limits, double speed, double angle, double coun
         const double way = speed * k * limits.period;
         const Vec2 hip{rounded_to(way * std::cos(angle), count),
                        rounded_to(way * std::sin(angle), count)};
-        const Command c = make_safe(state, limits, {.hip = hip});
+        const Command c = make_safe(state, limits, {.hip = Vec3(hip, 0.0)});
         if (c.trip != Trip::none) {
             return c.trip == Trip::over_speed ? k : -2;
         }
@@ -53,7 +53,7 @@ TEST_CASE("a count of 0.1 mm a tick trips no speed limit of 0.05 m/s", "[safety]
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 0.05, .jump = 0.01};
     SafetyState state;
     for (int k = 0; k < 500; ++k) {  // dithers by a count: 0.1 m/s from tick to tick
-        REQUIRE((make_safe(state, limits, {.hip = {1e-4 * (k % 2), 0.0}}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.hip = {1e-4 * (k % 2), 0.0, 0.0}}).trip == Trip::none));
     }
 }
 
@@ -70,12 +70,13 @@ TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
     };
     for (int k = 0; k < 50; ++k) {
         moved_by(limits.jump * random.in(0.0, 0.999));
-        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0}, .hip = hip}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .hip = Vec3(hip, 0.0)}).trip ==
+                 Trip::none));
     }
     moved_by(limits.jump * random.in(1.001, 3.0));
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .hip = hip});
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .hip = Vec3(hip, 0.0)});
     CHECK((c.trip == Trip::jump));
-    CHECK(c.force == Vec2{});
+    CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("old readings and late ticks give the hand the time it really had", "[safety][law]") {
@@ -96,8 +97,9 @@ TEST_CASE("old readings and late ticks give the hand the time it really had", "[
             hip = {speed * now, 0.0};
         }
         const auto time_ns = static_cast<std::int64_t>(now * 1e9);
-        REQUIRE((make_safe(state, limits, {.hip = hip, .fresh = fresh, .time_ns = time_ns}).trip ==
-                 Trip::none));
+        REQUIRE(
+            (make_safe(state, limits, {.hip = Vec3(hip, 0.0), .fresh = fresh, .time_ns = time_ns})
+                 .trip == Trip::none));
     }
 }
 
@@ -112,12 +114,13 @@ TEST_CASE("a trial that begins with an old reading takes its way from the first 
     Vec2 hip = random.point(-0.05, 0.05);
     const int old_ones = 1 + random.below(8);
     for (int k = 0; k < old_ones; ++k) {
-        REQUIRE((make_safe(state, limits, {.hip = before, .fresh = false}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.hip = Vec3(before, 0.0), .fresh = false}).trip ==
+                 Trip::none));
     }
     for (int k = 0; k < 50; ++k) {
         hip += Vec2{9e-4, 0.0};
-        REQUIRE((make_safe(state, limits, {.hip = hip}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.hip = Vec3(hip, 0.0)}).trip == Trip::none));
     }
     hip += Vec2{0.011, 0.0};
-    CHECK((make_safe(state, limits, {.hip = hip}).trip == Trip::jump));
+    CHECK((make_safe(state, limits, {.hip = Vec3(hip, 0.0)}).trip == Trip::jump));
 }

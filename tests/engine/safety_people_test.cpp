@@ -14,16 +14,16 @@ TEST_CASE("a screen without a sign of life for longer than allowed switches off,
     SafetyState state;
     for (int k = 0; k < 50; ++k) {
         const double age = limits.screen_silence * random.in(0.0, 1.0);
-        const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .screen_age = age});
+        const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}, .screen_age = age});
         REQUIRE((c.trip == Trip::none));
         REQUIRE(c.force.x == 1.0);
     }
     // The ramp out asks nobody.
     CHECK((make_safe(state, limits, {.screen_age = 2.0, .enable = false}).trip == Trip::none));
-    const Command c = make_safe(state, limits,
-                                {.force = {1.0, 0.0}, .screen_age = 1.001 * limits.screen_silence});
+    const Command c = make_safe(
+        state, limits, {.force = {1.0, 0.0, 0.0}, .screen_age = 1.001 * limits.screen_silence});
     CHECK((c.trip == Trip::screen_silent));
-    CHECK(c.force == Vec2{});
+    CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("the force ends with its time by the servo's own count, and a ramp out may end after it",
@@ -37,12 +37,12 @@ TEST_CASE("the force ends with its time by the servo's own count, and a ramp out
         .period = period, .ramp_step = 1.0, .time_limit = (ticks - 0.5) * period};
     SafetyState state;
     for (int k = 0; k < ticks; ++k) {  // tick k comes at k periods
-        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0}}).trip == Trip::none));
+        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0, 0.0}}).trip == Trip::none));
     }
     CHECK((make_safe(state, limits, {.enable = false}).trip == Trip::none));
-    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}});
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0, 0.0}});
     CHECK((c.trip == Trip::time_limit));
-    CHECK(c.force == Vec2{});
+    CHECK(c.force == Vec3{});
 }
 
 TEST_CASE("every trip says what happened and what to do", "[safety]") {

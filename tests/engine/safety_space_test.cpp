@@ -80,18 +80,14 @@ SafetyLimits limits_of(Act act) {
 
 /// Along x, or along z with the side still along y.
 SafetyInput input_of(const Moment& now, bool up) {
-    SafetyInput input{.force = {up ? 0.0 : now.force, 0.0},
-                      .spring = {up ? 0.0 : now.spring, 0.0},
-                      .depth = now.depth,
-                      .hip = {up ? 0.0 : now.hip, now.side},
-                      .load = {up ? 0.0 : now.load, 0.0}};
-    if (up) {
-        input.force_z = now.force;
-        input.spring_z = now.spring;
-        input.hip_z = now.hip;
-        input.load_3 = now.load;
-    }
-    return input;
+    const auto along = [up](double value, double side) {
+        return up ? Vec3{0.0, side, value} : Vec3{value, side, 0.0};
+    };
+    return {.force = along(now.force, 0.0),
+            .spring = along(now.spring, 0.0),
+            .depth = now.depth,
+            .hip = along(now.hip, now.side),
+            .load = along(now.load, 0.0)};
 }
 
 }  // namespace
@@ -120,11 +116,11 @@ TEST_CASE(
         const Command raised =
             make_safe(up, limits_of(act), input_of(moment_of(act, k, other), true));
         REQUIRE(raised.trip == level.trip);
-        REQUIRE(std::fabs(raised.force_z - level.force.x) < 1e-12);
+        REQUIRE(std::fabs(raised.force.z - level.force.x) < 1e-12);
         REQUIRE(raised.force.x == 0.0);
         REQUIRE(raised.saturated == level.saturated);
         REQUIRE(raised.force_slew == level.force_slew);
-        strongest = std::fmax(strongest, std::fabs(raised.force_z));
+        strongest = std::fmax(strongest, std::fabs(raised.force.z));
     }
     CHECK((up.trip == cause));
     CHECK(strongest > 0.1);
@@ -141,10 +137,7 @@ TEST_CASE("a force in space keeps its direction at the limit, and a slew takes t
     Vec3 last{};
     for (int k = 0; k < 200; ++k) {
         const Vec3 asked(random.in(-9.0, 9.0), random.in(-9.0, 9.0), random.in(-9.0, 9.0));
-        SafetyInput input{.force = Vec2(asked)};
-        input.force_z = asked.z;
-        const Command command = make_safe(state, limits, input);
-        const Vec3 given(command.force, command.force_z);
+        const Vec3 given = make_safe(state, limits, {.force = asked}).force;
         const double length = glm::length(asked);
         const Vec3 strong = length > 5.0 ? asked * (5.0 / length) : asked;
         const double way = glm::length(strong - last);
@@ -178,16 +171,12 @@ TEST_CASE(
         place[(axis + 2) % 3] = 0.7 * wide * std::cos(1.3 * phase);
         place[axis] = stuck ? 0.0 : 50e-6 * std::sin(8.0 * phase);  // two counts
         const Vec3 counts = place / 26e-6;
-        SafetyInput input{.hip = Vec2(place)};
-        input.hip_z = place.z;
-        input.counts = {static_cast<std::int32_t>(std::floor(counts.x)),
-                        static_cast<std::int32_t>(std::floor(counts.y))};
-        input.count_3 = static_cast<std::int32_t>(std::floor(counts.z));
-        Vec3 force{};
+        SafetyInput input{.hip = place,
+                          .counts = {static_cast<std::int32_t>(std::floor(counts.x)),
+                                     static_cast<std::int32_t>(std::floor(counts.y)),
+                                     static_cast<std::int32_t>(std::floor(counts.z))}};
         const bool high = std::fabs(place[(axis + 1) % 3]) < 0.7 * wide;
-        force[axis] = pushed == "always" || (pushed == "over hills" && high) ? 2.0 : 0.3;
-        input.force = Vec2(force);
-        input.force_z = force.z;
+        input.force[axis] = pushed == "always" || (pushed == "over hills" && high) ? 2.0 : 0.3;
         static_cast<void>(make_safe(state, limits, input));
         way += k > 0 ? glm::length(place - last) : 0.0;
         last = place;

@@ -14,8 +14,10 @@ namespace {
 /// A hundred times what the motors bear for ever, from a hand at rest.
 class Pressed : public Device {
 public:
-    Reading read() noexcept override { return {.hip = {-0.021, 0.017}}; }
-    AppliedForce write(const Vec2& /*force*/) noexcept override { return {.load = {100.0, 30.0}}; }
+    Reading read() noexcept override { return {.hip = {-0.021, 0.017, 0.0}}; }
+    AppliedForce write(const Vec3& /*force*/) noexcept override {
+        return {.load = {100.0, 30.0, 0.0}};
+    }
     [[nodiscard]] std::string name() const override { return "pressed"; }
 };
 

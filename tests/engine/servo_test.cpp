@@ -53,14 +53,15 @@ std::vector<TickRecord> simulated_trial() {
 class BrokenDevice : public Device {
 public:
     Reading read() noexcept override {
-        return {.hip = {0.0, 0.03}, .fault = ++reads_ < 50 ? DeviceFault::none : DeviceFault::lost};
+        return {.hip = {0.0, 0.03, 0.0},
+                .fault = ++reads_ < 50 ? DeviceFault::none : DeviceFault::lost};
     }
-    AppliedForce write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec3& force) noexcept override {
         last_ = force;
         return {};
     }
     std::string name() const override { return "broken"; }
-    Vec2 last_{};
+    Vec3 last_{};
 
 private:
     int reads_ = 0;
@@ -105,7 +106,7 @@ TEST_CASE("a device that fails faults the servo: zero force, latched", "[servo][
         status = servo.advance();
     }
     CHECK(status == ServoStatus::faulted);
-    CHECK(device.last_ == Vec2{});
+    CHECK(device.last_ == Vec3{});
     servo.end();
     const std::vector<TickRecord> all = drain(servo.ring());
     CHECK((all.back().flags & tick_fault) != 0);
@@ -130,13 +131,13 @@ TEST_CASE("the real-time servo runs on its own thread, keeps order and ends with
           "[servo]") {
     class Steady : public Device {
     public:
-        Reading read() noexcept override { return {.hip = {-0.021, 0.017}}; }
-        AppliedForce write(const Vec2& force) noexcept override {
+        Reading read() noexcept override { return {.hip = {-0.021, 0.017, 0.0}}; }
+        AppliedForce write(const Vec3& force) noexcept override {
             last_ = force;
             return {};
         }
         std::string name() const override { return "steady"; }
-        Vec2 last_{1.0, 1.0};
+        Vec3 last_{1.0};
     } steady;
     ThreadServo servo(steady, {.limits = {.ramp_step = ramp_step(0.02, 1e-3)},
                                .realtime = RealtimeWish::nothing()});
@@ -150,7 +151,7 @@ TEST_CASE("the real-time servo runs on its own thread, keeps order and ends with
         }
         servo.end();
         servo.park();  // the device is this thread's now
-        CHECK(steady.last_ == Vec2{});
+        CHECK(steady.last_ == Vec3{});
         const std::vector<TickRecord> all = drain(servo.ring());
         for (std::size_t i = 0; i < all.size(); ++i) {
             REQUIRE(all[i].tick == static_cast<std::int64_t>(i));

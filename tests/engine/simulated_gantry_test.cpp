@@ -24,7 +24,7 @@ TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper
     constexpr int kTicks = 300;
     for (int k = 0; k < kTicks; ++k) {
         reading = machine.read();
-        static_cast<void>(machine.press(force));
+        static_cast<void>(machine.write(force));
     }
     // The command of tick 0 acts from tick 1 on.
     const double time = 1e-3 * (kTicks - 2);
@@ -33,8 +33,8 @@ TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper
     // Codes of 1 mN, counts of 1 um.
     CHECK(std::fabs(reading.hip.x - 0.01 - way * force.x) < 0.6e-3 * way + 2e-6);
     CHECK(std::fabs(reading.hip.y + 0.02 - way * force.y) < 0.6e-3 * way + 2e-6);
-    CHECK(std::fabs(reading.hip_z - 0.03 - way * force.z) < 0.6e-3 * way + 2e-6);
-    CHECK(reading.count_3 == std::lround(reading.hip_z * 1e6));
+    CHECK(std::fabs(reading.hip.z - 0.03 - way * force.z) < 0.6e-3 * way + 2e-6);
+    CHECK(reading.counts[2] == std::lround(reading.hip.z * 1e6));
 }
 
 TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and said so",
@@ -44,9 +44,9 @@ TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and 
     SimulatedGantry machine({}, 1e-3);
     for (int i = 0; i < 1000; ++i) {
         const Vec3 force(newtons(random), newtons(random), newtons(random));
-        const AppliedForce applied = machine.press(force);
+        const AppliedForce applied = machine.write(force);
         const double given[]{1e-3 * applied.codes[0], 1e-3 * applied.codes[1],
-                             1e-3 * applied.code_3};
+                             1e-3 * applied.codes[2]};
         bool cut = false;
         for (int axis = 0; axis < 3; ++axis) {
             const double max = std::copysign(std::fmin(std::fabs(force[axis]), 12.0), force[axis]);
@@ -67,23 +67,23 @@ TEST_CASE("the hand of a gantry comes down on the patch, crosses it and leaves, 
     SimulatedGantry again({}, 1e-3);
     machine.begin(plan);
     again.begin(plan);
-    CHECK(Vec3(machine.read().hip, 0.0) == Vec3(0.0));
+    CHECK(machine.read().hip == plan.start);
     static_cast<void>(again.read());
     double lowest = 1.0;
     double widest = 0.0;
     double nearest = 1.0;  // to the middle, while it is down
     Reading reading;
     while (!machine.hand_is_done()) {
-        static_cast<void>(machine.press({}));
-        static_cast<void>(again.press({}));
+        static_cast<void>(machine.write({}));
+        static_cast<void>(again.write({}));
         reading = machine.read();
         const Reading other = again.read();
-        REQUIRE(std::memcmp(&reading.hip_z, &other.hip_z, sizeof(double)) == 0);
+        REQUIRE(std::memcmp(&reading.hip, &other.hip, sizeof(Vec3)) == 0);
         REQUIRE(reading.counts == other.counts);
-        lowest = std::min(lowest, reading.hip_z);
-        widest = std::max(widest, glm::length(reading.hip));
-        if (reading.hip_z < -0.005) {
-            nearest = std::min(nearest, glm::length(reading.hip));
+        lowest = std::min(lowest, reading.hip.z);
+        widest = std::max(widest, glm::length(Vec2(reading.hip)));
+        if (reading.hip.z < -0.005) {
+            nearest = std::min(nearest, glm::length(Vec2(reading.hip)));
         }
     }
     CHECK(lowest < -0.9 * plan.press_depth);
@@ -91,7 +91,7 @@ TEST_CASE("the hand of a gantry comes down on the patch, crosses it and leaves, 
     CHECK(widest < 1.2 * plan.radius);
     CHECK(widest > 0.8 * plan.radius);
     CHECK(nearest < 0.002);
-    CHECK(reading.hip_z > 0.005);
+    CHECK(reading.hip.z > 0.005);
     CHECK(machine.duration() > 3.0);
 }
 

@@ -26,7 +26,7 @@ TEST_CASE("without forces the handle follows the hand's intention from start to 
         const Reading reading = device.read();
         REQUIRE(reading.ok());
         device.write({});
-        worst = std::max(worst, glm::length(reading.hip - path.at(ticks * 1e-3).position));
+        worst = std::max(worst, glm::length(Vec2(reading.hip) - path.at(ticks * 1e-3).position));
         ++ticks;
     }
     CHECK(std::fabs(ticks * 1e-3 - path.duration()) < 2e-3);
@@ -43,8 +43,8 @@ TEST_CASE("a constant force moves the handle by force over hand stiffness", "[de
     const Vec2 force = GENERATE(Vec2{1.5, 0.0}, Vec2{0.0, -2.0}, Vec2{-0.7, 0.9});
     Vec2 hip{};
     for (int i = 0; i < static_cast<int>(3.0 / period); ++i) {
-        hip = device.read().hip;
-        device.write(force);
+        hip = Vec2(device.read().hip);
+        device.write(Vec3(force, 0.0));
     }
     // Torques are rounded to DAC codes and HIP to counts: 1 um and 0.1 mN here.
     CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.plant.hand.stiffness)) < 2e-5);
@@ -53,9 +53,9 @@ TEST_CASE("a constant force moves the handle by force over hand stiffness", "[de
 TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
     SimulatedPantograph device({}, 1e-3);
     static_cast<void>(device.read());
-    const AppliedForce gentle = device.write({0.0, -2.0});
+    const AppliedForce gentle = device.write({0.0, -2.0, 0.0});
     CHECK_FALSE(gentle.saturated);
-    const AppliedForce hard = device.write({0.0, -200.0});
+    const AppliedForce hard = device.write({0.0, -200.0, 0.0});
     CHECK(hard.saturated);
     CHECK(std::max(std::abs(hard.codes[0]), std::abs(hard.codes[1])) == 32767);
     CHECK(std::fabs(static_cast<double>(hard.codes[0]) / hard.codes[1] -
@@ -74,7 +74,7 @@ TEST_CASE("HIP is what the counts say", "[device][law]") {
         REQUIRE(reading.ok());
         const auto fix = machine.locate(machine.angles(reading.counts));
         REQUIRE(fix);
-        REQUIRE(fix->hip == reading.hip);
+        REQUIRE(Vec3(fix->hip, 0.0) == reading.hip);
     }
 }
 
@@ -94,13 +94,13 @@ TEST_CASE("a tick of delay moves the answer to a force by one tick and changes n
     SimulatedPantograph late(model, 1e-3);
     prompt.begin(still({0.005, 0.030}));
     late.begin(still({0.005, 0.030}));
-    const Vec2 force{1.0, -2.0};
+    const Vec3 force{1.0, -2.0, 0.0};
     static_cast<void>(late.read());
     late.write(force);
     for (int i = 0; i < 40; ++i) {
         const Reading after = late.read();
         REQUIRE(prompt.read().counts == after.counts);
-        prompt.write(i == 0 ? force : Vec2{});
+        prompt.write(i == 0 ? force : Vec3{});
         late.write({});
     }
     CHECK(late.traits().delay_ticks == prompt.traits().delay_ticks + 1.0);
@@ -132,7 +132,7 @@ TEST_CASE("the same forces make the same path, to the last bit", "[device][law]"
     two.begin({.speed = 0.05});
     for (int i = 0; i < 500; ++i) {  // another past
         static_cast<void>(two.read());
-        two.write({1.0, 1.0});
+        two.write({1.0, 1.0, 0.0});
     }
     one.begin({});
     two.begin({});
@@ -141,7 +141,7 @@ TEST_CASE("the same forces make the same path, to the last bit", "[device][law]"
         const Reading b = two.read();
         REQUIRE(a.hip == b.hip);
         REQUIRE(a.counts == b.counts);
-        const Vec2 force{0.0, std::fmax(0.0, 300.0 * (0.030 - a.hip.y))};
+        const Vec3 force{0.0, std::fmax(0.0, 300.0 * (0.030 - a.hip.y)), 0.0};
         one.write(force);
         two.write(force);
     }
@@ -159,8 +159,8 @@ TEST_CASE("from 1 to 10 kHz the hand explores and presses alike", "[device][law]
     const int cuts = GENERATE(2, 4, 10);
     SimulatedPantograph slow({}, 1e-3);
     SimulatedPantograph fast({}, 1e-3 / cuts);
-    const auto wall = [](const Vec2& hip) {
-        return Vec2{0.0, std::fmax(0.0, 200.0 * (0.030 - hip.y))};
+    const auto wall = [](const Vec3& hip) {
+        return Vec3{0.0, std::fmax(0.0, 200.0 * (0.030 - hip.y)), 0.0};
     };
     double worst = 0.0;
     for (int tick = 0; tick < 4000; ++tick) {
@@ -183,10 +183,10 @@ TEST_CASE("the hand holds against what is within its strength, and gives way to 
     const auto pushed = [](double newtons) {
         SimulatedPantograph device({}, 1e-3);
         device.begin(still({0.0, 0.020}));
-        Vec2 hip{};
+        Vec3 hip{};
         for (int i = 0; i < 2000; ++i) {
             const Reading reading = device.read();
-            device.write({0.0, reading.ok() ? newtons : 0.0});
+            device.write({0.0, reading.ok() ? newtons : 0.0, 0.0});
             hip = reading.ok() ? reading.hip : hip;
         }
         return hip.y - 0.020;

@@ -327,7 +327,7 @@ TEST_CASE("every trial begins with the soft object at rest", "[soft]") {
     const Scene scene(arcs(5.0), {.compliance = 1e-3});
     std::vector<Reading> readings;
     for (int i = 0; i < 60; ++i) {
-        readings.push_back({.hip = {0.005, 0.045 - 0.0004 * i}});
+        readings.push_back({.hip = {0.005, 0.045 - 0.0004 * i, 0.0}});
     }
     std::array<std::vector<TickRecord>, 2> trials;
     ReplayDevice device;

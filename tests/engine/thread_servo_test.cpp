@@ -34,16 +34,16 @@ public:
         const std::int64_t k = reads_.fetch_add(1);
         const double share = static_cast<double>(k % 200) / 200.0;
         const double along = k / 200 % 2 == 0 ? share : 1.0 - share;
-        Reading reading{.hip = {-0.025 + 0.01 * along, 0.010 + 0.01 * along}};
+        Reading reading{.hip = {-0.025 + 0.01 * along, 0.010 + 0.01 * along, 0.0}};
         if (fails_after_ >= 0 && k >= fails_after_) {
             reading.fault = fault_;
         }
         return reading;
     }
-    AppliedForce write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec3& force) noexcept override {
         writes_.fetch_add(1);
-        forces_.fetch_add(force == Vec2{} ? 0 : 1);
-        zero_.store(force == Vec2{});
+        forces_.fetch_add(force == Vec3{} ? 0 : 1);
+        zero_.store(force == Vec3{});
         return {};
     }
     std::string name() const override { return "stroking"; }

@@ -34,7 +34,7 @@ pid_t press(const std::string& path, const Calibration& machine, bool guarded) {
                                   std::make_unique<ScriptedGuard>(nobody), patient);
                 while (true) {
                     static_cast<void>(device->read());
-                    static_cast<void>(device->write({0.3, -0.4}));
+                    static_cast<void>(device->write({0.3, -0.4, 0.0}));
                     palpate::sleep_until(palpate::monotonic_ns() + 1'000'000);
                 }
             } catch (const std::exception&) {  // a busy machine
@@ -92,9 +92,9 @@ TEST_CASE(
     int as_promised = 0;
     for (int tries = 0; tries < 10 && as_promised == 0; ++tries) {
         const pid_t host = press(port.path(), machine, guarded);
-        REQUIRE(lives_until([&] { return board.torque() != Vec2{}; }));
+        REQUIRE(lives_until([&] { return board.torque() != Vec3{}; }));
         kill(host, SIGKILL);
-        CHECK(lives_until([&] { return board.torque() == Vec2{}; }));
+        CHECK(lives_until([&] { return board.torque() == Vec3{}; }));
         CHECK_FALSE(board.enabled());
         // A busy machine keeps the guard waiting for longer than the watchdog does: then once more.
         const OpenState left = guarded ? OpenState::configured : OpenState::stopped;

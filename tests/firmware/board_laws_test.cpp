@@ -85,17 +85,17 @@ TEMPLATE_TEST_CASE("no state but armed has motors on, and every way between stat
     CHECK_FALSE(talk.board.enabled());
     CHECK(is_state(talk.arm(), OpenState::armed));
     CHECK(talk.board.enabled());
-    CHECK(talk.board.torque() == Vec2{});
+    CHECK(talk.board.torque() == Vec3{});
     CHECK(is_nak(talk.config(kConfig), 2));
     CHECK(is_nak(talk.clear(), 2));
     talk.torque(50000, -50000);
     CHECK(is_state(talk.disarm(), OpenState::configured));
     CHECK_FALSE(talk.board.enabled());
-    CHECK(talk.board.torque() == Vec2{});
+    CHECK(talk.board.torque() == Vec3{});
     CHECK(is_nak(talk.arm(), 2));  // nobody asked since
     CHECK(talk.peek().state == OpenState::configured);
     CHECK(is_state(talk.arm(), OpenState::armed));
-    CHECK(talk.board.torque() == Vec2{});  // until the first torque
+    CHECK(talk.board.torque() == Vec3{});  // until the first torque
     talk.pass_ms(30);
     CHECK(talk.peek().state == OpenState::stopped);
     CHECK(is_nak(talk.arm(), 2));
@@ -125,7 +125,7 @@ TEMPLATE_TEST_CASE("torques come out as asked, and never beyond the limit",
         CAPTURE(asked);
         const auto answer = talk.torque(asked[0], asked[1]);
         REQUIRE(is_state(answer, OpenState::armed));
-        const Vec2 given = 1e6 * talk.board.torque();
+        const Vec3 given = 1e6 * talk.board.torque();
         for (std::size_t axis = 0; axis < 2; ++axis) {
             const double want = std::clamp<double>(asked[axis], -limit, limit);
             const double got = axis == 0 ? given.x : given.y;
@@ -155,7 +155,7 @@ TEMPLATE_TEST_CASE("motors are off when no torque came for as long as was asked"
     const double took = 1e3 * (talk.board.time() - begin);
     CHECK(took >= ms - 1.7);  // the torque was obeyed within its round trip
     CHECK(took <= ms + 0.7);
-    CHECK(talk.board.torque() == Vec2{});
+    CHECK(talk.board.torque() == Vec3{});
     CHECK((talk.peek().flags & kOpenWatchdog) != 0);
     CHECK(is_state(talk.torque(60000, 60000), OpenState::stopped));
     CHECK_FALSE(talk.board.enabled());

@@ -125,7 +125,7 @@ struct Wired {
         way += kStep;
         plant.lead(*machine.home - Vec2{0.0, way});
         const Reading reading = device->read();
-        device->write(force);
+        device->write(Vec3(force, 0.0));
         next = std::max(next + 1'000'000, net->now_ns());
         net->pause(std::max<std::int64_t>(next - net->now_ns(), 100'000));
         return reading;
@@ -193,12 +193,13 @@ TEST_CASE(
             if (reading.ok() && reading.fresh) {
                 ++fresh;
                 // It is of the tick before, within a count or two.
-                const double behind = wired.way - glm::length(reading.hip - *wired.machine.home);
+                const double behind =
+                    wired.way - glm::length(Vec2(reading.hip) - *wired.machine.home);
                 CHECK(behind < 2.0 * Wired::kStep + 150e-6);
                 CHECK(behind > -150e-6);
             }
             if (faulty > 72) {  // its last torque came 50 ms late at most, and was obeyed for 20
-                CHECK(wired.board.torque() == Vec2{});
+                CHECK(wired.board.torque() == Vec3{});
             }
         }
         faults += faulty > 0 ? 1 : 0;
@@ -209,7 +210,7 @@ TEST_CASE(
             static_cast<void>(wired.tick(kPress));
         }
         wired.net->pause(60'000'000);  // what was on its way has come
-        CHECK(wired.board.torque() == Vec2{});
+        CHECK(wired.board.torque() == Vec3{});
 
         // And it is plugged in again.
         wired.net->weather = {};
@@ -345,7 +346,7 @@ TEST_CASE("a stranger's datagrams never become those of the host, nor give a tor
     broken.bytes[broken.size - 1] ^= 1U;  // begins as a HELLO, and its CRC is wrong
     CHECK_FALSE(stranger.post(broken));
     host.arm();
-    REQUIRE(board.torque() != Vec2{});
+    REQUIRE(board.torque() != Vec3{});
 
     SECTION("from another address while the motors are on, or the host is there") {
         for (int i = 0; i < 40; ++i) {
@@ -357,7 +358,7 @@ TEST_CASE("a stranger's datagrams never become those of the host, nor give a tor
             CHECK(stranger.say(open_torque(static_cast<std::uint16_t>(i), {-90'000, 0}))->why ==
                   kOpenOtherHost);
             CHECK(stranger.say(open_bare(OpenType::disarm, kGuardSeq))->why == kOpenOtherHost);
-            CHECK(board.torque() != Vec2{});
+            CHECK(board.torque() != Vec3{});
             static_cast<void>(
                 host.say(open_torque(static_cast<std::uint16_t>(5 + i), {50'000, 0})));
         }
@@ -379,7 +380,7 @@ TEST_CASE("a stranger's datagrams never become those of the host, nor give a tor
             CHECK(board.torque().x > 0.0);
         }
         CHECK(host.say(open_torque(5, {0, 0}))->type == OpenType::state);
-        CHECK(board.torque() == Vec2{});
+        CHECK(board.torque() == Vec3{});
     }
     SECTION("once the host has been silent for a second another one may begin, with a new nonce") {
         pass(990);
@@ -388,6 +389,6 @@ TEST_CASE("a stranger's datagrams never become those of the host, nor give a tor
         CHECK(stranger.say(open_hello(10))->type == OpenType::ident);
         CHECK(stranger.nonce != host.nonce);
         CHECK(host.say(open_torque(9, {50'000, 0}))->why == kOpenOtherHost);
-        CHECK(board.torque() == Vec2{});
+        CHECK(board.torque() == Vec3{});
     }
 }

@@ -45,7 +45,7 @@ struct Desk {
     }
     Reading tick(const Vec2& force) {
         const Reading reading = device->read();
-        device->write(force);
+        device->write(Vec3(force, 0.0));
         next_ = std::max(next_ + 1'000'000, cable.now_ns());
         cable.pass(std::max<std::int64_t>(next_ - cable.now_ns(), 100'000));
         return reading;
@@ -95,7 +95,7 @@ TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the f
             continue;
         }
         fresh += reading.fresh ? 1 : 0;
-        CHECK(glm::length(reading.hip - before) < 3e-4);
+        CHECK(glm::length(Vec2(reading.hip) - before) < 3e-4);
         const auto fix = pantograph.locate(pantograph.angles(reading.counts));
         const Vec2 wanted = pantograph.drive(*fix, force).torque;
         CHECK(std::fabs(desk.board.torque().x - wanted.x) < 160e-6);
@@ -165,7 +165,7 @@ TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released
     CHECK(desk.device->trouble().empty());
     CHECK(desk.ticks(kGuardedPress, 5).ok());
     CHECK(desk.board.enabled());
-    CHECK(desk.board.torque() != Vec2{});
+    CHECK(desk.board.torque() != Vec3{});
 }
 
 TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten", "[open][law]", DESKS) {
@@ -194,7 +194,7 @@ TEMPLATE_TEST_CASE(
     desk.cable.pass(1'000'000'000);  // a rest: the board has stopped by itself
     CHECK_FALSE(desk.board.enabled());
     REQUIRE(desk.ticks(kGuardedPress, 20).ok());
-    CHECK(desk.board.torque() != Vec2{});
+    CHECK(desk.board.torque() != Vec3{});
     desk.cable.pass(21'000'000);
     CHECK_FALSE(desk.board.enabled());
     CHECK(desk.ticks(kGuardedPress, 4).fault == DeviceFault::stopped);
@@ -224,7 +224,7 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
     CHECK(desk.device->reconnect());
     const Reading reading = desk.ticks(kGuardedPress, 5);
     CHECK(reading.ok());
-    CHECK(glm::length(reading.hip - *desk.truth.home) < 3e-4);
+    CHECK(glm::length(Vec2(reading.hip) - *desk.truth.home) < 3e-4);
 }
 
 TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and comes back",
@@ -321,7 +321,7 @@ TEST_CASE("a port where something else speaks is distinguished from one where no
                                   std::make_unique<ScriptedGuard>(guard)),
                       ContainsSubstring("open board"));
     CHECK(other.journal().exchanges == 0);  // what it took our greeting for turned no motor
-    CHECK(other.torque() == Vec2{});
+    CHECK(other.torque() == Vec3{});
     Desk<OnHost> silent;
     silent.board.hush(true);
     CHECK_THROWS_WITH(silent.open(), ContainsSubstring("does not answer at 1,000,000 baud"));

@@ -135,8 +135,7 @@ std::array<std::int64_t, 3> SimBoard::wanted() const {
     std::array<std::int64_t, 3> counts{};
     for (std::size_t i = 0; i < machine_.axes(); ++i) {
         const std::size_t channel = wired_.channel[i] - 1U;
-        const double turns =
-            (i < 2 ? plant_->angles()[i] : plant_->angle_3()) / (2.0 * engine::kPi);
+        const double turns = plant_->angle(i) / (2.0 * engine::kPi);
         const auto count =
             static_cast<std::int64_t>(std::floor(turns * machine_.axis(i).counts_per_turn + 0.5));
         counts[channel] = (wired_.encoder_clockwise[i] ? -count : count) - zero_[channel];
@@ -222,7 +221,6 @@ void SimBoard::pass() {
         }
     }
     plant_->set_torque(torque());
-    plant_->set_torque_3(torque_3());
     plant_->advance(kPollPeriod);
 }
 

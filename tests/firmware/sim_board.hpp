@@ -78,10 +78,9 @@ public:
     void hush(bool /*silent*/) override {}
     void press_stop(bool pressed) noexcept override { stop_pressed_ = pressed; }
     [[nodiscard]] bool enabled() const noexcept;
-    [[nodiscard]] engine::Vec2 torque() const noexcept override {
-        return {torque_of(0), torque_of(1)};
+    [[nodiscard]] engine::Vec3 torque() const noexcept override {
+        return {torque_of(0), torque_of(1), torque_of(2)};
     }
-    [[nodiscard]] double torque_3() const noexcept override { return torque_of(2); }
     /// The motor's PWM pin is connected, or held high.
     [[nodiscard]] bool driven(std::size_t channel) const noexcept;
     /// How often the chip began anew.

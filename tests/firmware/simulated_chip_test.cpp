@@ -40,7 +40,7 @@ TEMPLATE_TEST_CASE("a program that hangs has its motors off within 17 ms, whatev
     talk.torque(60000, 60000);
     talk.board.hang(interrupts);
     CHECK(talk.until_off(60.0) <= 17.0);
-    CHECK(talk.board.torque() == Vec2{});
+    CHECK(talk.board.torque() == Vec3{});
     talk.pass_ms(100);
     CHECK(talk.board.resets() > 0);
     CHECK_FALSE(talk.board.enabled());

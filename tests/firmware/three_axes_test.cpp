@@ -31,9 +31,7 @@ struct Talk3 : Talk<On, LedGantry> {
     Talk3() : Talk<On, LedGantry>(gantry_machine()) {}
 
     /// uN m
-    [[nodiscard]] Vec3 torques() const {
-        return 1e6 * Vec3(this->board.torque(), this->board.torque_3());
-    }
+    [[nodiscard]] Vec3 torques() const { return 1e6 * this->board.torque(); }
 };
 
 /// No pin of a motor is driven; of a firmware on this processor its torques are all there is.
@@ -42,7 +40,7 @@ bool nothing_driven(const Board& board) {
     if constexpr (requires { board.driven(0); }) {
         return !board.driven(0) && !board.driven(1) && !board.driven(2);
     } else {
-        return board.torque() == Vec2{} && board.torque_3() == 0.0;
+        return board.torque() == Vec3{};
     }
 }
 
@@ -154,20 +152,20 @@ TEMPLATE_TEST_CASE(
         led += Vec3(random.in(-1e-4, 1e-4), random.in(-1e-4, 1e-4), random.in(-1e-4, 1e-4));
         plant.lead(led);
         const Reading reading = device->read();
-        const AppliedForce applied = device->press(force);
+        const AppliedForce applied = device->write(force);
         next = std::max(next + 1'000'000, cable.now_ns());
         cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
         REQUIRE(reading.ok());
         if (i < 3) {
             continue;
         }
-        CHECK(glm::length(Vec3(reading.hip, reading.hip_z) - before) < 2e-4);
+        CHECK(glm::length(reading.hip - before) < 2e-4);
         CHECK(glm::length(plant.torque() - 0.010 * force) < 2.0 * 160e-6);
-        CHECK(std::fabs(applied.code_3 - force.z * 0.010 / 0.12 * 800.0) <= 0.5 + 1e-9);
-        CHECK(std::fabs(applied.load_3 - std::fabs(force.z) * 0.010 / 0.06) < 1e-12);
+        CHECK(std::fabs(applied.codes[2] - force.z * 0.010 / 0.12 * 800.0) <= 0.5 + 1e-9);
+        CHECK(std::fabs(applied.load.z - std::fabs(force.z) * 0.010 / 0.06) < 1e-12);
         CHECK_FALSE(applied.saturated);
     }
-    device->press(Vec3(0.0, 0.0, 20.0));
+    device->write(Vec3(0.0, 0.0, 20.0));
     cable.pass(900'000);
     CHECK(std::fabs(plant.torque().z - 0.12) < 160e-6);
     // Outside its ends nothing is pushed.
@@ -175,7 +173,7 @@ TEMPLATE_TEST_CASE(
     Reading reading;
     for (int i = 0; i < 60; ++i) {
         reading = device->read();
-        device->press(Vec3(0.0, 0.0, 1.0));
+        device->write(Vec3(0.0, 0.0, 1.0));
         cable.pass(1'000'000);
     }
     CHECK(reading.fault != DeviceFault::none);

@@ -47,7 +47,7 @@ struct Fault {
     bool mild = false;  ///< below what may trip
     int at = 0;         ///< first tick
     DeviceFault report = DeviceFault::lost;
-    Vec2 way{};  ///< unit vector
+    Vec3 way{};  ///< unit vector
 };
 
 /// The simulated pantograph and hand, and what goes wrong with them.
@@ -70,15 +70,15 @@ public:
         return reading;
     }
 
-    AppliedForce write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec3& force) noexcept override {
         const double length = glm::length(force);
         strongest = std::isfinite(length) ? std::max(strongest, length)
                                           : std::numeric_limits<double>::infinity();
         last_write = force;
-        AppliedForce applied = plant_.write(std::isfinite(length) ? force : Vec2{});
-        applied.load = {0.2, 0.1};
+        AppliedForce applied = plant_.write(std::isfinite(length) ? force : Vec3{});
+        applied.load = {0.2, 0.1, 0.0};
         if (tick_ >= fault_.at && fault_.kind == Kind::overheating) {
-            applied.load = fault_.mild ? Vec2{0.99, 0.5} : Vec2{0.3, 2.5};
+            applied.load = fault_.mild ? Vec3{0.99, 0.5, 0.0} : Vec3{0.3, 2.5, 0.0};
         }
         if (tick_ >= fault_.at && fault_.kind == Kind::nan_load && !fault_.mild) {
             applied.load.y = std::numeric_limits<double>::quiet_NaN();
@@ -92,7 +92,7 @@ public:
     }
 
     double strongest = 0.0;  ///< N, of all writes
-    Vec2 last_write{};
+    Vec3 last_write{};
 
 private:
     void spoil(Reading& reading, int since) noexcept {
@@ -124,8 +124,8 @@ private:
                 reading.hip += fault_.way * (fault_.mild ? 1.0 : 2.5) * std::min(time, 0.03);
                 break;
             case Kind::energy:  // noise that a strong damper turns into force
-                reading.hip +=
-                    (since % 2 == 0 ? 1.0 : -1.0) * (fault_.mild ? 1e-6 : 1.5e-4) * Vec2{0.0, 1.0};
+                reading.hip += (since % 2 == 0 ? 1.0 : -1.0) * (fault_.mild ? 1e-6 : 1.5e-4) *
+                               Vec3{0.0, 1.0, 0.0};
                 break;
             default:
                 break;
@@ -148,7 +148,7 @@ private:
         reading.counts[axis] = first_counts_[axis];
         const auto fix = arithmetic_.locate(arithmetic_.angles(reading.counts));
         reading.fault = fix ? DeviceFault::none : DeviceFault::unreachable;
-        reading.hip = fix ? fix->hip : reading.hip;
+        reading.hip = fix ? Vec3(fix->hip, 0.0) : reading.hip;
     }
 
     Fault fault_;
@@ -157,7 +157,7 @@ private:
     double period_;
     int tick_ = -1;
     Reading last_{};
-    std::array<std::int32_t, 2> first_counts_{};
+    Pantograph::Counts first_counts_{};
 };
 
 /// What a clock and the people say while the fault lasts.
@@ -271,7 +271,7 @@ Fault random_fault(Random& random, double period) {
                                              DeviceFault::unreachable, DeviceFault::unguarded};
     fault.report = reports[static_cast<std::size_t>(random.below(6))];
     const double angle = random.in(0.0, 6.283);
-    fault.way = {std::cos(angle), std::sin(angle)};
+    fault.way = {std::cos(angle), std::sin(angle), 0.0};
     return fault;
 }
 
@@ -340,7 +340,7 @@ void run(std::uint64_t seed, Tally& tally) {
         }
         if (trip != Trip::none) {
             ++after;
-            latched = latched && device.last_write == Vec2{} && record.command == Vec2{} &&
+            latched = latched && device.last_write == Vec3{} && record.command == Vec2{} &&
                       loop.trip() == trip && (record.flags & tick_fault) != 0;
         }
     }

@@ -48,19 +48,19 @@ public:
         good = reading.ok() && std::isfinite(reading.hip.x) ? reading.hip : good;
         return reading;
     }
-    AppliedForce write(const Vec2& force) noexcept override { return plant_.write(force); }
+    AppliedForce write(const Vec3& force) noexcept override { return plant_.write(force); }
     [[nodiscard]] std::string name() const override { return "unsteady"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return plant_.traits(); }
 
-    Vec2 good{};  ///< the last HIP that may be used
+    Vec3 good{};  ///< the last HIP that may be used
 
 private:
     /// What a broken device may leave in hip.
-    Vec2 bad() noexcept {
+    Vec3 bad() noexcept {
         const int kind = fault_ == DeviceFault::none ? 0 : random_.below(3);
-        return kind == 0 ? Vec2{std::numeric_limits<double>::quiet_NaN(), 0.0}
-             : kind == 1 ? Vec2{1e300, -1e300}
-                         : Vec2{0.0, 0.03};
+        return kind == 0 ? Vec3{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}
+             : kind == 1 ? Vec3{1e300, -1e300, 0.0}
+                         : Vec3{0.0, 0.03, 0.0};
     }
 
     Random random_;
@@ -132,7 +132,7 @@ TEST_CASE("whatever fails, every recorded force comes back to the bit from the r
                 stale += (tick.flags & tick_stale) != 0 ? 1 : 0;
                 pressed += tick.mode != Mode::free ? 1 : 0;
             }
-            CHECK(same(all.back().hip, device.good));  // a faulted tick has the last good HIP
+            CHECK(same(all.back().hip, Vec2(device.good)));  // a faulted tick has the last good HIP
             if (servo.trip() != Trip::none) {
                 ++tripped;
                 const auto flight = servo.last_ticks();

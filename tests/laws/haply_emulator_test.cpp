@@ -36,7 +36,8 @@ TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is 
         const engine::Reading reading = device->read();
         CHECK(reading.fresh);
         const engine::Pantograph pantograph(machine.pantograph);
-        CHECK(glm::length(reading.hip - pantograph.locate(pantograph.angles({0, 0}))->hip) < 1e-4);
+        CHECK(glm::length(engine::Vec2(reading.hip) -
+                          pantograph.locate(pantograph.angles({0, 0}))->hip) < 1e-4);
     }
     emulator.signal(SIGINT);
     const Finished finished = emulator.wait();

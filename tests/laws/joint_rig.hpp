@@ -128,7 +128,7 @@ public:
             guard_acts();
             next_ += 1'000'000;
             cable_->pass(std::max<std::int64_t>(next_ - cable_->now_ns(), 100'000));
-            pressed = pressed || board_->torque() != Vec2{};
+            pressed = pressed || board_->torque() != Vec3{};
             judge(tally);
         }
         tally.pressed += pressed ? 1 : 0;
@@ -307,7 +307,7 @@ private:
             loop.prove_zero();
         }
         if (loop.trip() != Trip::none) {
-            const bool latched = device.last == Vec2{} && record.command == Vec2{} &&
+            const bool latched = device.last == Vec3{} && record.command == Vec2{} &&
                                  (before == Trip::none || loop.trip() == before);
             tally.not_latched += latched ? 0 : 1;
         }
@@ -335,12 +335,12 @@ private:
     }
 
     void judge(JointTally& tally) {
-        const Vec2 torque = board_->torque();
+        const Vec3 torque = board_->torque();
         const double max = machine_.pantograph.axes[0].torque_limit * (1.0 + 1e-3);
         tally.over_limit += std::fabs(torque.x) <= max && std::fabs(torque.y) <= max ? 0 : 1;
         const bool due = now() > std::max(std::min(deadline_, host_deadline_), excused_);
         // Half a packet makes a Haply board give any torque until the next one, also after a trip.
-        astray_ += due && torque != Vec2{} ? 1 : 0;
+        astray_ += due && torque != Vec3{} ? 1 : 0;
         const int may = cuts_ > 0 ? kAstray * cuts_ + alone_ : 0;
         tally.not_zero_in_time += astray_ > may ? 1 : 0;
     }

@@ -14,7 +14,7 @@ class Watched : public Device {
 public:
     explicit Watched(BoardDevice& device) : device_(&device) {}
     [[nodiscard]] Reading read() noexcept override { return device_->read(); }
-    AppliedForce write(const Vec2& force) noexcept override {
+    AppliedForce write(const Vec3& force) noexcept override {
         strongest = std::max(strongest, glm::length(force));
         last = force;
         return device_->write(force);
@@ -25,7 +25,7 @@ public:
     void keep_off() noexcept override { device_->keep_off(); }
 
     double strongest = 0.0;
-    Vec2 last{};
+    Vec3 last{};
 
 private:
     BoardDevice* device_;

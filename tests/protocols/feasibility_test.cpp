@@ -28,7 +28,7 @@ public:
     std::optional<double> error{};  ///< m, of a reading
 
     engine::Reading read() noexcept override { return {}; }
-    engine::AppliedForce write(const Vec2& /*force*/) noexcept override { return {}; }
+    engine::AppliedForce write(const Vec3& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "fake"; }
     [[nodiscard]] engine::DeviceTraits traits() const noexcept override { return what; }
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {

@@ -68,7 +68,7 @@ inline double device_growth(const DeviceWall& wall, double stiffness, int ticks)
             return std::numeric_limits<double>::infinity();
         }
         path.push_back(reading.hip.y - wall.rest);
-        device.write({0.0, force - kWeight});
+        device.write({0.0, force - kWeight, 0.0});
     }
     return growth_of(path, quarter_swing(scalar_of(wall), stiffness));
 }

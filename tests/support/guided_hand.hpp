@@ -36,7 +36,7 @@ public:
         return exploring_ && time_ >= path_.duration();
     }
 
-    void set_torque(const engine::Vec2& newton_metres) noexcept override {
+    void set_torque(const engine::Vec3& newton_metres) noexcept override {
         torque_ = newton_metres;
     }
     void advance(double seconds) noexcept override {
@@ -45,14 +45,15 @@ public:
             angles_ = pantograph_.reach(path_.at(time_).position).value_or(angles_);
         }
     }
-    [[nodiscard]] engine::JointAngles angles() const noexcept override { return angles_; }
-    [[nodiscard]] engine::Vec2 torque() const noexcept { return torque_; }
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
+    [[nodiscard]] const engine::JointAngles& angles() const noexcept { return angles_; }
+    [[nodiscard]] engine::Vec3 torque() const noexcept { return torque_; }
 
 private:
     engine::Pantograph pantograph_;
     engine::HandPath path_;
     engine::JointAngles angles_{};
-    engine::Vec2 torque_{};
+    engine::Vec3 torque_{};
     double time_ = 0.0;
     bool exploring_ = false;
 };

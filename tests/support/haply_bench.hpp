@@ -40,7 +40,7 @@ struct HaplyBench {
     }
     engine::Reading tick(const engine::Vec2& force) {
         const engine::Reading reading = device->read();
-        device->write(force);
+        device->write(engine::Vec3(force, 0.0));
         next_ = std::max(next_ + kPeriodNs, cable.now_ns());
         cable.pass(std::max(next_ - cable.now_ns(), kPeriodNs / 10));
         return reading;

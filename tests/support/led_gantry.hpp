@@ -13,23 +13,17 @@ public:
         : machine_(*machine.gantry), at_(machine.gantry->home()) {}
 
     void lead(const engine::Vec3& place) { at_ = place; }
-    void set_torque(const engine::Vec2& newton_metres) noexcept override {
-        torque_ = {newton_metres, torque_.z};
+    void set_torque(const engine::Vec3& newton_metres) noexcept override {
+        torque_ = newton_metres;
     }
-    void set_torque_3(double newton_metres) noexcept override { torque_.z = newton_metres; }
     void advance(double /*seconds*/) noexcept override {}
-    [[nodiscard]] engine::JointAngles angles() const noexcept override {
-        return {angle(0), angle(1)};
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override {
+        return (at_ - machine_.home())[static_cast<int>(axis)] / machine_.axes[axis].radius;
     }
-    [[nodiscard]] double angle_3() const noexcept override { return angle(2); }
     /// N m
     [[nodiscard]] const engine::Vec3& torque() const noexcept { return torque_; }
 
 private:
-    [[nodiscard]] double angle(int axis) const noexcept {
-        return (at_ - machine_.home())[axis] / machine_.axes[static_cast<std::size_t>(axis)].radius;
-    }
-
     engine::GantrySpec machine_;
     engine::Vec3 at_{};
     engine::Vec3 torque_{};

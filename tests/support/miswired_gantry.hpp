@@ -54,27 +54,20 @@ public:
         ++ticks;
         advance();
         engine::Reading reading;
-        std::array<std::int32_t, 3> counts{};
         for (std::size_t i = 0; i < 3; ++i) {
             const auto axis = static_cast<int>(encoders.axis[i]);
             const double way = place_[axis] - gantry_.spec().home()[axis];
-            counts[i] = static_cast<std::int32_t>(
+            reading.counts[i] = static_cast<std::int32_t>(
                 std::floor(encoders.factor[i] * way / gantry_.quantum()[axis] + 0.5));
         }
-        reading.counts = {counts[0], counts[1]};
-        reading.count_3 = counts[2];
-        const auto hip = gantry_.locate(counts);
-        reading.hip = engine::Vec2(hip.value_or(engine::Vec3{}));
-        reading.hip_z = hip.value_or(engine::Vec3{}).z;
+        const auto hip = gantry_.locate(reading.counts);
+        reading.hip = hip.value_or(engine::Vec3{});
         reading.fault = ticks >= fails_at ? engine::DeviceFault::lost
                       : hip               ? engine::DeviceFault::none
                                           : engine::DeviceFault::unreachable;
         return reading;
     }
-    engine::AppliedForce write(const engine::Vec2& force) noexcept override {
-        return press(engine::Vec3(force, 0.0));
-    }
-    engine::AppliedForce press(const engine::Vec3& force) noexcept override {
+    engine::AppliedForce write(const engine::Vec3& force) noexcept override {
         strongest = std::max(strongest, glm::length(force));
         last = force;
         force_ = waiting_;

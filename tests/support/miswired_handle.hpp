@@ -31,10 +31,11 @@ public:
     void lag(double seconds) noexcept { lag_ = seconds; }
     [[nodiscard]] engine::JointAngles true_angles() const noexcept { return handle_.angles(); }
 
-    void set_torque(const engine::Vec2& torque) noexcept override {
+    void set_torque(const engine::Vec3& torque) noexcept override {
         asked = std::fmax(asked, glm::length(torque));
-        const engine::Vec2 came = motors_.swapped ? engine::Vec2{torque.y, torque.x} : torque;
-        handle_.set_torque(engine::Vec2{motors_.factor[0], motors_.factor[1]} * came);
+        const auto [one, two] =
+            motors_.swapped ? std::array{torque.y, torque.x} : std::array{torque.x, torque.y};
+        handle_.set_torque({motors_.factor[0] * one, motors_.factor[1] * two, 0.0});
     }
     void advance(double seconds) noexcept override {
         handle_.advance(seconds);
@@ -44,15 +45,12 @@ public:
             past_.pop_front();
         }
     }
-    [[nodiscard]] engine::JointAngles angles() const noexcept override {
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override {
         const engine::JointAngles& now =
             lag_ > 0.0 && !past_.empty() ? past_.front().second : handle_.angles();
-        engine::JointAngles seen = home_;
-        for (std::size_t i = 0; i < 2; ++i) {
-            const std::size_t joint = encoders_.swapped ? 1 - i : i;
-            seen[i] += encoders_.factor[i] * (now[joint] - home_[joint]) + slipped_[i];
-        }
-        return seen;
+        const std::size_t joint = encoders_.swapped ? 1 - axis : axis;
+        return home_[axis] +
+               (encoders_.factor[axis] * (now[joint] - home_[joint]) + slipped_[axis]);
     }
     double asked = 0.0;  ///< the most torque that the motors were asked to give, N m
 

@@ -69,15 +69,16 @@ public:
         }
         fix_ = machine_.locate(machine_.angles(reading.counts));
         if (fix_) {
-            reading.hip = fix_->hip;
+            reading.hip = engine::Vec3(fix_->hip, 0.0);
         } else {
             reading.fault = engine::DeviceFault::unreachable;
         }
         return reading;
     }
-    engine::AppliedForce write(const engine::Vec2& force) noexcept override {
+    engine::AppliedForce write(const engine::Vec3& force) noexcept override {
         max_asked_ = std::fmax(max_asked_, glm::length(force));
-        const engine::Vec2 asked = fix_ ? machine_.drive(*fix_, force).torque : engine::Vec2{};
+        const engine::Vec2 asked =
+            fix_ ? machine_.drive(*fix_, engine::Vec2(force)).torque : engine::Vec2{};
         engine::Vec2 given{};
         for (int i = 0; i < 2; ++i) {
             given[i] =

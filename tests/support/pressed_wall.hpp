@@ -52,9 +52,11 @@ struct PressedWall {
                                    std::floor(at.y / step + 0.5) * step};
             const double depth = std::fmax(0.0, -glm::dot(hip, normal));
             const engine::Vec2 force = stiffness * depth * normal;
-            const engine::Command command =
-                make_safe(state, chain,
-                          {.force = force, .spring = depth * normal, .depth = depth, .hip = hip});
+            const engine::Command command = make_safe(state, chain,
+                                                      {.force = engine::Vec3(force, 0.0),
+                                                       .spring = engine::Vec3(depth * normal, 0.0),
+                                                       .depth = depth,
+                                                       .hip = engine::Vec3(hip, 0.0)});
             note(course, command, depth, now, chain.max_force);
             const engine::Vec2 means = intention(now, kAway);
             for (int i = 0; i < kParts; ++i) {

@@ -44,7 +44,7 @@ void press(Presser::Shared& shared,
         if (!reading.ok() && shared.fault.load() == 0) {
             shared.fault.store(static_cast<int>(reading.fault));
         }
-        device.write(force);
+        device.write(Vec3(force, 0.0));
         wait_a_little();
         if (shared.end.load()) {
             if (end == Presser::End::exception) {

@@ -28,7 +28,7 @@ public:
 
     void begin(const engine::Exploration& /*plan*/) override {}
     [[nodiscard]] bool hand_is_done() const noexcept override { return false; }
-    void set_torque(const engine::Vec2& /*newton_metres*/) noexcept override {}
+    void set_torque(const engine::Vec3& /*newton_metres*/) noexcept override {}
     void before_set_up() noexcept override {
         angles_ = home_;
         time_ = 0.0;
@@ -39,7 +39,7 @@ public:
             angles_ = pantograph_.reach(place(time_ - kRest)).value_or(angles_);
         }
     }
-    [[nodiscard]] engine::JointAngles angles() const noexcept override { return angles_; }
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
 
 private:
     /// @param t  s since it left its home

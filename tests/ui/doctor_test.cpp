@@ -19,8 +19,8 @@ public:
     engine::Reading read() noexcept override {
         return {.fault = good_-- > 0 ? engine::DeviceFault::none : engine::DeviceFault::silent};
     }
-    engine::AppliedForce write(const engine::Vec2& force) noexcept override {
-        worst_ += force == engine::Vec2{} ? 0 : 1;
+    engine::AppliedForce write(const engine::Vec3& force) noexcept override {
+        worst_ += force == engine::Vec3{} ? 0 : 1;
         return {};
     }
     std::string name() const override { return "failing"; }

@@ -61,7 +61,7 @@ std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibr
 /// One reading; the zeros are wrong yet, so that counts of a pose that cannot be are welcome.
 bool add_reading(engine::Device& device, engine::MarkCounts& counts) {
     const engine::Reading reading = device.read();
-    device.write(Vec2{});
+    device.write(engine::Vec3{});
     if (!reading.ok() && reading.fault != engine::DeviceFault::unreachable) {
         const std::string trouble = device.trouble();
         throw std::runtime_error(

@@ -213,7 +213,7 @@ bool obey_wire(engine::HaplyBoard& board, const std::string& line) {
 bool obey_cables(engine::OpenBoard& board, const std::string& line, double axes) {
     if (line == "motors") {
         say("The motors give {:g}, {:g}{} mN m\n", 1e3 * board.torque().x, 1e3 * board.torque().y,
-            axes > 2 ? fmt::format(", {:g}", 1e3 * board.torque_3()) : std::string());
+            axes > 2 ? fmt::format(", {:g}", 1e3 * board.torque().z) : std::string());
         return true;
     }
     const auto out = number_after(line, "unplug ", 1.0, axes);
@@ -333,14 +333,14 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
     }
     engine::GantryHand hand(machine, !options.free);
     if (!options.at.empty()) {
-        hand.bring(parse_place_3(options.at, "--at"));
+        hand.bring(parse_place<3>(options.at, "--at"));
     }
     live(options, machine, hand, [&](const std::string& line) {
         if (!options.free) {
             return false;
         }
         if (!obey_gantry(hand, line)) {
-            hand.bring(parse_place_3(line, "brought to"));
+            hand.bring(parse_place<3>(line, "brought to"));
             say("The handle is at {} mm\n", line);
         }
         return true;

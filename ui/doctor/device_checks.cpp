@@ -31,7 +31,7 @@ Readings read_for_a_while(engine::Device& device) {
     for (int i = 0; i < kReadings; ++i) {
         const std::int64_t before = monotonic_ns();
         readings.last = device.read();
-        device.write(Vec2{});
+        device.write(engine::Vec3{});
         const auto took = static_cast<double>(monotonic_ns() - before) * 1e-3;
         readings.slowest_us = std::max(readings.slowest_us, took);
         readings.good += readings.last.ok() ? 1 : 0;
@@ -131,7 +131,7 @@ void say_readings(Check& check, const std::string& of, const Readings& readings,
         "{}: {} of {} readings good, slowest {:.0f} us, handle at ({:.1f}, {:.1f}{}) mm", of,
         readings.good, kReadings, readings.slowest_us, 1e3 * readings.last.hip.x,
         1e3 * readings.last.hip.y,
-        in_space ? fmt::format(", {:.1f}", 1e3 * readings.last.hip_z) : std::string());
+        in_space ? fmt::format(", {:.1f}", 1e3 * readings.last.hip.z) : std::string());
     check.numbers = {{"readings", kReadings},
                      {"good", readings.good},
                      {"fresh", readings.fresh},
@@ -139,7 +139,7 @@ void say_readings(Check& check, const std::string& of, const Readings& readings,
                      {"x_mm", 1e3 * readings.last.hip.x},
                      {"y_mm", 1e3 * readings.last.hip.y}};
     if (in_space) {
-        check.numbers.emplace_back("z_mm", 1e3 * readings.last.hip_z);
+        check.numbers.emplace_back("z_mm", 1e3 * readings.last.hip.z);
     }
 }
 
@@ -187,10 +187,10 @@ Check check_device(const std::string& word,
         check.remedy = e.what();
         return check;
     }
-    device->write(Vec2{});
+    device->write(engine::Vec3{});
     const Readings readings = read_for_a_while(*device);
     const engine::DeviceTraits traits = device->traits();
-    device->write(Vec2{});
+    device->write(engine::Vec3{});
     say_readings(check, word + " (" + device->name() + ')', readings, traits.axes > 2);
     const auto weakest = device->weakest_force(demand.start);
     say_force(check, traits.gives_force, weakest);

@@ -14,8 +14,8 @@ namespace {
 
 class NoDevice : public engine::Device {
 public:
-    engine::Reading read() noexcept override { return {.hip = {0.0, 0.06}}; }
-    engine::AppliedForce write(const engine::Vec2& /*force*/) noexcept override { return {}; }
+    engine::Reading read() noexcept override { return {.hip = {0.0, 0.06, 0.0}}; }
+    engine::AppliedForce write(const engine::Vec3& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "none"; }
 };
 

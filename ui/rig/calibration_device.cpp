@@ -16,10 +16,10 @@ namespace {
 constexpr std::array<double, 2> kHidden{0.2345, -0.1234};
 constexpr double kPeriod = 1e-3;
 
-/// "1,2" or "1,2,3"; the third of two is 0.
+/// "1,2" or "1,2,3".
 template <int kNumbers>
-std::optional<engine::Vec3> numbers_of(const std::string& text) {
-    engine::Vec3 numbers{};
+std::optional<engine::Vec<kNumbers>> numbers_of(const std::string& text) {
+    engine::Vec<kNumbers> numbers{};
     const char* const end = text.data() + text.size();
     const char* at = text.data();
     bool good = true;
@@ -32,19 +32,6 @@ std::optional<engine::Vec3> numbers_of(const std::string& text) {
         }
     }
     return good && at == end ? std::optional(numbers) : std::nullopt;
-}
-
-/// @return m, z = 0 of two numbers
-template <int kNumbers>
-engine::Vec3 place_of(const std::string& text, const std::string& word, const char* example) {
-    constexpr double kFar = 1000.0;
-    const auto mm = numbers_of<kNumbers>(text);
-    if (!mm || !(glm::length(*mm) <= kFar)) {
-        throw std::invalid_argument(
-            fmt::format("{0} {1}: give its place in the object's frame in mm, as in {0} {2}", word,
-                        text, example));
-    }
-    return *mm / 1000.0;
 }
 
 }  // namespace
@@ -79,13 +66,19 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place) {
     return true;
 }
 
-engine::Vec2 parse_place(const std::string& text, const std::string& word) {
-    return engine::Vec2(place_of<2>(text, word, "0,40"));
+template <int kAxes>
+engine::Vec<kAxes> parse_place(const std::string& text, const std::string& word) {
+    constexpr double kFar = 1000.0;
+    const auto mm = numbers_of<kAxes>(text);
+    if (!mm || !(glm::length(*mm) <= kFar)) {
+        throw std::invalid_argument(
+            fmt::format("{0} {1}: give its place in the object's frame in mm, as in {0} {2}", word,
+                        text, kAxes > 2 ? "0,40,20" : "0,40"));
+    }
+    return *mm / 1000.0;
 }
-
-engine::Vec3 parse_place_3(const std::string& text, const std::string& word) {
-    return place_of<3>(text, word, "0,40,20");
-}
+template engine::Vec2 parse_place<2>(const std::string& text, const std::string& word);
+template engine::Vec3 parse_place<3>(const std::string& text, const std::string& word);
 
 std::optional<engine::Vec3> three_numbers(const std::string& text) {
     return numbers_of<3>(text);

@@ -22,12 +22,11 @@ namespace palpate::ui {
 /// @return false for a device that a person has to move
 bool bring_handle(engine::Device& device, const engine::Vec2& place);
 
-/// X_MM,Y_MM in the object's frame. @param word  what it was given as, for the message
+/// X_MM,Y_MM in the object's frame; X_MM,Y_MM,Z_MM of a machine of three axes.
+/// @param word  what it was given as, for the message
 /// @return m   @throws std::invalid_argument with both
-[[nodiscard]] engine::Vec2 parse_place(const std::string& text, const std::string& word);
-
-/// X_MM,Y_MM,Z_MM, of a machine of three axes. As above.
-[[nodiscard]] engine::Vec3 parse_place_3(const std::string& text, const std::string& word);
+template <int kAxes = 2>
+[[nodiscard]] engine::Vec<kAxes> parse_place(const std::string& text, const std::string& word);
 
 /// "480,300,120". @return none: it is no three numbers
 [[nodiscard]] std::optional<engine::Vec3> three_numbers(const std::string& text);

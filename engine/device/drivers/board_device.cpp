@@ -113,18 +113,14 @@ bool BoardDevice::measure_answers() {
 }
 
 Reading BoardDevice::take(const BoardReply& reply) noexcept {
-    Machine::Counts counts{};
-    for (std::size_t i = 0; i < machine_.axes(); ++i) {
-        counts[i] = reply.counts[i] + bias_[i];
-    }
     Reading reading;
-    reading.counts = {counts[0], counts[1]};
-    reading.count_3 = counts[2];
+    for (std::size_t i = 0; i < machine_.axes(); ++i) {
+        reading.counts[i] = reply.counts[i] + bias_[i];
+    }
     reading.grip = reply.grip;
-    place_ = machine_.locate(counts);
+    place_ = machine_.locate(reading.counts);
     if (place_) {
-        reading.hip = Vec2(place_->hip);
-        reading.hip_z = place_->hip.z;
+        reading.hip = place_->hip;
     } else {
         reading.fault = DeviceFault::unreachable;
     }
@@ -271,7 +267,7 @@ bool BoardDevice::prove_zero() noexcept {
     return off != BoardLine::Off::unproved;
 }
 
-AppliedForce BoardDevice::press(const Vec3& force) noexcept {
+AppliedForce BoardDevice::write(const Vec3& force) noexcept {
     if (fault_ != DeviceFault::none) {
         return hold_off(force);
     }
@@ -302,11 +298,10 @@ AppliedForce BoardDevice::press(const Vec3& force) noexcept {
         return static_cast<std::int32_t>(
             std::floor(torque / axis.torque_limit * axis.codes_full_scale + 0.5));
     };
-    applied_ = {.codes = {code(0, drive.torque.x), code(1, drive.torque.y)},
+    applied_ = {.codes = {code(0, drive.torque.x), code(1, drive.torque.y),
+                          machine_.axes() > 2 ? code(2, drive.torque.z) : 0},
                 .saturated = drive.saturated,
-                .load = Vec2(drive.load),
-                .code_3 = machine_.axes() > 2 ? code(2, drive.torque.z) : 0,
-                .load_3 = drive.load.z};
+                .load = drive.load};
     return applied_;
 }
 

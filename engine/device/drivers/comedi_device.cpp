@@ -233,18 +233,18 @@ Reading ComediDevice::read() noexcept {
         reading.fault = DeviceFault::unreachable;
         return reading;
     }
-    reading.hip = fix_->hip;
+    reading.hip = Vec3(fix_->hip, 0.0);
     return reading;
 }
 
-AppliedForce ComediDevice::write(const Vec2& force) noexcept {
+AppliedForce ComediDevice::write(const Vec3& force) noexcept {
     AppliedForce applied;
     std::array<std::uint32_t, 2> codes{channels_[0].zero, channels_[1].zero};
     if (fix_) {
-        const Pantograph::Drive drive = pantograph_.drive(*fix_, force);
+        const Pantograph::Drive drive = pantograph_.drive(*fix_, Vec2(force));
         if (std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y)) {
             applied.saturated = drive.saturated;
-            applied.load = drive.load;
+            applied.load = Vec3(drive.load, 0.0);
             codes = {code(0, drive.torque.x * wiring_.volts_per_newton_metre[0]),
                      code(1, drive.torque.y * wiring_.volts_per_newton_metre[1])};
         }

@@ -79,7 +79,7 @@ public:
     ~ComediDevice() override;
 
     [[nodiscard]] Reading read() noexcept override;
-    AppliedForce write(const Vec2& force) noexcept override;
+    AppliedForce write(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] DeviceTraits traits() const noexcept override;
     [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override;

@@ -19,14 +19,15 @@ public:
     /// @throws std::invalid_argument if the linkage cannot be there, or cannot reach the start
     explicit DeskHand(const Calibration& machine, const Exploration& plan = {});
 
-    void set_torque(const Vec2& newton_metres) noexcept override { torque_ = newton_metres; }
+    void set_torque(const Vec3& newton_metres) noexcept override { torque_ = newton_metres; }
     void advance(double seconds) noexcept override;
-    [[nodiscard]] JointAngles angles() const noexcept override { return angles_; }
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
     void before_set_up() noexcept override;
 
     /// Where the handle truly is, object frame, m.
     [[nodiscard]] Vec2 hip() const noexcept;
-    [[nodiscard]] Vec2 torque() const noexcept { return torque_; }
+    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
+    [[nodiscard]] Vec3 torque() const noexcept { return torque_; }
 
 private:
     enum class Act : std::uint8_t { waits, rests, goes, explores, comes };
@@ -40,7 +41,7 @@ private:
     JointAngles start_{};
     JointAngles angles_{};
     JointAngles from_{};  ///< where the present act began
-    Vec2 torque_{};
+    Vec3 torque_{};
     Act act_ = Act::waits;
     double time_ = 0.0;  ///< s in the present act
 };

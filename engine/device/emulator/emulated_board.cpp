@@ -84,7 +84,7 @@ void obey(Shared& shared, BoardHand& hand, PortBoard& board, PtyBoard& terminal)
 }
 
 void tell(Shared& shared, const BoardHand& hand, const PortBoard& board) noexcept {
-    const Vec2 torque = board.torque();
+    const Vec2 torque(board.torque());
     if (torque.x != shared.torque_1.load() || torque.y != shared.torque_2.load()) {
         ++shared.version;
         shared.torque_1.store(torque.x);

@@ -39,15 +39,17 @@ public:
         plant_.begin(plan);
         begun_ = true;
     }
-    void set_torque(const Vec2& newton_metres) noexcept override {
-        plant_.set_torque(newton_metres);
+    void set_torque(const Vec3& newton_metres) noexcept override {
+        plant_.set_torque(Vec2(newton_metres));
     }
     void advance(double seconds) noexcept override {
         if (begun_) {
             plant_.advance(seconds);
         }
     }
-    [[nodiscard]] JointAngles angles() const noexcept override { return plant_.angles(); }
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override {
+        return plant_.angles()[axis];
+    }
     [[nodiscard]] bool hand_is_done() const noexcept override { return plant_.hand_is_done(); }
     /// Whoever plugs a board in again puts the handle back first.
     void before_set_up() noexcept override {

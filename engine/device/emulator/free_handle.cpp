@@ -61,8 +61,8 @@ void FreeHandle::turn_to(Act act) noexcept {
     time_ = 0.0;
 }
 
-void FreeHandle::set_torque(const Vec2& newton_metres) noexcept {
-    torque_ = gain_ * newton_metres;
+void FreeHandle::set_torque(const Vec3& newton_metres) noexcept {
+    torque_ = gain_ * Vec2(newton_metres);
     plant_.set_torque(torque_);
     stroke_.set_torque(torque_);
 }

@@ -42,9 +42,10 @@ public:
         gain_[static_cast<int>(motor)] = gain;
     }
 
-    void set_torque(const Vec2& newton_metres) noexcept override;
+    void set_torque(const Vec3& newton_metres) noexcept override;
     void advance(double seconds) noexcept override;
-    [[nodiscard]] JointAngles angles() const noexcept override { return angles_; }
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
+    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
 
 private:
     enum class Act : std::uint8_t { free, held, brings, comes, rests, strokes };

@@ -63,20 +63,13 @@ void GantryHand::explore() {
     before_set_up();
 }
 
-void GantryHand::give(std::size_t motor, double newton_metres) noexcept {
-    const std::size_t axis = moves_[motor];
-    force_[static_cast<int>(axis)] =
-        gain_[static_cast<int>(motor)] * newton_metres / machine_.axes[axis].radius;
+void GantryHand::set_torque(const Vec3& newton_metres) noexcept {
+    for (int motor = 0; motor < 3; ++motor) {
+        const std::size_t axis = moves_[static_cast<std::size_t>(motor)];
+        force_[static_cast<int>(axis)] =
+            gain_[motor] * newton_metres[motor] / machine_.axes[axis].radius;
+    }
     plant_.set_force(force_);
-}
-
-void GantryHand::set_torque(const Vec2& newton_metres) noexcept {
-    give(0, newton_metres.x);
-    give(1, newton_metres.y);
-}
-
-void GantryHand::set_torque_3(double newton_metres) noexcept {
-    give(2, newton_metres);
 }
 
 void GantryHand::before_set_up() noexcept {

@@ -45,21 +45,16 @@ public:
     /// A hand takes it at home, and explores.
     void explore();
 
-    void set_torque(const Vec2& newton_metres) noexcept override;
-    void set_torque_3(double newton_metres) noexcept override;
+    void set_torque(const Vec3& newton_metres) noexcept override;
     void advance(double seconds) noexcept override;
     /// rad from home
-    [[nodiscard]] JointAngles angles() const noexcept override { return {angle(0), angle(1)}; }
-    [[nodiscard]] double angle_3() const noexcept override { return angle(2); }
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override;
     void before_set_up() noexcept override;
 
     /// Where the handle truly is, object frame, m.
     [[nodiscard]] const Vec3& hip() const noexcept { return plant_.position(); }
 
 private:
-    [[nodiscard]] double angle(std::size_t axis) const noexcept;
-    void give(std::size_t motor, double newton_metres) noexcept;
-
     GantrySpec machine_;
     bool held_;
     GantryPlant plant_;

@@ -84,7 +84,7 @@ void HaplyBoard::poll() {
 
 void HaplyBoard::reset() {
     ++log_.resets;
-    log_.hot_resets += torque_ == Vec2{} ? 0 : 1;
+    log_.hot_resets += torque_ == Vec3{} ? 0 : 1;
     motors_ = {};
     for (Encoder& encoder : encoders_) {
         encoder.address = 0;
@@ -183,9 +183,9 @@ void HaplyBoard::drive(std::size_t port, float torque) noexcept {
     const bool wired = wired_.motor_clockwise[static_cast<std::size_t>(pivot)];
     const double torque_given =
         sign * duty / kFullDuty * kHaplyTorque * (motors_[port].clockwise == wired ? 1.0 : -1.0);
-    const bool was_on = torque_ != Vec2{};
+    const bool was_on = torque_ != Vec3{};
     (pivot == 0 ? torque_.x : torque_.y) = torque_given;
-    zero_since_ = was_on && torque_ == Vec2{} ? time() : zero_since_;
+    zero_since_ = was_on && torque_ == Vec3{} ? time() : zero_since_;
     plant_->set_torque(torque_);
 }
 
@@ -195,7 +195,7 @@ std::int64_t HaplyBoard::true_count(std::size_t port) const noexcept {
         return 0;
     }
     const auto at = static_cast<std::size_t>(pivot);
-    const double turns = plant_->angles()[at] / (2.0 * kPi);
+    const double turns = plant_->angle(at) / (2.0 * kPi);
     return static_cast<std::int64_t>(std::floor(turns * machine_.axes[at].counts_per_turn + 0.5));
 }
 

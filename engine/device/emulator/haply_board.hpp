@@ -63,7 +63,7 @@ public:
     /// A poll now would fill the missing bytes with 0xFF.
     [[nodiscard]] bool command_is_cut() const noexcept override;
     [[nodiscard]] bool has_input() const noexcept override { return !in_.empty(); }
-    [[nodiscard]] Vec2 torque() const noexcept override { return torque_; }
+    [[nodiscard]] Vec3 torque() const noexcept override { return torque_; }
     /// s since it began, when the motors last got no torque any more.
     [[nodiscard]] double zero_since() const noexcept { return zero_since_; }
     [[nodiscard]] const BoardLog& journal() const noexcept { return log_; }
@@ -130,7 +130,7 @@ private:
     std::array<Encoder, kPorts> encoders_{};
     std::vector<std::uint8_t> sensors_{};
     std::vector<std::uint8_t> pwm_{};
-    Vec2 torque_{};
+    Vec3 torque_{};
     std::deque<std::uint8_t> in_{};
     struct Due {
         std::int64_t poll = 0;

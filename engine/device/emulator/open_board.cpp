@@ -72,19 +72,15 @@ void OpenBoard::power_cycle() {
     zero_ = true_counts();
 }
 
-double OpenBoard::angle_of(std::size_t axis) const noexcept {
-    return axis < 2 ? plant_->angles()[axis] : plant_->angle_3();
-}
-
 void OpenBoard::unplug_encoder(std::size_t axis, bool out) noexcept {
-    stuck_[axis] = out ? std::optional(angle_of(axis)) : std::nullopt;
+    stuck_[axis] = out ? std::optional(plant_->angle(axis)) : std::nullopt;
 }
 
 std::array<std::int32_t, kMaxAxes> OpenBoard::true_counts() const noexcept {
     std::array<std::int32_t, kMaxAxes> counts{};
     for (std::size_t i = 0; i < machine_.axes(); ++i) {
         const std::size_t channel = wired_.channel[i] - 1U;
-        const double turns = stuck_[i].value_or(angle_of(i)) / (2.0 * kPi);
+        const double turns = stuck_[i].value_or(plant_->angle(i)) / (2.0 * kPi);
         const auto count =
             static_cast<std::int32_t>(std::floor(turns * machine_.axis(i).counts_per_turn + 0.5));
         counts[channel] = wired_.encoder_clockwise[i] ? -count : count;
@@ -104,7 +100,6 @@ double OpenBoard::torque_of(std::size_t axis) const noexcept {
 
 void OpenBoard::drive() noexcept {
     plant_->set_torque(torque());
-    plant_->set_torque_3(torque_3());
 }
 
 void OpenBoard::receive(std::span<const std::uint8_t> bytes) {

@@ -48,8 +48,9 @@ public:
 
     /// The drivers' enable line is high.
     [[nodiscard]] bool enabled() const noexcept { return enabled_; }
-    [[nodiscard]] Vec2 torque() const noexcept override { return {torque_of(0), torque_of(1)}; }
-    [[nodiscard]] double torque_3() const noexcept override { return torque_of(2); }
+    [[nodiscard]] Vec3 torque() const noexcept override {
+        return {torque_of(0), torque_of(1), torque_of(2)};
+    }
     /// From now on the encoder of this axis, from 0, says what it says now: its cable is out; or no
     /// more.
     void unplug_encoder(std::size_t axis, bool out) noexcept;
@@ -59,7 +60,6 @@ private:
     friend struct Platform;
 
     [[nodiscard]] std::array<std::int32_t, kMaxAxes> true_counts() const noexcept;
-    [[nodiscard]] double angle_of(std::size_t axis) const noexcept;
     [[nodiscard]] double torque_of(std::size_t axis) const noexcept;
     void drive() noexcept;
 

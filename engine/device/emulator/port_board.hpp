@@ -16,13 +16,11 @@ public:
     BoardPlant& operator=(const BoardPlant&) = delete;
     virtual ~BoardPlant() = default;
 
-    /// What the motors get, N m, anticlockwise.
-    virtual void set_torque(const Vec2& newton_metres) noexcept = 0;
+    /// What the motors get, N m, anticlockwise; of two motors the third is 0.
+    virtual void set_torque(const Vec3& newton_metres) noexcept = 0;
     virtual void advance(double seconds) noexcept = 0;
-    [[nodiscard]] virtual JointAngles angles() const noexcept = 0;
-    /// The same of a third axis, if there is one.
-    virtual void set_torque_3(double /*newton_metres*/) noexcept {}
-    [[nodiscard]] virtual double angle_3() const noexcept { return 0.0; }
+    /// rad, anticlockwise. @param axis  from 0, one that is there
+    [[nodiscard]] virtual double angle(std::size_t axis) const noexcept = 0;
     /// A set-up is about to take the present pose for its offset.
     virtual void before_set_up() noexcept {}
 };
@@ -50,10 +48,8 @@ public:
     [[nodiscard]] virtual bool command_is_cut() const noexcept { return false; }
     /// Bytes from the host wait to be taken.
     [[nodiscard]] virtual bool has_input() const noexcept = 0;
-    /// What the motors get, pivot 1 and 2, N m, anticlockwise.
-    [[nodiscard]] virtual Vec2 torque() const noexcept = 0;
-    /// The same of a third motor, if there is one.
-    [[nodiscard]] virtual double torque_3() const noexcept { return 0.0; }
+    /// What the motors get, N m, anticlockwise; of two motors the third is 0.
+    [[nodiscard]] virtual Vec3 torque() const noexcept = 0;
     /// From now on no command is answered, or each is again.
     virtual void hush(bool silent) = 0;
     /// Somebody presses the emergency stop, if there is one, or releases it.
