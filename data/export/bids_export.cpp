@@ -150,7 +150,7 @@ void write_stim(std::span<const TickRecord> ticks, const std::filesystem::path& 
     each_tick(ticks, [&file](const TickRecord* tick) {
         file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.x);
         file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.y);
-        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command_z);
+        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.z);
         file.end_row();
     });
     file.close();

@@ -108,7 +108,7 @@ engine::Vec3 SampleCursor::velocity() const noexcept {
     if (!(time > 0.0)) {
         return {kNone, kNone, kNone};
     }
-    return (hip_in_space(*tick_) - hip_in_space(before)) / time;
+    return (tick_->hip - before.hip) / time;
 }
 
 }  // namespace palpate::data

@@ -322,7 +322,7 @@ TickValue value_of(const SampleCursor& at, SampleColumn column) {
         case SampleColumn::commanded_y_n:
             return in_whole_steps(at.tick().command.y);
         case SampleColumn::commanded_z_n:
-            return in_whole_steps(at.tick().command_z);
+            return in_whole_steps(at.tick().command.z);
         default:
             return trace_columns()[static_cast<std::size_t>(column) - kKeys].value(at.tick());
     }

@@ -114,9 +114,9 @@ private:
         each(reader, ColumnId::code_2, bit(C::code_2),
              [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
         each(reader, ColumnId::count_3, bit(C::count_3),
-             [&](TickRecord& t, std::int64_t v) { t.count_3 = small(v); });
+             [&](TickRecord& t, std::int64_t v) { t.counts[2] = small(v); });
         each(reader, ColumnId::code_3, bit(C::code_3),
-             [&](TickRecord& t, std::int64_t v) { t.code_3 = small(v); });
+             [&](TickRecord& t, std::int64_t v) { t.codes[2] = small(v); });
         each(reader, ColumnId::flags, bit(C::flags),
              [](TickRecord& t, std::int64_t v) { t.flags = static_cast<std::uint8_t>(v); });
         each(reader, ColumnId::command_x, bit(C::commanded_x_n),
@@ -124,7 +124,7 @@ private:
         each(reader, ColumnId::command_y, bit(C::commanded_y_n),
              [](TickRecord& t, std::int64_t v) { t.command.y = steps_in_newton(v); });
         each(reader, ColumnId::command_z, bit(C::commanded_z_n),
-             [](TickRecord& t, std::int64_t v) { t.command_z = steps_in_newton(v); });
+             [](TickRecord& t, std::int64_t v) { t.command.z = steps_in_newton(v); });
     }
 
     void load_lateness(ChunkReader& reader) {
@@ -146,7 +146,6 @@ private:
             reader.read_exact(exact_);
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
                 ticks_[i].hip = exact_[i].hip;
-                ticks_[i].hip_z = exact_[i].hip_z;
             }
         } else if (!hip_ && !in_space_) {
             throw TraceError(
@@ -155,12 +154,11 @@ private:
             counts_.resize(ticks_.size());
             hips_.resize(ticks_.size());
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                counts_[i] = {ticks_[i].counts[0], ticks_[i].counts[1]};
+                counts_[i] = ticks_[i].counts;
             }
             hip_->at(counts_, hips_);
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                ticks_[i].hip = hips_[i];
-                ticks_[i].hip_z = 0.0;
+                ticks_[i].hip = engine::Vec3(hips_[i], 0.0);
             }
         }
         compare_hip(reader, (reader.chunk().parts & part_hip) == 0 && !hip_);
@@ -180,7 +178,7 @@ private:
         };
         axis(ColumnId::hip_x, [](TickRecord& tick) -> double& { return tick.hip.x; });
         axis(ColumnId::hip_y, [](TickRecord& tick) -> double& { return tick.hip.y; });
-        axis(ColumnId::hip_z, [](TickRecord& tick) -> double& { return tick.hip_z; });
+        axis(ColumnId::hip_z, [](TickRecord& tick) -> double& { return tick.hip.z; });
     }
 
     TrialPart part_;

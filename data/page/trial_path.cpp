@@ -103,10 +103,6 @@ void add_path_of(Series& series, std::span<const TickRecord> ticks, const Place&
     finish();
 }
 
-Vec3 go_in_space(const TickRecord& tick) {
-    return {tick.go, tick.go_z};
-}
-
 /// Where the first segment ends.
 std::optional<Vec2> vertex_of(const TrialTrace& trace) {
     if (trace.scene->plane() == nullptr) {
@@ -146,21 +142,21 @@ Panel path_panel(const TrialTrace& trace, const View& view) {
               .ink = Ink::green,
               .width = space ? 2.5 : 6.0};
     add_path_of(go, ticks, [&](const TickRecord& tick) {
-        return tick.mode == Mode::free ? std::nullopt : std::optional(view.of(go_in_space(tick)));
+        return tick.mode == Mode::free ? std::nullopt : std::optional(view.of(tick.go));
     });
     Series hip{.name = "hand (HIP)", .ink = Ink::blue, .width = 0.8};
     add_path_of(hip, ticks,
-                [&](const TickRecord& tick) { return std::optional(view.of(hip_in_space(tick))); });
+                [&](const TickRecord& tick) { return std::optional(view.of(tick.hip)); });
     Series sticks{.name = "stick events", .ink = Ink::vermillion, .mark = Mark::points};
     for (const TickRecord& tick : stick_events(trace)) {
-        add_points(sticks, {view.of(go_in_space(tick))});
+        add_points(sticks, {view.of(tick.go)});
     }
     sticks.sizes.assign(sticks.x.size(), 2.6);
     panel.series.push_back(std::move(go));
     panel.series.push_back(std::move(hip));
     panel.series.push_back(std::move(sticks));
     const auto mark = [&](const TickRecord& tick, const char* label) {
-        const Vec2 at = view.of(hip_in_space(tick));
+        const Vec2 at = view.of(tick.hip);
         panel.markers.push_back({.x = kMilli * at.x, .y = kMilli * at.y, .label = label});
     };
     mark(ticks.front(), "1");

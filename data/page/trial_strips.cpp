@@ -59,7 +59,7 @@ std::vector<double> speeds(std::span<const TickRecord> ticks) {
         }
         const std::int64_t time = tick.time_ns - ticks[from].time_ns;
         all.push_back(time < kWindow ? kNoValue
-                                     : glm::length(hip_in_space(tick) - hip_in_space(ticks[from])) /
+                                     : glm::length(tick.hip - ticks[from].hip) /
                                            (1e-9 * static_cast<double>(time)));
     }
     return all;
@@ -78,7 +78,7 @@ std::vector<Strip> strips_of(const TrialTrace& trace) {
                          [](const TickRecord& tick) { return tick.hip.y; })};
     if (trace.scene->space() != nullptr) {
         place.lines.push_back(micro("hip_z_m", "up", Ink::green, Stroke::dotted,
-                                    [](const TickRecord& tick) { return tick.hip_z; }));
+                                    [](const TickRecord& tick) { return tick.hip.z; }));
     }
     Strip force{.title = "Rendered force", .height = 150.0};
     force.lines = {

@@ -53,19 +53,15 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
         tick.segment = exact.segment;
         tick.mode = exact.mode;
         tick.flags = exact.flags;
-        tick.go_z = exact.go_z;
-        tick.force_z = exact.force_z;
         tick.v = exact.v;
     }
     if ((parts & part_command) != 0) {
         tick.command = exact.command;
         exclusive_or(tick.command.x, tick.force.x);
         exclusive_or(tick.command.y, tick.force.y);
-        tick.command_z = exact.command_z;
-        exclusive_or(tick.command_z, tick.force_z);
+        exclusive_or(tick.command.z, tick.force.z);
     } else {
         tick.command = tick.force;
-        tick.command_z = tick.force_z;
     }
     if ((parts & part_lateness) != 0) {
         tick.lateness_us = exact.lateness_us;
@@ -101,10 +97,10 @@ void ChunkReplay::Unpacker::third(const ChunkReader& reader, std::span<TickRecor
             set(ticks[i], values[i]);
         }
     };
-    each(ColumnId::count_3, [](TickRecord& tick, std::int32_t count) { tick.count_3 = count; });
-    each(ColumnId::code_3, [](TickRecord& tick, std::int32_t code) { tick.code_3 = code; });
+    each(ColumnId::count_3, [](TickRecord& tick, std::int32_t count) { tick.counts[2] = count; });
+    each(ColumnId::code_3, [](TickRecord& tick, std::int32_t code) { tick.codes[2] = code; });
     each(ColumnId::hip_z,
-         [](TickRecord& tick, std::int32_t steps) { tick.hip_z = steps_in_metres(steps); });
+         [](TickRecord& tick, std::int32_t steps) { tick.hip.z = steps_in_metres(steps); });
 }
 
 /// The columns of whole numbers.
@@ -152,7 +148,7 @@ void ChunkReplay::Unpacker::unpack(Chunk& chunk,
     for (std::size_t i = 0; i < size; ++i) {
         ::new (&chunk.ticks[i]) TickRecord{.tick = numbers_[i],
                                            .time_ns = times_[i],
-                                           .hip = hips_[i],
+                                           .hip = engine::Vec3(hips_[i], 0.0),
                                            .counts = counts_[i],
                                            .codes = {code_1[i], code_2[i]},
                                            .lateness_us = lateness_us(late[i]),
@@ -292,12 +288,11 @@ bool ChunkReplay::work(Lock& lock) noexcept {
 /// done side by side.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
     for (TickRecord& tick : chunk.has_gaps ? chunk.ticks : chunk.ticks.last(1)) {
-        last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : tick.hip;
-        tick.hip = last_hip_;
+        last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : engine::Vec2(tick.hip);
+        tick.hip = engine::Vec3(last_hip_, tick.hip.z);
     }
     for (std::size_t i = 0; (chunk.view.parts & part_hip) != 0 && i < chunk.ticks.size(); ++i) {
         chunk.ticks[i].hip = chunk.exact[i].hip;
-        chunk.ticks[i].hip_z = chunk.exact[i].hip_z;
     }
     contacts_.contacts(chunk.ticks);
 }

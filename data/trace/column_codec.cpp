@@ -73,14 +73,12 @@ std::uint64_t bits_at(const std::byte* at, std::size_t size) noexcept {
 }
 
 void shuffle_exact(const StoredColumn& column, std::span<const TickRecord> ticks, std::byte* out) {
-    const std::size_t to_force = column.offset == offsetof(TickRecord, command_z)
-                                   ? offsetof(TickRecord, command_z) - offsetof(TickRecord, force_z)
-                                   : offsetof(TickRecord, command) - offsetof(TickRecord, force);
+    constexpr std::size_t kToForce = offsetof(TickRecord, command) - offsetof(TickRecord, force);
     for (const TickRecord& tick : ticks) {
         const auto* const at = reinterpret_cast<const std::byte*>(&tick) + column.offset;
         std::uint64_t bits = bits_at(at, column.size);
         if (column.part == part_command) {
-            bits ^= bits_at(at - to_force, column.size);
+            bits ^= bits_at(at - kToForce, column.size);
         }
         for (std::size_t byte = 0; byte < column.size; ++byte) {
             out[byte * ticks.size()] = static_cast<std::byte>(bits >> (8U * byte));
@@ -206,14 +204,14 @@ void stored_values(ColumnId column,
             return each(
                 [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
         case ColumnId::count_3:
-            return each([](const TickRecord& tick) { return tick.count_3; });
+            return each([](const TickRecord& tick) { return tick.counts[2]; });
         case ColumnId::code_3:
-            return each([](const TickRecord& tick) { return tick.code_3; });
+            return each([](const TickRecord& tick) { return tick.codes[2]; });
         case ColumnId::hip_z:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip_z, kHipSteps); });
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.z, kHipSteps); });
         case ColumnId::command_z:
             return each(
-                [](const TickRecord& tick) { return in_steps(tick.command_z, kCommandSteps); });
+                [](const TickRecord& tick) { return in_steps(tick.command.z, kCommandSteps); });
     }
 }
 

@@ -127,17 +127,18 @@ constexpr std::array kColumns{
     column<double, offsetof(TickRecord, tangential_force)>(
         "rendered_tangential_n", "N", "rendered force along the direction of travel"),
     column<double, offsetof(TickRecord, mu)>("mu", "1", "friction coefficient in force"),
-    column<std::int32_t, offsetof(TickRecord, count_3)>(
+    column<std::int32_t, offsetof(TickRecord, counts) + 2 * kSecond>(
         "count_3", "1", "encoder of motor 3 as read; this and what follows: 0 in the plane"),
-    column<std::int32_t, offsetof(TickRecord, code_3)>("code_3", "1", "as written to motor 3"),
+    column<std::int32_t, offsetof(TickRecord, codes) + 2 * kSecond>(
+        "code_3", "1", "as written to motor 3"),
     column<double, offsetof(TickRecord, v)>(
         "v", "1", "of the god-object, its surface's other parameter beside u"),
-    column<double, offsetof(TickRecord, hip_z)>("hip_z_m", "m", "handle, up"),
-    column<double, offsetof(TickRecord, cp_z)>("cp_z_m", "m", "closest point, up"),
-    column<double, offsetof(TickRecord, go_z)>("go_z_m", "m", "god-object, up"),
-    column<double, offsetof(TickRecord, force_z)>(
+    column<double, offsetof(TickRecord, hip.z)>("hip_z_m", "m", "handle, up"),
+    column<double, offsetof(TickRecord, cp.z)>("cp_z_m", "m", "closest point, up"),
+    column<double, offsetof(TickRecord, go.z)>("go_z_m", "m", "god-object, up"),
+    column<double, offsetof(TickRecord, force.z)>(
         "rendered_z_n", "N", "rendered force on the hand, up"),
-    column<double, offsetof(TickRecord, command_z)>("commanded_z_n", "N", "commanded force, up"),
+    column<double, offsetof(TickRecord, command.z)>("commanded_z_n", "N", "commanded force, up"),
 };
 
 constexpr std::size_t total_bytes() {

@@ -1,7 +1,9 @@
 #include "data/trace/derived_hash.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
-#include <cstddef>
+#include <cstring>
 #include <new>
 
 #define XXH_INLINE_ALL
@@ -10,26 +12,32 @@
 namespace palpate::data {
 
 using engine::TickRecord;
+namespace {
 
-// The declared order is that of the struct in memory. Who changes the struct copies it to this one.
 static_assert(std::endian::native == std::endian::little);
-static_assert(sizeof(TickRecord) == 208);
-static_assert(offsetof(TickRecord, tick) == 0 && offsetof(TickRecord, time_ns) == 8);
-static_assert(offsetof(TickRecord, hip) == 16 && offsetof(TickRecord, cp) == 32);
-static_assert(offsetof(TickRecord, go) == 48 && offsetof(TickRecord, force) == 64);
-static_assert(offsetof(TickRecord, command) == 80 && offsetof(TickRecord, normal_force) == 96);
-static_assert(offsetof(TickRecord, tangential_force) == 104 && offsetof(TickRecord, mu) == 112);
-static_assert(offsetof(TickRecord, u) == 120 && offsetof(TickRecord, counts) == 128);
-static_assert(offsetof(TickRecord, codes) == 136 && offsetof(TickRecord, lateness_us) == 144);
-static_assert(offsetof(TickRecord, segment) == 148 && offsetof(TickRecord, mode) == 150);
-static_assert(offsetof(TickRecord, flags) == 151);
-static_assert(offsetof(TickRecord, hip_z) == 152 && offsetof(TickRecord, cp_z) == 160);
-static_assert(offsetof(TickRecord, go_z) == 168 && offsetof(TickRecord, force_z) == 176);
-static_assert(offsetof(TickRecord, command_z) == 184 && offsetof(TickRecord, v) == 192);
-static_assert(offsetof(TickRecord, count_3) == 200 && offsetof(TickRecord, code_3) == 204);
+constexpr std::size_t kBytes = sizeof(TickRecord);
+static_assert(kBytes == 208);
+
+/// The fields one after the other, which are all of a tick.
+template <class... Fields>
+void join(std::byte* out, const Fields&... fields) noexcept {
+    static_assert((sizeof(Fields) + ...) == kBytes);
+    ((std::memcpy(out, &fields, sizeof fields), out += sizeof fields), ...);
+}
+
+void declared(const TickRecord& t, std::byte* out) noexcept {
+    join(out, t.tick, t.time_ns, t.hip.x, t.hip.y, t.cp.x, t.cp.y, t.go.x, t.go.y, t.force.x,
+         t.force.y, t.command.x, t.command.y, t.normal_force, t.tangential_force, t.mu, t.u,
+         t.counts[0], t.counts[1], t.codes[0], t.codes[1], t.lateness_us, t.segment, t.mode,
+         t.flags, t.hip.z, t.cp.z, t.go.z, t.force.z, t.command.z, t.v, t.counts[2], t.codes[2]);
+}
+
+}  // namespace
 
 std::uint64_t derived_hash(std::span<const TickRecord> ticks) noexcept {
-    return XXH3_64bits(ticks.data(), ticks.size_bytes());
+    DerivedHash hash;
+    hash.add(ticks);
+    return hash.value();
 }
 
 DerivedHash::DerivedHash() noexcept {
@@ -38,8 +46,16 @@ DerivedHash::DerivedHash() noexcept {
 }
 
 void DerivedHash::add(std::span<const TickRecord> ticks) noexcept {
-    XXH3_64bits_update(std::launder(reinterpret_cast<XXH3_state_t*>(state_.data())), ticks.data(),
-                       ticks.size_bytes());
+    auto* const state = std::launder(reinterpret_cast<XXH3_state_t*>(state_.data()));
+    std::array<std::byte, 16 * kBytes> some;
+    while (!ticks.empty()) {
+        const auto part = ticks.first(std::min<std::size_t>(ticks.size(), 16));
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            declared(part[i], &some[i * kBytes]);
+        }
+        XXH3_64bits_update(state, some.data(), part.size() * kBytes);
+        ticks = ticks.subspan(part.size());
+    }
 }
 
 std::uint64_t DerivedHash::value() const noexcept {

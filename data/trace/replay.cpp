@@ -61,14 +61,11 @@ void find_closest_points(const engine::SceneView& scene,
     for (TickRecord& tick : ticks) {
         if (tick.mode == engine::Mode::free) {
             tick.cp = tick.go;
-            tick.cp_z = tick.go_z;
         } else if (scene.space != nullptr) {
-            const engine::Vec3 point =
-                scene.space->feet().track(track.space, hip_in_space(tick)).point;
-            tick.cp = engine::Vec2(point);
-            tick.cp_z = point.z;
+            tick.cp = scene.space->feet().track(track.space, tick.hip).point;
         } else {
-            tick.cp = scene.plane->closest(track.plane, tick.hip).point;
+            const auto closest = scene.plane->closest(track.plane, engine::Vec2(tick.hip));
+            tick.cp = engine::Vec3(closest.point, 0.0);
         }
     }
 }

@@ -21,8 +21,7 @@ bool same(const T& a, const T& b) noexcept {
 bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
     return same(a.go, b.go) && same(a.force, b.force) && same(a.normal_force, b.normal_force) &&
            same(a.tangential_force, b.tangential_force) && same(a.mu, b.mu) && same(a.u, b.u) &&
-           a.segment == b.segment && a.mode == b.mode && a.flags == b.flags &&
-           same(a.go_z, b.go_z) && same(a.force_z, b.force_z) && same(a.v, b.v);
+           a.segment == b.segment && a.mode == b.mode && a.flags == b.flags && same(a.v, b.v);
 }
 
 }  // namespace
@@ -64,12 +63,10 @@ bool Retrace::same_hip(const TickRecord& tick) noexcept {
         return steps_in_metres(in_steps(metres, kHipSteps));
     };
     if (scene_.space != nullptr) {
-        return same(engine::Vec2{whole(tick.hip.x), whole(tick.hip.y)}, tick.hip) &&
-               same(whole(tick.hip_z), tick.hip_z);
+        return same(engine::Vec3{whole(tick.hip.x), whole(tick.hip.y), whole(tick.hip.z)},
+                    tick.hip);
     }
-    return same(machine_ ? machine_->at({tick.counts[0], tick.counts[1]}) : engine::Vec2{},
-                tick.hip) &&
-           same(0.0, tick.hip_z);
+    return same(engine::Vec3(machine_ ? machine_->at(tick.counts) : engine::Vec2{}, 0.0), tick.hip);
 }
 
 std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
@@ -82,7 +79,7 @@ std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
     if (!has_scene() || !same_contact(again, tick)) {
         parts |= part_contact;
     }
-    if (!same(tick.command, tick.force) || !same(tick.command_z, tick.force_z)) {
+    if (!same(tick.command, tick.force)) {
         parts |= part_command;
     }
     const auto us = static_cast<double>(tick.lateness_us);

@@ -75,11 +75,11 @@ constexpr std::array kStored{
     exact("commanded_x_xor_rendered", "N", part_command, offsetof(TickRecord, command), "u64le"),
     exact("commanded_y_xor_rendered", "N", part_command, offsetof(TickRecord, command.y), "u64le"),
     exact("lateness_us", "us", part_lateness, offsetof(TickRecord, lateness_us), "f32le", 4),
-    exact("hip_z_m", "m", part_hip, offsetof(TickRecord, hip_z)),
-    exact("go_z_m", "m", part_contact, offsetof(TickRecord, go_z)),
-    exact("rendered_z_n", "N", part_contact, offsetof(TickRecord, force_z)),
+    exact("hip_z_m", "m", part_hip, offsetof(TickRecord, hip.z)),
+    exact("go_z_m", "m", part_contact, offsetof(TickRecord, go.z)),
+    exact("rendered_z_n", "N", part_contact, offsetof(TickRecord, force.z)),
     exact("v", "1", part_contact, offsetof(TickRecord, v)),
-    exact("commanded_z_xor_rendered", "N", part_command, offsetof(TickRecord, command_z), "u64le"),
+    exact("commanded_z_xor_rendered", "N", part_command, offsetof(TickRecord, command.z), "u64le"),
 };
 static_assert(kStored.size() == kAllColumns);
 static_assert(kStored[kStoredColumns - 1].rule != Rule::exact);

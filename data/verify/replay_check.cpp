@@ -23,8 +23,8 @@ bool equal_bits(const T& a, const T& b) noexcept {
     return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-std::string text_of(const engine::Vec2& v) {
-    return fmt::format("({}, {})", v.x, v.y);
+std::string text_of(const engine::Vec3& v) {
+    return fmt::format("({}, {}, {})", v.x, v.y, v.z);
 }
 std::string text_of(double value) {
     return fmt::format("{}", value);
@@ -58,8 +58,6 @@ constexpr std::array kColumns{
     column<&TickRecord::tangential_force>("trace.rendered_tangential_n"),
     column<&TickRecord::u>("trace.u"),
     column<&TickRecord::v>("trace.v"),
-    column<&TickRecord::go_z>("trace.go_z_m"),
-    column<&TickRecord::force_z>("trace.rendered_z_n"),
     Column{"trace.segment", same_field<&TickRecord::segment>,
            [](const TickRecord& tick) {
                return fmt::format("{}", tick.segment);
@@ -91,7 +89,6 @@ void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Find
     for (const TickRecord& tick : trace.ticks) {
         TickRecord again;
         again.hip = tick.hip;
-        again.hip_z = tick.hip_z;
         engine::set_contacts(std::span(&again, 1), scene, state);
         for (std::size_t i = 0; i < kColumns.size(); ++i) {
             if (kColumns[i].same(tick, again) || found[i].count++ > 0) {
@@ -111,26 +108,21 @@ void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Find
 }
 
 void check_counts(const engine::Gantry& gantry, const StoredTrace& trace, Findings& findings) {
-    const auto text = [](const engine::Vec3& v) {
-        return fmt::format("({}, {}, {})", v.x, v.y, v.z);
-    };
     Finding finding;
     finding.what = "trace.hip";
     finding.count = 0;
     std::optional<engine::Vec3> before;
     for (const TickRecord& tick : trace.ticks) {
-        const engine::Gantry::Counts counts{tick.counts[0], tick.counts[1], tick.count_3};
-        const auto there = gantry.locate(counts);
-        const bool none = !there || counts == engine::Gantry::Counts{};
-        const engine::Vec3 hip(tick.hip, tick.hip_z);
-        const bool kept = none && (!before || hip == *before);
-        before = hip;
-        if (kept || (there && *there == hip) || finding.count++ > 0) {
+        const auto there = gantry.locate(tick.counts);
+        const bool none = !there || tick.counts == engine::Gantry::Counts{};
+        const bool kept = none && (!before || tick.hip == *before);
+        before = tick.hip;
+        if (kept || (there && *there == tick.hip) || finding.count++ > 0) {
             continue;
         }
         finding.tick = tick.tick;
-        finding.stored = text(hip);
-        finding.recomputed = there ? text(*there) : "outside the workspace";
+        finding.stored = text_of(tick.hip);
+        finding.recomputed = there ? text_of(*there) : "outside the workspace";
     }
     if (finding.count > 0) {
         findings.add(std::move(finding));

@@ -81,14 +81,10 @@ TickRecord TickLoop::recorded(const TickOrder& order,
     TickRecord record;
     record.tick = next_++;
     record.time_ns = order.time_ns;
-    record.hip = Vec2(reading.hip);
-    record.hip_z = reading.hip.z;
-    record.command = Vec2(command.force);
-    record.command_z = command.force.z;
-    record.counts = {reading.counts[0], reading.counts[1]};
-    record.count_3 = reading.counts[2];
-    record.codes = {applied_.codes[0], applied_.codes[1]};
-    record.code_3 = applied_.codes[2];
+    record.hip = reading.hip;
+    record.command = command.force;
+    record.counts = reading.counts;
+    record.codes = applied_.codes;
     record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
     record.flags = flags_of(command, applied_, periods_late(order.lateness_ns, limits_.period) > 0,
                             reading.ok() && !reading.fresh);

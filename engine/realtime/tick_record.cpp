@@ -13,8 +13,8 @@ namespace {
                                        const Outline& outline) noexcept {
     const SegmentPlace place = segment_place(outline, contact.place);
     const auto segment = static_cast<std::int16_t>(place.segment);  // Outline takes no more
-    tick.go = contact.go;
-    tick.force = contact.force;
+    tick.go = Vec3(contact.go, 0.0);
+    tick.force = Vec3(contact.force, 0.0);
     tick.normal_force = contact.normal_force;
     tick.tangential_force = contact.tangential_force;
     tick.mu = contact.mu;
@@ -33,10 +33,8 @@ void set_contact(TickRecord& tick, const Contact& contact, const Outline& outlin
 }
 
 void set_contact(TickRecord& tick, const SurfaceContact& contact) noexcept {
-    tick.go = Vec2(contact.go);
-    tick.go_z = contact.go.z;
-    tick.force = Vec2(contact.force);
-    tick.force_z = contact.force.z;
+    tick.go = contact.go;
+    tick.force = contact.force;
     tick.normal_force = contact.normal_force;
     tick.tangential_force = contact.tangential_force;
     tick.mu = contact.mu;
@@ -53,11 +51,11 @@ void set_contacts(std::span<TickRecord> ticks, const SceneView& scene, FeltState
     if (scene.plane != nullptr) {
         const Outline& outline = scene.plane->outline();
         for (TickRecord& tick : ticks) {
-            set(tick, scene.plane->tick(state.plane, tick.hip), outline);
+            set(tick, scene.plane->tick(state.plane, Vec2(tick.hip)), outline);
         }
     } else if (scene.space != nullptr) {
         for (TickRecord& tick : ticks) {
-            set_contact(tick, scene.space->tick(state.space, hip_in_space(tick)));
+            set_contact(tick, scene.space->tick(state.space, tick.hip));
         }
     }
 }

@@ -35,50 +35,33 @@ enum TickFlag : std::uint8_t {
 /// device's.
 inline constexpr unsigned kSceneFlags = tick_skipped | tick_outside_cone;
 
-/// Everything that one servo tick read, decided and commanded. Frame: the object's, SI.
+/// Everything that one servo tick read, decided and commanded. Frame: the object's, z up, SI. In the
+/// plane every z, v and what is of a third motor are 0.
 struct TickRecord {
     std::int64_t tick = 0;  ///< 0 at the first tick of the trial
     /// Since the trial's first deadline, on the servo's clock. Ticks are numbered without a gap;
     /// time jumps where the servo slept through deadlines, and lateness_us says so.
     std::int64_t time_ns = 0;
-    Vec2 hip{};                     ///< haptic interaction point, m
-    Vec2 cp{};                      ///< closest point of the outline, m; by a replay, else 0
-    Vec2 go{};                      ///< god-object, m
-    Vec2 force{};                   ///< rendered force on the user, K (GO - HIP), N
-    Vec2 command{};                 ///< force asked of the device after the safety chain, N
+    Vec3 hip{};                     ///< haptic interaction point, m
+    Vec3 cp{};                      ///< closest point of the object, m; by a replay, else 0
+    Vec3 go{};                      ///< god-object, m
+    Vec3 force{};                   ///< rendered force on the user, K (GO - HIP), N
+    Vec3 command{};                 ///< force asked of the device after the safety chain, N
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< friction coefficient in force during this tick
     /// Of the GO on its segment, the segment's own parameter (0 to 1, or its knots'); on a vertex
     /// the fan angle phi, rad.
     double u = 0.0;
-    std::array<std::int32_t, 2> counts{};  ///< encoder counts as read (0 without encoders)
-    std::array<std::int32_t, 2> codes{};   ///< DAC codes as written (0 without motors)
+    double v = 0.0;  ///< of the GO on its surface, as u; `segment` is the surface then
+    std::array<std::int32_t, 3> counts{};  ///< encoder counts as read (0 without encoders)
+    std::array<std::int32_t, 3> codes{};   ///< DAC codes as written (0 without motors)
     float lateness_us = 0.0F;              ///< wake-up minus deadline, us (0 on a virtual clock)
     std::int16_t segment = 0;  ///< i >= 0: the GO is on segment i; -1 - j: on vertex j at its end
     Mode mode = Mode::free;
     std::uint8_t flags = 0;  ///< TickFlag bits
-
-    // The third coordinate of all of these, up; all 0 in the plane.
-    double hip_z = 0.0;        ///< m
-    double cp_z = 0.0;         ///< m
-    double go_z = 0.0;         ///< m
-    double force_z = 0.0;      ///< N
-    double command_z = 0.0;    ///< N
-    double v = 0.0;            ///< of the GO on its surface, as u; `segment` is the surface then
-    std::int32_t count_3 = 0;  ///< third encoder
-    std::int32_t code_3 = 0;   ///< third motor
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
-
-/// HIP in space, m.
-[[nodiscard]] inline Vec3 hip_in_space(const TickRecord& tick) noexcept {
-    return {tick.hip, tick.hip_z};
-}
-/// The rendered force in space, N.
-[[nodiscard]] inline Vec3 force_in_space(const TickRecord& tick) noexcept {
-    return {tick.force, tick.force_z};
-}
 
 /// The tick belongs to an episode of the energy ledger: a contact, and what an object that yields
 /// stores of it.

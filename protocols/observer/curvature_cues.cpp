@@ -56,7 +56,7 @@ std::size_t CurvatureCues::chord_at(const Vec2& hip) const noexcept {
 
 /// Whether this tick is part of a settled stroke.
 bool CurvatureCues::sliding(const engine::TickRecord& tick, std::size_t chord) noexcept {
-    const Vec2 step = tick.hip - last_hip_;
+    const Vec2 step(tick.hip - last_hip_);
     last_hip_ = tick.hip;
     if (chord == kNone || chord != chord_) {
         chord_ = chord;
@@ -75,16 +75,16 @@ bool CurvatureCues::sliding(const engine::TickRecord& tick, std::size_t chord) n
 
 void CurvatureCues::add(const engine::TickRecord& tick) noexcept {
     const bool pressed = tick.mode != engine::Mode::free && tick.normal_force > kFeltForce;
-    const std::size_t where = pressed ? chord_at(tick.hip) : kNone;
+    const std::size_t where = pressed ? chord_at(Vec2(tick.hip)) : kNone;
     if (!sliding(tick, where)) {
         return;
     }
     const Chord& chord = chords_[where];
-    const Vec2 from = tick.hip - chord.middle;
+    const Vec2 from = Vec2(tick.hip) - chord.middle;
+    const Vec2 force(tick.force);
     const double x = glm::dot(from, chord.along) / chord.half;
     const double y = glm::dot(from, chord.outward) / chord.half;
-    const double a =
-        engine::arc_tan2(glm::dot(tick.force, chord.along), glm::dot(tick.force, chord.outward));
+    const double a = engine::arc_tan2(glm::dot(force, chord.along), glm::dot(force, chord.outward));
     Strokes& s = strokes_[where][velocity_ > 0.0 ? 1 : 0];
     s.n += 1.0;
     s.x += x;

@@ -77,8 +77,8 @@ private:
 
     std::size_t chord_ =
         kNone;  ///< of the last tick, kNone before the first contact and off the chords
-    engine::Vec2 last_hip_{};
-    engine::Vec2 last_go_{};
+    engine::Vec3 last_hip_{};
+    engine::Vec3 last_go_{};
     double velocity_ = 0.0;  ///< smoothed, m per tick along the chord
     double kept_ = 0.0;      ///< m since the last change of direction or chord
 };

@@ -31,12 +31,11 @@ void OutlineCues::forget() noexcept {
 
 void OutlineCues::add(std::span<const engine::TickRecord> ticks) noexcept {
     for (const engine::TickRecord& tick : ticks) {
-        const engine::Vec3 force = force_in_space(tick);
-        const double pressed = glm::length(force);
+        const double pressed = glm::length(tick.force);
         if (tick.mode == engine::Mode::free || !(pressed > kFeltForce) || tick_++ % kEach != 0) {
             continue;
         }
-        const engine::Vec3 felt = hip_in_space(tick) + softness_ * force;
+        const engine::Vec3 felt = tick.hip + softness_ * tick.force;
         for (std::size_t i = 0; i < surfaces_.size(); ++i) {
             const double away = surfaces_[i].track(tracks_[i], felt).distance;
             squares_[i] += away * away;

@@ -29,7 +29,7 @@ void SoftnessCues::add(std::span<const engine::TickRecord> ticks) noexcept {
         if (++tick_ % kEach != 0 || force < kFeltForce) {
             continue;
         }
-        const engine::ClosestPoint nearest = rest_->feet.closest(tick.hip);
+        const engine::ClosestPoint nearest = rest_->feet.closest(engine::Vec2(tick.hip));
         if (nearest.inside) {
             product_ += force * nearest.distance;
             squares_ += force * force;

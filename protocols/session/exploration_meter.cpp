@@ -121,12 +121,11 @@ void ExplorationMeter::add(const engine::TickRecord& tick) {
     stick_events_ += tick.mode == Mode::stuck && before != Mode::stuck && before != Mode::free;
     forces_.push_back(tick.normal_force);
     if (before == Mode::free) {
-        from_ = hip_in_space(tick);
+        from_ = tick.hip;
         from_time_ = tick.time_ns;
     } else if (const std::int64_t time = tick.time_ns - from_time_; time >= kWindow) {
-        speeds_.push_back(glm::length(hip_in_space(tick) - from_) /
-                          (static_cast<double>(time) * 1e-9));
-        from_ = hip_in_space(tick);
+        speeds_.push_back(glm::length(tick.hip - from_) / (static_cast<double>(time) * 1e-9));
+        from_ = tick.hip;
         from_time_ = tick.time_ns;
     }
 }

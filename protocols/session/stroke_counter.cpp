@@ -9,16 +9,17 @@ namespace {
 engine::Vec2 along(const engine::TickRecord& tick) noexcept {
     const double fn = tick.normal_force;
     const double ft = tick.tangential_force;
-    const engine::Vec2 f = tick.force;
+    const engine::Vec2 f(tick.force);
     return {ft * f.x + fn * f.y, ft * f.y - fn * f.x};
 }
 
 }  // namespace
 
 engine::Vec2 StrokeCounter::step_to(const engine::TickRecord& tick) noexcept {
-    const engine::Vec2 step = started_ ? tick.hip - last_hip_ : engine::Vec2{};
+    const engine::Vec2 hip(tick.hip);
+    const engine::Vec2 step = started_ ? hip - last_hip_ : engine::Vec2{};
     started_ = true;
-    last_hip_ = tick.hip;
+    last_hip_ = hip;
     return step;
 }
 

@@ -50,10 +50,8 @@ void TrialMeter::add_contact(const engine::TickRecord& tick) {
 
 void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
     for (const engine::TickRecord& tick : ticks) {
-        const engine::Vec3 hip = hip_in_space(tick);
-        const engine::Vec3 force = force_in_space(tick);
         if (started_) {
-            const engine::Vec3 step = hip - last_hip_;
+            const engine::Vec3 step = tick.hip - last_hip_;
             sum_.path_length_m += glm::length(step);
             sum_.energy_j += glm::dot(last_force_, step);
             if (tick.mode != engine::Mode::free) {
@@ -61,11 +59,11 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
                 contact_time_ += static_cast<double>(tick.time_ns - last_time_) * 1e-9;
             }
         }
-        sum_.start = started_ ? sum_.start : tick.hip;
+        sum_.start = started_ ? sum_.start : engine::Vec2(tick.hip);
         started_ = true;
-        ledger_.add(hip, force, engine::in_episode(tick));
-        last_hip_ = hip;
-        last_force_ = force;
+        ledger_.add(tick.hip, tick.force, engine::in_episode(tick));
+        last_hip_ = tick.hip;
+        last_force_ = tick.force;
         last_time_ = tick.time_ns;
         add_stroke(tick);
         exploration_.add(tick);

@@ -52,7 +52,7 @@ std::vector<TickRecord> by_scalar_ticks(const Recorded& recorded) {
             tick.counts = {static_cast<std::int32_t>(one[i]), static_cast<std::int32_t>(two[i])};
             const auto fix = machine.locate(machine.angles(tick.counts));
             hip = fix ? fix->hip : hip;
-            tick.hip = hip;
+            tick.hip = engine::Vec3(hip, 0.0);
             const engine::Scene& scene = *recorded.scene->plane();
             engine::set_contact(tick, scene.tick(state, hip), scene.outline());
         }
@@ -188,17 +188,16 @@ TEST_CASE("HIP that is not where three counts say is found, unless the device ga
         for (int i = 0; i < 200; ++i) {
             engine::TickRecord tick;
             tick.tick = i;
-            tick.counts = {random.below(4000) - 2000, random.below(4000) - 2000};
-            tick.count_3 = random.below(1800) - 2400;
+            tick.counts = {random.below(4000) - 2000, random.below(4000) - 2000,
+                           random.below(1800) - 2400};
             const bool lost = i > 0 && random.below(10) == 0;
             if (lost) {
-                tick.counts = {0, 0};
-                tick.count_3 = random.coin() ? 0 : 2400;  // 63 mm above home, beyond the end
-            } else {                                      // r q from home, in steps of 100 nm
+                tick.counts = {0, 0, random.coin() ? 0 : 2400};  // 63 mm above home, beyond the end
+            } else {  // r q from home, in steps of 100 nm
                 const double way = 0.010 * 2.0 * 3.141592653589793 / 2400.0;
                 const engine::Vec3 at =
                     engine::Vec3(0.0, 0.0, 0.040) +
-                    way * engine::Vec3(tick.counts[0], tick.counts[1], tick.count_3);
+                    way * engine::Vec3(tick.counts[0], tick.counts[1], tick.counts[2]);
                 hip = glm::floor(at * 1e7 + 0.5) / 1e7;
             }
             engine::Vec3 written = hip;
@@ -206,8 +205,7 @@ TEST_CASE("HIP that is not where three counts say is found, unless the device ga
                 written[random.below(3)] += 1e-6;
                 first = wrong++ == 0 ? i : first;
             }
-            tick.hip = engine::Vec2(written);
-            tick.hip_z = written.z;
+            tick.hip = written;
             trace.ticks.push_back(tick);
             hip = written;  // which a device that gives no place keeps
         }

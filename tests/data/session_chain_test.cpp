@@ -113,7 +113,7 @@ void check_last_ticks(Run& run) {
         REQUIRE_FALSE(trace.empty());
         const std::size_t last = std::min<std::size_t>(trace.size(), 100);
         CHECK((trace.back().flags & engine::tick_fault) != 0);
-        CHECK(trace.back().command == engine::Vec2{});
+        CHECK(trace.back().command == engine::Vec3{});
         CHECK(std::none_of(trace.begin(), trace.end() - 1, [](const engine::TickRecord& tick) {
             return (tick.flags & engine::tick_fault) != 0;
         }));

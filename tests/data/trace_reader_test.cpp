@@ -60,9 +60,9 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
                     tick.flags, static_cast<std::int64_t>(steps(tick.hip.x, 1e7)),
                     static_cast<std::int64_t>(steps(tick.hip.y, 1e7)),
                     static_cast<std::int64_t>(steps(tick.command.x, 1e4)),
-                    static_cast<std::int64_t>(steps(tick.command.y, 1e4)), tick.count_3,
-                    tick.code_3, static_cast<std::int64_t>(steps(tick.hip_z, 1e7)),
-                    static_cast<std::int64_t>(steps(tick.command_z, 1e4))});
+                    static_cast<std::int64_t>(steps(tick.command.y, 1e4)), tick.counts[2],
+                    tick.codes[2], static_cast<std::int64_t>(steps(tick.hip.z, 1e7)),
+                    static_cast<std::int64_t>(steps(tick.command.z, 1e4))});
     }
     CHECK_FALSE(std::getline(lines, line));
 

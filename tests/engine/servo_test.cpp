@@ -89,7 +89,7 @@ TEST_CASE("the recorded forces come back to the bit from the recorded HIP alone"
     const Scene felt = scene();
     ContactState state;
     for (const TickRecord& tick : trace) {
-        const Contact c = felt.tick(state, tick.hip);
+        const Contact c = felt.tick(state, Vec2(tick.hip));
         REQUIRE(std::memcmp(&c.force, &tick.force, sizeof(Vec2)) == 0);
         REQUIRE(std::memcmp(&c.go, &tick.go, sizeof(Vec2)) == 0);
         REQUIRE(c.mode == tick.mode);
@@ -110,7 +110,7 @@ TEST_CASE("a device that fails faults the servo: zero force, latched", "[servo][
     servo.end();
     const std::vector<TickRecord> all = drain(servo.ring());
     CHECK((all.back().flags & tick_fault) != 0);
-    CHECK(all.back().command == Vec2{});
+    CHECK(all.back().command == Vec3{});
     servo.begin(felt);  // the next trial starts clean
     CHECK((servo.advance() == ServoStatus::faulted));
 }

@@ -144,7 +144,7 @@ TEST_CASE("a trial never mixes two scenes: its own scene gives all its forces fr
         const std::vector<TickRecord> all = run_trial(servo, felt, 5 + random() % 60);
         ContactState state;
         for (const TickRecord& tick : all) {
-            const Contact expected = felt.tick(state, tick.hip);
+            const Contact expected = felt.tick(state, Vec2(tick.hip));
             REQUIRE(std::memcmp(&expected.force, &tick.force, sizeof(Vec2)) == 0);
             REQUIRE(std::memcmp(&expected.go, &tick.go, sizeof(Vec2)) == 0);
         }
@@ -216,7 +216,7 @@ TEST_CASE(
             CAPTURE(good, to_string(trip));
             REQUIRE(static_cast<std::int64_t>(all.size()) == good + 1);
             CHECK((all.back().flags & tick_fault) != 0);
-            CHECK(all.back().command == Vec2{});
+            CHECK(all.back().command == Vec3{});
             CHECK(device.zero_was_last());
             CHECK(servo.trip() == trip);
             REQUIRE_FALSE(servo.last_ticks().empty());
@@ -358,7 +358,7 @@ TEST_CASE("a reading that is no number trips, and every recorded force still fol
     CHECK(last[24].hip == last[23].hip);
     ContactState state;
     for (const TickRecord& tick : last) {
-        const Contact expected = felt.tick(state, tick.hip);
+        const Contact expected = felt.tick(state, Vec2(tick.hip));
         REQUIRE(std::memcmp(&expected.force, &tick.force, sizeof(Vec2)) == 0);
     }
 }

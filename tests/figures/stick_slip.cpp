@@ -50,7 +50,7 @@ std::vector<TickRecord> recorded() {
     engine::TrackState track;
     for (TickRecord& tick : ticks) {
         if (tick.mode == Mode::free) {  // the servo did not look at each
-            tick.go = scene.closest(track, tick.hip).point;
+            tick.go = engine::Vec3(scene.closest(track, engine::Vec2(tick.hip)).point, 0.0);
         }
     }
     return ticks;

@@ -40,7 +40,7 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
         for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
             if (tick.mode == engine::Mode::free) {
                 ++outside;
-                unlawful += tick.force == engine::Vec2{} && tick.command == engine::Vec2{} ? 0 : 1;
+                unlawful += tick.force == engine::Vec3{} && tick.command == engine::Vec3{} ? 0 : 1;
                 continue;
             }
             ++inside;

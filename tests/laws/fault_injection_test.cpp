@@ -256,7 +256,7 @@ bool recorded(const TickLoop& loop, const TickRecord& last, int tick) {
     const auto ticks = loop.flight().last();
     const auto expected = std::min<std::size_t>(static_cast<std::size_t>(tick) + 1, 100);
     return ticks.size() == expected && ticks.back().tick == last.tick && last.tick == tick &&
-           (ticks.back().flags & tick_fault) != 0 && ticks.back().command == Vec2{} &&
+           (ticks.back().flags & tick_fault) != 0 && ticks.back().command == Vec3{} &&
            (ticks.size() < 2 || (ticks[ticks.size() - 2].flags & tick_fault) == 0) &&
            ticks.front().tick == last.tick + 1 - static_cast<std::int64_t>(expected);
 }
@@ -323,12 +323,12 @@ void run(std::uint64_t seed, Tally& tally) {
     int after = 0;
     int unheard = 0;
     bool latched = true;
-    Vec2 low{1.0};  // of HIP since the fault, m
-    Vec2 high{-1.0};
+    Vec3 low{1.0};  // of HIP since the fault, m
+    Vec3 high{-1.0};
     for (int tick = 0; tick < ticks && after < 30; ++tick) {
         const TickRecord record = loop.tick(order_at(fault, tick, period));
         unheard = (record.flags & tick_stale) != 0 ? unheard + 1 : 0;
-        tally.blind += unheard * period >= 0.010 && record.command != Vec2{} ? 1 : 0;
+        tally.blind += unheard * period >= 0.010 && record.command != Vec3{} ? 1 : 0;
         if (tick >= fault.at) {
             low = glm::min(low, record.hip);
             high = glm::max(high, record.hip);
@@ -340,7 +340,7 @@ void run(std::uint64_t seed, Tally& tally) {
         }
         if (trip != Trip::none) {
             ++after;
-            latched = latched && device.last_write == Vec3{} && record.command == Vec2{} &&
+            latched = latched && device.last_write == Vec3{} && record.command == Vec3{} &&
                       loop.trip() == trip && (record.flags & tick_fault) != 0;
         }
     }

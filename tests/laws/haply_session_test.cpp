@@ -100,8 +100,8 @@ int wrong_forces(const protocols::Protocol& protocol, const Kept::Trial& trial) 
     engine::ContactState state;
     int wrong = 0;
     for (const engine::TickRecord& tick : trial.ticks) {
-        const engine::Contact contact = scene.tick(state, tick.hip);
-        wrong += std::memcmp(&contact.force, &tick.force, sizeof tick.force) == 0 ? 0 : 1;
+        const engine::Contact contact = scene.tick(state, engine::Vec2(tick.hip));
+        wrong += std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0 ? 0 : 1;
     }
     return wrong;
 }

@@ -301,13 +301,13 @@ private:
             const auto ticks = loop.flight().last();
             const bool kept = !ticks.empty() && ticks.back().tick == record.tick &&
                               (ticks.back().flags & tick_fault) != 0 &&
-                              ticks.back().command == Vec2{};
+                              ticks.back().command == Vec3{};
             tally.not_recorded += kept ? 0 : 1;
             tally.false_trips += sound ? 1 : 0;
             loop.prove_zero();
         }
         if (loop.trip() != Trip::none) {
-            const bool latched = device.last == Vec3{} && record.command == Vec2{} &&
+            const bool latched = device.last == Vec3{} && record.command == Vec3{} &&
                                  (before == Trip::none || loop.trip() == before);
             tally.not_latched += latched ? 0 : 1;
         }

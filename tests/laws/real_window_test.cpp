@@ -65,7 +65,7 @@ double worst_difference(std::span<const engine::TickRecord> trace,
     GosOracle oracle(side, law);
     double worst = 0.0;
     for (const engine::TickRecord& tick : trace) {
-        worst = std::max(worst, glm::length(tick.force - oracle.tick(tick.hip)));
+        worst = std::max(worst, glm::length(Vec2(tick.force) - oracle.tick(Vec2(tick.hip))));
         touched += tick.mode != engine::Mode::free ? 1 : 0;
     }
     return worst;

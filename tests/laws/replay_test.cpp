@@ -44,9 +44,9 @@ TEST_CASE("every recorded force comes back to the bit from the database alone", 
         scene.restore_decay({trial.real(3), trial.real(4)});
         engine::ContactState state;
         for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
-            const engine::Contact contact = scene.tick(state, tick.hip);
-            REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof tick.force) == 0);
-            REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof tick.go) == 0);
+            const engine::Contact contact = scene.tick(state, engine::Vec2(tick.hip));
+            REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof contact.force) == 0);
+            REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof contact.go) == 0);
             REQUIRE(contact.mu == tick.mu);
             REQUIRE(contact.mode == tick.mode);
             ++replayed;

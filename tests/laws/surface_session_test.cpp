@@ -168,9 +168,8 @@ TEST_CASE(
         scene.restore_decay({trial.real(3), trial.real(4)});
         engine::SurfaceState state;
         for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
-            const engine::SurfaceContact contact = scene.space()->tick(state, hip_in_space(tick));
-            const engine::Vec3 force = force_in_space(tick);
-            REQUIRE(std::memcmp(&contact.force, &force, sizeof force) == 0);
+            const engine::SurfaceContact contact = scene.space()->tick(state, tick.hip);
+            REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof tick.force) == 0);
             REQUIRE((contact.mode == tick.mode && contact.go_v == tick.v));
             ++replayed;
         }

@@ -135,7 +135,7 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted", "[expl
             x += speed * 1e-3;
             TickRecord tick =
                 tick_on(k++, random.below(10) == 0 ? std::int16_t{-1} : std::int16_t{0}, 0.5);
-            tick.hip = {x, 0.0};
+            tick.hip = {x, 0.0, 0.0};
             tick.normal_force = speed;
             tick.mode = i % 30 == 0 ? Mode::stuck : i % 30 == 20 ? Mode::transition : Mode::slip;
             stops += tick.mode == Mode::stuck && i > 0 ? 1 : 0;  // who touches down has not slid
@@ -146,7 +146,7 @@ TEST_CASE("speeds are those of contact, stops and new slips are counted", "[expl
             x += random.in(-0.02, 0.02);
             TickRecord tick = tick_on(k++, -1, 0.0);
             tick.mode = Mode::free;
-            tick.hip = {x, 0.0};
+            tick.hip = {x, 0.0, 0.0};
             meter.add(tick);
         }
     }

@@ -73,8 +73,8 @@ std::vector<engine::TickRecord> felt(const Protocol& protocol, std::size_t objec
             const engine::Frame frame = engine::frame_at(span, i / 400.0);
             engine::TickRecord tick;
             tick.mode = engine::Mode::slip;
-            tick.hip = frame.point - depth * frame.normal;
-            tick.force = protocol.apparatus.stiffness * depth * frame.normal;
+            tick.hip = engine::Vec3(frame.point - depth * frame.normal, 0.0);
+            tick.force = engine::Vec3(protocol.apparatus.stiffness * depth * frame.normal, 0.0);
             tick.normal_force = glm::length(tick.force);
             ticks.push_back(tick);
         }
@@ -344,7 +344,7 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
 
     // What the ticks say of the truth is not read.
     for (engine::TickRecord& tick : ticks) {
-        tick.cp = tick.go = Vec2{random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
+        tick.cp = tick.go = engine::Vec3{random.in(-1.0, 1.0), random.in(-1.0, 1.0), 0.0};
         tick.u = random.in(0.0, 1.0);
         tick.segment = static_cast<std::int16_t>(random.below(4));
     }

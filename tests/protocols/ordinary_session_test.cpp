@@ -52,11 +52,11 @@ Seen feel(const Protocol& protocol, const Condition& condition, double speed, Ra
         const bool free = tick.mode == engine::Mode::free;
         static_cast<void>(
             make_safe(second, spec.limits,
-                      {.force = force_in_space(tick),
-                       .spring = engine::Vec3(free ? engine::Vec2{} : tick.go - tick.hip, 0.0),
+                      {.force = tick.force,
+                       .spring = free ? engine::Vec3{} : tick.go - tick.hip,
                        .depth = free ? 0.0 : tick.normal_force / protocol.apparatus.stiffness,
-                       .hip = hip_in_space(tick),
-                       .counts = {tick.counts[0], tick.counts[1]},
+                       .hip = tick.hip,
+                       .counts = tick.counts,
                        .time_ns = tick.time_ns}));
         ++seen.ticks;
         seen.contact += free ? 0 : 1;

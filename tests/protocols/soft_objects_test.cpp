@@ -51,7 +51,7 @@ std::vector<engine::TickRecord> press(const engine::Scene& scene) {
     std::vector<engine::TickRecord> ticks(2000);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const double depth = 0.003 * std::min(1.0, static_cast<double>(i) / 1000.0);
-        ticks[i].hip = at.point + (0.0005 - depth) * at.normal;
+        ticks[i].hip = engine::Vec3(at.point + (0.0005 - depth) * at.normal, 0.0);
     }
     engine::FeltState state;
     engine::set_contacts(ticks, scene, state);
@@ -143,14 +143,14 @@ TEST_CASE("an episode of a soft object ends at its rest, and gives nothing more 
         const auto t = static_cast<double>(i);
         const double depth =
             i < 400 ? 0.00002 * t - 0.0005 : std::max(0.002 - 4e-6 * (t - 400), -1e-3);
-        ticks[i].hip = at.point - depth * at.normal;
+        ticks[i].hip = engine::Vec3(at.point - depth * at.normal, 0.0);
         ticks[i].time_ns = static_cast<std::int64_t>(i) * 1'000'000;
     }
     engine::FeltState state;
     engine::set_contacts(ticks, scene, state);
     TrialMeter meter(protocol.apparatus.stiffness, scene.outline());
     meter.add(ticks);
-    engine::EnergyLedger<2> contacts(protocol.apparatus.stiffness);
+    engine::EnergyLedger<3> contacts(protocol.apparatus.stiffness);
     for (const engine::TickRecord& tick : ticks) {
         contacts.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
     }

@@ -22,10 +22,10 @@ TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0
     TickRecord tick;
     tick.tick = k;
     tick.time_ns = k * 1'000'000;
-    tick.hip = place * t - 0.001 * n;
+    tick.hip = engine::Vec3(place * t - 0.001 * n, 0.0);
     tick.normal_force = 1.0;
     tick.tangential_force = pull;
-    tick.force = n + pull * t;
+    tick.force = engine::Vec3(n + pull * t, 0.0);
     tick.mode = engine::Mode::slip;
     return tick;
 }

@@ -42,12 +42,13 @@ inline std::vector<engine::TickRecord> strokes(const StrokeSpec& spec, std::uint
                 engine::TickRecord tick;
                 tick.tick = static_cast<std::int64_t>(ticks.size());
                 tick.time_ns = tick.tick * 1000000;
-                tick.hip = foot.point - depth * foot.normal;
-                tick.go = foot.point;
+                tick.hip = engine::Vec3(foot.point - depth * foot.normal, 0.0);
+                tick.go = engine::Vec3(foot.point, 0.0);
                 const Vec2 tangent{foot.normal.y, -foot.normal.x};
                 tick.normal_force = spec.stiffness * depth;
                 tick.tangential_force = -direction * spec.mu * tick.normal_force;
-                tick.force = tick.normal_force * foot.normal + tick.tangential_force * tangent;
+                tick.force = engine::Vec3(
+                    tick.normal_force * foot.normal + tick.tangential_force * tangent, 0.0);
                 tick.command = tick.force;
                 tick.mode = engine::Mode::slip;
                 ticks.push_back(tick);

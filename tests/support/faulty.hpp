@@ -105,7 +105,7 @@ private:
         engine::TickRecord tick;
         tick.tick = time_ms_;
         tick.time_ns = std::int64_t{time_ms_} * 1'000'000;
-        tick.hip = {0.001 * time_ms_, 0.06};
+        tick.hip = {0.001 * time_ms_, 0.06, 0.0};
         tick.flags = fault ? engine::tick_fault : engine::tick_force_slew | engine::tick_stale;
         ++time_ms_;
         ring_.push(tick);

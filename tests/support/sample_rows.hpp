@@ -140,7 +140,7 @@ inline std::vector<SampleRow> expected_rows(data::Database& database,
         const engine::TickRecord& t = ticks[i];
         engine::Vec3 v(std::nan(""));
         if (i > 0 && t.time_ns > ticks[i - 1].time_ns) {
-            v = (hip_in_space(t) - hip_in_space(ticks[i - 1])) /
+            v = (t.hip - ticks[i - 1].hip) /
                 (static_cast<double>(t.time_ns - ticks[i - 1].time_ns) * 1e-9);
         }
         const char* const modes[] = {"free", "stuck", "slip", "transition"};
@@ -170,14 +170,14 @@ inline std::vector<SampleRow> expected_rows(data::Database& database,
                         exactly(t.normal_force),
                         exactly(t.tangential_force),
                         exactly(t.mu),
-                        std::to_string(t.count_3),
-                        std::to_string(t.code_3),
+                        std::to_string(t.counts[2]),
+                        std::to_string(t.codes[2]),
                         exactly(t.v),
-                        exactly(t.hip_z),
-                        exactly(t.cp_z),
-                        exactly(t.go_z),
-                        exactly(t.force_z),
-                        steps_of(t.command_z),
+                        exactly(t.hip.z),
+                        exactly(t.cp.z),
+                        exactly(t.go.z),
+                        exactly(t.force.z),
+                        steps_of(t.command.z),
                         exactly(v.x),
                         exactly(v.y),
                         exactly(v.z)});

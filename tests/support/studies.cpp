@@ -65,24 +65,21 @@ std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
         engine::TickRecord& t = ticks[i];
         t.tick = first + static_cast<std::int64_t>(i);
         t.time_ns = t.tick * 1'000'000;
-        for (engine::Vec2* v : {&t.hip, &t.go, &t.force, &t.command}) {
-            *v = engine::Vec2{bits(), bits()};
+        for (engine::Vec3* v : {&t.hip, &t.go, &t.force, &t.command}) {
+            *v = engine::Vec3{bits(), bits(), bits()};
         }
         t.normal_force = bits();
         t.tangential_force = bits();
         t.mu = bits();
         t.u = bits();
-        t.counts = {random.below(1 << 20) - (1 << 19), random.below(100)};
-        t.codes = {random.below(65536) - 32768, random.below(100)};
+        t.v = bits();
+        t.counts = {random.below(1 << 20) - (1 << 19), random.below(100),
+                    random.below(1 << 20) - (1 << 19)};
+        t.codes = {random.below(65536) - 32768, random.below(100), random.below(65536) - 32768};
         t.lateness_us = static_cast<float>(random.in(0.0, 50.0));
         t.segment = static_cast<std::int16_t>(random.below(6) - 3);
         t.mode = static_cast<engine::Mode>(random.below(4));
         t.flags = static_cast<std::uint8_t>(random.below(16));
-        for (double* z : {&t.hip_z, &t.go_z, &t.force_z, &t.command_z, &t.v}) {
-            *z = bits();
-        }
-        t.count_3 = random.below(1 << 20) - (1 << 19);
-        t.code_3 = random.below(65536) - 32768;
     }
     return ticks;
 }
@@ -96,9 +93,7 @@ bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) {
            equal(a.normal_force, b.normal_force) && equal(a.tangential_force, b.tangential_force) &&
            equal(a.mu, b.mu) && equal(a.u, b.u) && a.counts == b.counts && a.codes == b.codes &&
            equal(a.lateness_us, b.lateness_us) && a.segment == b.segment && a.mode == b.mode &&
-           a.flags == b.flags && equal(a.hip_z, b.hip_z) && equal(a.go_z, b.go_z) &&
-           equal(a.force_z, b.force_z) && equal(a.command_z, b.command_z) && equal(a.v, b.v) &&
-           a.count_3 == b.count_3 && a.code_3 == b.code_3;
+           a.flags == b.flags && equal(a.v, b.v);
 }
 
 protocols::TrialId begin_trial(protocols::Recorder& recorder,

@@ -128,8 +128,7 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
         for (const std::int64_t interval : data::intervals_of(source, trial)) {
             protocols::ReplayApparatus::Recording recording;
             for (const engine::TickRecord& tick : traces.read(trial, interval)) {
-                recording.push_back({.hip = engine::Vec3(tick.hip, tick.hip_z),
-                                     .counts = {tick.counts[0], tick.counts[1], tick.count_3}});
+                recording.push_back({.hip = tick.hip, .counts = tick.counts});
             }
             all.push_back(std::move(recording));
         }
