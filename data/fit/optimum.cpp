@@ -329,7 +329,7 @@ Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const Curv
 
 namespace {
 
-/// The least value between two places, by golden section.
+/// The least value between two places, by golden section, as far as numbers lie between them.
 double bottom(const std::function<double(double)>& value, double low, double high) {
     constexpr double kGolden = 0.6180339887498949;
     const double end = 1e-5 * (high - low);
@@ -337,7 +337,7 @@ double bottom(const std::function<double(double)>& value, double low, double hig
     double b = low + kGolden * (high - low);
     double at_a = value(a);
     double at_b = value(b);
-    while (high - low > end) {
+    while (high - low > end && low < a && a < b && b < high) {
         if (at_a < at_b) {
             high = b;
             b = a;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "data/fit/fit_report.hpp"
+#include "data/fit/optimum.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -147,6 +148,26 @@ TEST_CASE(
     }
     CHECK(intervals.low < quantity_of(spec, fit.at, Quantity::weber));
     CHECK(intervals.high > quantity_of(spec, fit.at, Quantity::weber));
+}
+
+TEST_CASE("the least between two places is found, however few numbers lie between them",
+          "[fit][law]") {
+    // Slopes of two steep curves may be one place but for the last bits: ln(60 / gap) of both.
+    const double low = GENERATE(1.791759469228054, -4.0, 1e-300, 3e10);
+    const int numbers = GENERATE(range(0, 80));
+    CAPTURE(low, numbers);
+    double high = low;
+    for (int i = 0; i < numbers; ++i) {
+        high = std::nextafter(high, INFINITY);
+    }
+    int asked = 0;
+    const auto loss = [&](double place) {
+        REQUIRE(++asked < 1000);
+        REQUIRE(place >= low);
+        REQUIRE(place <= high);
+        return (place - low) * (place - low);
+    };
+    CHECK(least_between(loss, high, low) == 0.0);
 }
 
 TEST_CASE("a difference has no bootstrap interval where one of its curves has none", "[fit]") {
