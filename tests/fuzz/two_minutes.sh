@@ -1,5 +1,5 @@
 #!/bin/bash
-# Two minutes of each fuzzer, two at a time. What they find stays in build/found and is printed: it belongs to corpus/.
+# Two minutes of each fuzzer, four at a time. What they find stays in build/found and is printed: it belongs to corpus/.
 #   cmake --preset fuzz && cmake --build --preset fuzz && bash tests/fuzz/two_minutes.sh [SECONDS]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -19,4 +19,4 @@ fuzz() {
     return 1
 }
 export -f fuzz
-printf '%s\n' build/fuzz/fuzz_* | xargs -P 2 -I{} bash -c 'fuzz {}'
+printf '%s\n' build/fuzz/fuzz_* | xargs -P 4 -I{} bash -c 'fuzz {}'
