@@ -58,8 +58,12 @@ std::string place_text(const Vec3& place, std::size_t axes) {
     const auto text = [](double metres) {
         return number_text(std::round(metres * 1e4) / 10.0 + 0.0);
     };
-    return "(" + text(place.x) + ", " + text(place.y) +
-           (axes > 2 ? ", " + text(place.z) : std::string()) + ") mm";
+    std::string said(1, '(');
+    said.append(text(place.x)).append(", ").append(text(place.y));
+    if (axes > 2) {
+        said.append(", ").append(text(place.z));
+    }
+    return said.append(") mm");
 }
 
 std::span<const Vec3> pulse_directions(std::size_t axes) noexcept {
