@@ -80,22 +80,31 @@ bool is_text(const Table& table, std::size_t column) {
     });
 }
 
-/// Heads first; a name of the index that stands in the line above is not said again.
+std::string text_of(const Table& table, std::size_t row, std::size_t column) {
+    const Cell& cell = table.rows[row][column];
+    const auto* none = std::get_if<Nothing>(&cell);
+    return none != nullptr && none->why.empty() && table.columns[column].words == " "
+             ? std::string()  // a column without a head says nothing of nothing
+             : said(cell, table.columns[column], scale_of(table.rows[row]));
+}
+
+/// Heads first; what names a row and stands in the line above, as all to its left does, is not said
+/// again.
 Lines lines_of(const Table& table, std::vector<bool>& left) {
     Lines lines(table.rows.size() + 1);
+    std::vector<bool> another(table.rows.size(), table.across);
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
-        const Column& column = table.columns[i];
-        if (column.words.empty() || !has_value(table, i)) {
+        if (table.columns[i].words.empty() || !has_value(table, i)) {
             continue;
         }
         left.push_back(is_text(table, i));
-        lines[0].push_back(column.words);
+        lines[0].push_back(table.columns[i].words);
         std::string above;
         for (std::size_t row = 0; row < table.rows.size(); ++row) {
-            std::string text = said(table.rows[row][i], column, scale_of(table.rows[row]));
-            const bool again = !table.across && i + 1 < table.index && text == above;
+            std::string text = text_of(table, row, i);
+            another[row] = another[row] || i + 1 >= table.index || text != above;
             above = text;
-            lines[row + 1].push_back(again ? "" : std::move(text));
+            lines[row + 1].push_back(another[row] ? std::move(text) : std::string());
         }
     }
     return lines;

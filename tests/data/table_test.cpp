@@ -82,3 +82,21 @@ TEST_CASE("a table without rows says nothing, one across stands on its side, one
     put_table(none, table);
     CHECK(none.is_null());
 }
+
+TEST_CASE("what names a row is said again where anything to its left is another", "[tables]") {
+    Table table{.columns = {{.key = "person", .words = "person"},
+                            {.key = "session", .words = "session"},
+                            {.key = "run", .words = "run"},
+                            {.key = "remark", .words = " "}},
+                .index = 3};
+    for (const char* person : {"A", "B"}) {
+        table.rows.push_back({person, std::int64_t{1}, "equal", Nothing{}});
+        table.rows.push_back({person, std::int64_t{1}, "other", "far"});
+    }
+    CHECK(table_text(table) ==
+          "\n  person  session  run\n"
+          "  A             1  equal\n"
+          "                   other  far\n"
+          "  B             1  equal\n"
+          "                   other  far\n");
+}
