@@ -20,7 +20,7 @@ using tests::Random;
 using tests::SurfaceData;
 
 constexpr double kQuickest = 10.0;  // m/s
-constexpr std::array<const char*, 3> kLaws{"frictionless", "gos", "coulomb"};
+constexpr std::array<const char*, 3> kSurfaceLaws{"frictionless", "gos", "coulomb"};
 
 Vec3 point(Random& random, double lo, double hi) {
     const double x = random.in(lo, hi);
@@ -353,7 +353,7 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     const auto time = [&random] {
         return random.below(4) == 0 ? 0.0 : random.decade(-4.0, 0.5);
     };
-    c.law = kLaws.at(static_cast<std::size_t>(random.below(3)));
+    c.law = kSurfaceLaws.at(static_cast<std::size_t>(random.below(3)));
     const double mu_d = random.below(6) == 0 ? 0.0 : random.decade(-2.0, 0.7);
     if (c.law == "coulomb") {
         c.spec.friction = {.mu_s = mu_d, .mu_d = mu_d};
