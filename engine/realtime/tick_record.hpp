@@ -35,8 +35,8 @@ enum TickFlag : std::uint8_t {
 /// device's.
 inline constexpr unsigned kSceneFlags = tick_skipped | tick_outside_cone;
 
-/// Everything that one servo tick read, decided and commanded. Frame: the object's, z up, SI. In the
-/// plane every z, v and what is of a third motor are 0.
+/// Everything that one servo tick read, decided and commanded. Frame: the object's, z up, SI. In
+/// the plane every z, v and what is of a third motor are 0.
 struct TickRecord {
     std::int64_t tick = 0;  ///< 0 at the first tick of the trial
     /// Since the trial's first deadline, on the servo's clock. Ticks are numbered without a gap;
