@@ -1,9 +1,11 @@
 #include "data/schema/catalogue.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
+#include "protocols/session/trial_meter.hpp"
 #include "data/schema/manual.hpp"
 #include "data/schema/views.hpp"
 #include "data/trace/columns.hpp"
@@ -37,11 +39,36 @@ CREATE TABLE fault_tick (
     return sql + "    PRIMARY KEY (trial_id, tick)\n) STRICT;\n";
 }
 
+/// Columns of what is added up from ticks, where tables.sql names `place`.
+void put_measures(std::string& sql, std::string_view named, int protocols::Measure::*place) {
+    std::map<int, std::string> lines;
+    for (const protocols::Measure& one : protocols::measures()) {
+        const bool real = std::holds_alternative<double>(one.value({}));
+        lines[one.*place] = fmt::format(
+            "    {:<48}-- {}\n", fmt::format("{:<19} {},", one.column, real ? "REAL" : "INTEGER"),
+            one.meaning);
+    }
+    lines.erase(0);  // without a place
+    std::string columns;
+    for (const auto& [at, line] : lines) {
+        columns += line;
+    }
+    const std::string mark =
+        fmt::format("    -- (measures() of protocols/session/trial_meter.cpp, by {})\n", named);
+    sql.replace(sql.find(mark), mark.size(), columns);
+}
+
+std::string all_tables() {
+    std::string sql(tables_text());
+    put_measures(sql, "in_trial", &protocols::Measure::in_trial);
+    put_measures(sql, "in_interval", &protocols::Measure::in_interval);
+    return sql + fault_tick_table();
+}
+
 }  // namespace
 
 std::string_view schema_sql() {
-    static const std::string all =
-        fmt::format("\n{}{}{}", tables_text(), fault_tick_table(), views_sql());
+    static const std::string all = fmt::format("\n{}{}", all_tables(), views_sql());
     return all;
 }
 

@@ -151,23 +151,7 @@ CREATE TABLE trial (
     done_s              REAL,                       -- first tick -> done
     done_uncertainty_s  REAL,                       -- done may have been up to this much earlier
     ticks               INTEGER CHECK (ticks >= 0), -- of the servo, from the first to done
-    contact_ticks       INTEGER,                    -- of them in contact
-    slip_ticks          INTEGER,                    -- of these: slip or transition
-    late_ticks          INTEGER,                    -- woke more than half a period late
-    saturated_ticks     INTEGER,                    -- the device could not give the force
-    force_slew_ticks    INTEGER,                    -- the force changed as fast as it may
-    stale_ticks         INTEGER,                    -- without a new reading
-    skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
-    before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
-    after_vertex_ticks  INTEGER,                    -- in contact with segment 1, after vertex 0
-    path_length_m       REAL,                       -- of HIP
-    strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
-    mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
-    mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact; NULL: the device gives no force
-    max_normal_force_n  REAL,                       -- largest rendered normal force; NULL: as above
-    energy_j            REAL,                       -- work done on the user; NULL: as above
-    contact_episodes    INTEGER,                    -- times that HIP came into contact
-    worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive; NULL: no force
+    -- (measures() of protocols/session/trial_meter.cpp, by in_trial)
     started_ns          INTEGER,                    -- [details] begin, on the servo's clock (CLOCK_MONOTONIC of the rig)
     started_utc         TEXT NOT NULL,              -- [details] begin, wall clock, ISO 8601
     ended_utc           TEXT,                       -- [details] end, wall clock; NULL: it never ended
@@ -194,30 +178,7 @@ CREATE TABLE presentation (
     done_uncertainty_s  REAL,                       -- done may have been up to this much earlier
     first_contact_s     REAL,                       -- first tick -> first contact; NULL: none
     ticks               INTEGER CHECK (ticks >= 0), -- of the servo, up to done
-    contact_ticks       INTEGER,                    -- of them in contact
-    slip_ticks          INTEGER,                    -- of these: slip or transition
-    late_ticks          INTEGER,                    -- woke more than half a period late
-    saturated_ticks     INTEGER,                    -- the device could not give the force
-    path_length_m       REAL,                       -- of HIP
-    mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact; NULL: the device gives no force
-    max_normal_force_n  REAL,                       -- largest rendered normal force; NULL: as above
-    start_x_m           REAL,                       -- HIP at the first tick, to the right
-    start_y_m           REAL,                       -- HIP at the first tick, away from the person
-    before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
-    vertex_ticks        INTEGER,                    -- in contact on vertex 0 itself
-    after_vertex_ticks  INTEGER,                    -- in contact with segment 1, after vertex 0
-    strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
-    strokes_before_vertex INTEGER,                  -- of these: had gone 5 mm on segment 0
-    strokes_after_vertex INTEGER,                   -- of these: had gone 5 mm on segment 1
-    reversals           INTEGER,                    -- of these: came back on the one before, without a lift
-    stick_events        INTEGER,                    -- times that a sliding god-object stuck again; NULL: without friction nothing sticks
-    speed_p10_m_per_s   REAL,                       -- of HIP in contact, over 20 ms: a tenth is no faster
-    speed_p50_m_per_s   REAL,                       -- a half is no faster
-    speed_p90_m_per_s   REAL,                       -- nine tenths are no faster
-    normal_force_p10_n  REAL,                       -- rendered, over contact ticks: a tenth is no stronger; NULL: no force
-    normal_force_p50_n  REAL,                       -- a half is no stronger; NULL: no force
-    normal_force_p90_n  REAL,                       -- nine tenths are no stronger; NULL: no force
-    covered_share       REAL,                       -- share of the outline, its base left out, that the god-object visited
+    -- (measures() of protocols/session/trial_meter.cpp, by in_interval)
     PRIMARY KEY (trial_id, interval)
 ) STRICT;
 

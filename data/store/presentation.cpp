@@ -1,23 +1,13 @@
 #include "data/store/presentation.hpp"
 
-#include <algorithm>
-#include <iterator>
 #include <optional>
 #include <string>
 
 #include "protocols/design/object_outline.hpp"
+#include "protocols/session/trial_meter.hpp"
 #include "data/store/row.hpp"
 
 namespace palpate::data {
-namespace {
-
-/// What nobody felt who held a device without force.
-constexpr std::string_view kOfForce[] = {
-    "normal_force_p10_n", "normal_force_p50_n", "normal_force_p90_n", "mean_normal_force_n",
-    "max_normal_force_n", "energy_j",           "worst_episode_j"};
-
-}  // namespace
-
 void write_presentation(Database& database,
                         std::int64_t trial,
                         const protocols::Presentation& felt,
@@ -37,51 +27,9 @@ void write_presentation(Database& database,
 }
 
 std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum, bool force) {
-    std::vector<SummaryValue> values{
-        {"ticks", sum.ticks},
-        {"contact_ticks", sum.contact_ticks},
-        {"slip_ticks", sum.slip_ticks},
-        {"late_ticks", sum.late_ticks},
-        {"saturated_ticks", sum.saturated_ticks},
-        {"force_slew_ticks", sum.slewed_ticks},
-        {"stale_ticks", sum.stale_ticks},
-        {"skipped_ticks", sum.skipped_ticks},
-        {"before_vertex_ticks", sum.before_vertex_ticks},
-        {"after_vertex_ticks", sum.after_vertex_ticks},
-        {"path_length_m", sum.path_length_m},
-        {"start_x_m", sum.start.x},
-        {"start_y_m", sum.start.y},
-        {"strokes", sum.strokes},
-        {"strokes_before_vertex", sum.strokes_before_vertex},
-        {"strokes_after_vertex", sum.strokes_after_vertex},
-        {"reversals", sum.reversals},
-        {"vertex_ticks", sum.vertex_ticks},
-        {"stick_events", std::monostate()},
-        {"speed_p10_m_per_s", sum.speed.p10},
-        {"speed_p50_m_per_s", sum.speed.p50},
-        {"speed_p90_m_per_s", sum.speed.p90},
-        {"normal_force_p10_n", sum.normal_force.p10},
-        {"normal_force_p50_n", sum.normal_force.p50},
-        {"normal_force_p90_n", sum.normal_force.p90},
-        {"covered_share", sum.covered_share},
-        {"mean_speed_m_per_s", sum.mean_speed_m_per_s},
-        {"mean_normal_force_n", sum.mean_normal_force_n},
-        {"max_normal_force_n", sum.max_normal_force_n},
-        {"energy_j", sum.energy_j},
-        {"contact_episodes", sum.contact_episodes},
-        {"worst_episode_j", sum.worst_episode_j},
-        {"first_contact_s", std::monostate()},
-    };
-    if (sum.first_contact_s) {
-        values.back().value = *sum.first_contact_s;
-    }
-    for (SummaryValue& one : values) {
-        if (sum.sticks && one.column == "stick_events") {
-            one.value = sum.stick_events;
-        }
-        if (!force && std::ranges::find(kOfForce, one.column) != std::end(kOfForce)) {
-            one.value = std::monostate();
-        }
+    std::vector<SummaryValue> values;
+    for (const protocols::Measure& one : protocols::measures()) {
+        values.push_back({one.column, measured(one, sum, force)});
     }
     return values;
 }

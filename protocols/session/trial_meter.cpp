@@ -1,6 +1,7 @@
 #include "protocols/session/trial_meter.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -97,34 +98,131 @@ TrialSummary TrialMeter::summary() const {
     return summary;
 }
 
+namespace {
+
+using S = TrialSummary;
+
+/// How the intervals of a trial become one number.
+enum class Adds : std::uint8_t { sum, largest, by_contact, worst, first };
+
+template <auto Member, auto... Part>
+Measure::Value value_of(const S& sum) {
+    const auto& value = ((sum.*Member).*....*Part);
+    if constexpr (requires { value.has_value(); }) {
+        return value ? Measure::Value(*value) : Measure::Value();
+    } else {
+        return value;
+    }
+}
+
+template <Adds How, auto Member>
+void add(const S& a, const S& b, S& all) {
+    const auto& first = a.*Member;
+    const auto& second = b.*Member;
+    if constexpr (How == Adds::sum) {
+        all.*Member = first + second;
+    } else if constexpr (How == Adds::largest) {
+        all.*Member = std::max(first, second);
+    } else if constexpr (How == Adds::worst) {  // of those with an episode
+        all.*Member = a.contact_episodes == 0 ? second
+                    : b.contact_episodes == 0 ? first
+                                              : std::max(first, second);
+    } else if constexpr (How == Adds::by_contact) {
+        if (const std::int64_t contact = a.contact_ticks + b.contact_ticks; contact > 0) {
+            all.*Member = (first * static_cast<double>(a.contact_ticks) +
+                           second * static_cast<double>(b.contact_ticks)) /
+                          static_cast<double>(contact);
+        }
+    } else if constexpr (requires { first.has_value(); }) {
+        all.*Member = first ? first : second;
+    }
+}
+
+template <Adds How, auto Member, auto... Part>
+constexpr Measure measure(std::string_view column,
+                          int in_trial,
+                          int in_interval,
+                          std::string_view meaning,
+                          Measure::Needs needs = Measure::Needs::nothing) {
+    return {column, value_of<Member, Part...>, add<How, Member>, in_trial, in_interval, meaning,
+            needs};
+}
+
+using enum Adds;
+using Needs = Measure::Needs;
+
+/// tables.sql itself has the columns of place 0 in both tables: one has a CHECK, one stands apart.
+// clang-format off
+constexpr Measure kMeasures[] = {
+    measure<sum, &S::ticks>("ticks", 0, 0, ""),
+    measure<sum, &S::contact_ticks>("contact_ticks", 1, 1, "of them in contact"),
+    measure<sum, &S::slip_ticks>("slip_ticks", 2, 2, "of these: slip or transition"),
+    measure<sum, &S::late_ticks>("late_ticks", 3, 3, "woke more than half a period late"),
+    measure<sum, &S::saturated_ticks>("saturated_ticks", 4, 4, "the device could not give the force"),
+    measure<sum, &S::slewed_ticks>("force_slew_ticks", 5, 0, "the force changed as fast as it may"),
+    measure<sum, &S::stale_ticks>("stale_ticks", 6, 0, "without a new reading"),
+    measure<sum, &S::skipped_ticks>("skipped_ticks", 7, 0, "out of reach: nothing was computed"),
+    measure<sum, &S::before_vertex_ticks>("before_vertex_ticks", 8, 10,
+        "in contact with segment 0, before vertex 0"),
+    measure<sum, &S::after_vertex_ticks>("after_vertex_ticks", 9, 12,
+        "in contact with segment 1, after vertex 0"),
+    measure<sum, &S::path_length_m>("path_length_m", 10, 5, "of HIP"),
+    measure<first, &S::start, &engine::Vec2::x>("start_x_m", 0, 8, "HIP at the first tick, to the right"),
+    measure<first, &S::start, &engine::Vec2::y>("start_y_m", 0, 9,
+        "HIP at the first tick, away from the person"),
+    measure<sum, &S::strokes>("strokes", 11, 13, "along the surface, 5 mm or more in one direction"),
+    measure<sum, &S::strokes_before_vertex>("strokes_before_vertex", 0, 14,
+        "of these: had gone 5 mm on segment 0"),
+    measure<sum, &S::strokes_after_vertex>("strokes_after_vertex", 0, 15,
+        "of these: had gone 5 mm on segment 1"),
+    measure<sum, &S::reversals>("reversals", 0, 16, "of these: came back on the one before, without a lift"),
+    measure<sum, &S::vertex_ticks>("vertex_ticks", 0, 11, "in contact on vertex 0 itself"),
+    measure<sum, &S::stick_events>("stick_events", 0, 17,
+        "times that a sliding god-object stuck again; NULL: without friction nothing sticks", Needs::friction),
+    measure<first, &S::speed, &Deciles::p10>("speed_p10_m_per_s", 0, 18,
+        "of HIP in contact, over 20 ms: a tenth is no faster"),
+    measure<first, &S::speed, &Deciles::p50>("speed_p50_m_per_s", 0, 19, "a half is no faster"),
+    measure<first, &S::speed, &Deciles::p90>("speed_p90_m_per_s", 0, 20, "nine tenths are no faster"),
+    measure<first, &S::normal_force, &Deciles::p10>("normal_force_p10_n", 0, 21,
+        "rendered, over contact ticks: a tenth is no stronger; NULL: no force", Needs::force),
+    measure<first, &S::normal_force, &Deciles::p50>("normal_force_p50_n", 0, 22,
+        "a half is no stronger; NULL: no force", Needs::force),
+    measure<first, &S::normal_force, &Deciles::p90>("normal_force_p90_n", 0, 23,
+        "nine tenths are no stronger; NULL: no force", Needs::force),
+    measure<first, &S::covered_share>("covered_share", 0, 24,
+        "share of the outline, its base left out, that the god-object visited"),
+    measure<by_contact, &S::mean_speed_m_per_s>("mean_speed_m_per_s", 12, 0,
+        "of HIP in contact: its path there by the time there"),
+    measure<by_contact, &S::mean_normal_force_n>("mean_normal_force_n", 13, 6,
+        "rendered, over contact ticks; 0 without contact; NULL: the device gives no force", Needs::force),
+    measure<largest, &S::max_normal_force_n>("max_normal_force_n", 14, 7,
+        "largest rendered normal force; NULL: as above", Needs::force),
+    measure<sum, &S::energy_j>("energy_j", 15, 0, "work done on the user; NULL: as above", Needs::force),
+    measure<sum, &S::contact_episodes>("contact_episodes", 16, 0, "times that HIP came into contact"),
+    measure<worst, &S::worst_episode_j>("worst_episode_j", 17, 0,
+        "most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive; NULL: no force", Needs::force),
+    measure<first, &S::first_contact_s>("first_contact_s", 0, 0, ""),
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const Measure> measures() noexcept {
+    return kMeasures;
+}
+
+Measure::Value measured(const Measure& measure, const TrialSummary& sum, bool force) {
+    const bool none = (measure.needs == Measure::Needs::force && !force) ||
+                      (measure.needs == Measure::Needs::friction && !sum.sticks);
+    return none ? Measure::Value() : measure.value(sum);
+}
+
 TrialSummary together(const TrialSummary& a, const TrialSummary& b) {
     TrialSummary all = a;
-    for (const auto member :
-         {&TrialSummary::ticks, &TrialSummary::contact_ticks, &TrialSummary::slip_ticks,
-          &TrialSummary::late_ticks, &TrialSummary::saturated_ticks, &TrialSummary::skipped_ticks,
-          &TrialSummary::slewed_ticks, &TrialSummary::stale_ticks, &TrialSummary::strokes,
-          &TrialSummary::strokes_before_vertex, &TrialSummary::strokes_after_vertex,
-          &TrialSummary::reversals, &TrialSummary::vertex_ticks, &TrialSummary::stick_events,
-          &TrialSummary::before_vertex_ticks, &TrialSummary::after_vertex_ticks,
-          &TrialSummary::contact_episodes}) {
-        all.*member += b.*member;
-    }
     all.sticks = a.sticks || b.sticks;
-    all.path_length_m += b.path_length_m;
-    all.energy_j += b.energy_j;
-    all.max_normal_force_n = std::max(a.max_normal_force_n, b.max_normal_force_n);
-    all.worst_episode_j = a.contact_episodes == 0 ? b.worst_episode_j
-                        : b.contact_episodes == 0 ? a.worst_episode_j
-                                                  : std::max(a.worst_episode_j, b.worst_episode_j);
-    if (all.contact_ticks > 0) {
-        all.mean_normal_force_n = (a.mean_normal_force_n * static_cast<double>(a.contact_ticks) +
-                                   b.mean_normal_force_n * static_cast<double>(b.contact_ticks)) /
-                                  static_cast<double>(all.contact_ticks);
-        all.mean_speed_m_per_s = (a.mean_speed_m_per_s * static_cast<double>(a.contact_ticks) +
-                                  b.mean_speed_m_per_s * static_cast<double>(b.contact_ticks)) /
-                                 static_cast<double>(all.contact_ticks);
+    for (const Measure& one : kMeasures) {
+        one.add(a, b, all);
     }
-    all.first_contact_s = a.first_contact_s ? a.first_contact_s : b.first_contact_s;
     return all;
 }
 

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 
 #include "engine/rendering/energy_ledger.hpp"
 #include "protocols/protocol/protocol.hpp"
@@ -42,9 +44,30 @@ private:
     std::int64_t last_time_ = 0;  ///< ns
 };
 
-/// Two intervals as one: counts and ways are added up, the mean force weighs by contact, the
-/// largest and the first remain. first_contact_s is that of the first interval with any, within it.
-/// Deciles and covered_share are of an interval alone, and stay those of the first.
+/// A number of TrialSummary with its column in trial, presentation or both. What it is computed
+/// from is TrialMeter's; columns, rows, exports, verify and together() follow from this.
+struct Measure {
+    using Value = std::variant<std::monostate, std::int64_t, double>;  ///< none: NULL
+    enum class Needs : std::uint8_t { nothing, friction, force };      ///< without: NULL
+
+    std::string_view column;  ///< ends with its unit
+    Value (*value)(const TrialSummary&);
+    /// Two intervals as one; `all` begins as the first.
+    void (*add)(const TrialSummary& first, const TrialSummary& second, TrialSummary& all);
+    int in_trial;     ///< place of the column in the table, from 1; 0: it is not generated there
+    int in_interval;  ///< the same in presentation
+    std::string_view meaning;
+    Needs needs = Needs::nothing;
+};
+
+/// All of them, each once.
+[[nodiscard]] std::span<const Measure> measures() noexcept;
+/// @param force  the device of the trial gives some
+[[nodiscard]] Measure::Value measured(const Measure& measure, const TrialSummary& sum, bool force);
+
+/// Two intervals as one: counts and ways are added up, means weigh by contact, the largest and the
+/// first remain. first_contact_s is that of the first interval with any, within it. What is of an
+/// interval alone (deciles, covered_share, start) stays that of the first.
 [[nodiscard]] TrialSummary together(const TrialSummary& first, const TrialSummary& second);
 
 /// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it

@@ -3,6 +3,7 @@
 
 #include <sqlite3.h>
 
+#include "protocols/session/trial_meter.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/schema/manual.hpp"
 #include "data/store/database.hpp"
@@ -46,6 +47,33 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
         read += table.columns.size();
     }
     CHECK(read == columns);  // and the manual makes none up
+}
+
+TEST_CASE(
+    "every measure of a trial is a column with its words where its places say, and only there",
+    "[schema][law]") {
+    std::size_t generated = 0;
+    for (const protocols::Measure& one : protocols::measures()) {
+        CAPTURE(std::string(one.column));
+        bool kept = false;
+        for (const auto& [table, place] :
+             {std::pair("trial.", one.in_trial), std::pair("presentation.", one.in_interval)}) {
+            const auto* column = data::find_column(table + std::string(one.column));
+            kept = kept || column != nullptr;
+            if (place > 0) {
+                ++generated;
+                REQUIRE(column != nullptr);  // no other measure has its place
+                CHECK(column->meaning == one.meaning);
+                CHECK(column->type ==
+                      (std::holds_alternative<double>(one.value({})) ? "REAL" : "INTEGER"));
+                CHECK(column->nullable);
+            } else {
+                CHECK((column == nullptr || one.meaning.empty()));
+            }
+        }
+        CHECK(kept);
+    }
+    CHECK(generated > 40);
 }
 
 TEST_CASE("what a file of this palpate holds is known without making one, to the letter",

@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <string>
+#include <variant>
 
 #include "stimuli/two_curve.hpp"
 #include "protocols/session/stroke_counter.hpp"
@@ -101,4 +105,62 @@ TEST_CASE("the meter says speed in contact and time on each side of the vertex",
     CHECK(sum.strokes_before_vertex == 1);
     CHECK(sum.strokes_after_vertex == 1);
     CHECK(sum.reversals == 0);
+}
+
+namespace {
+
+/// A second of a hand in and out of contact, in no order.
+protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
+    const auto outline = stimuli::make_outline({.curvature = 0.0});
+    protocols::TrialMeter meter(1000.0, *outline);
+    for (int k = 0; k < 1000; ++k) {
+        TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
+        tick.segment = static_cast<std::int16_t>(random.below(3) - 1);
+        tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
+        tick.flags = static_cast<std::uint8_t>(random.below(256));
+        tick.normal_force = random.in(0.0, 8.0);
+        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0)};
+        meter.add(std::span(&tick, 1));
+    }
+    return meter.summary();
+}
+
+double number(const protocols::Measure::Value& value) {
+    return std::holds_alternative<double>(value)
+             ? std::get<double>(value)
+             : static_cast<double>(std::get<std::int64_t>(value));
+}
+
+}  // namespace
+
+TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains",
+          "[strokes][law]") {
+    const auto seed = GENERATE(range(0, 30));
+    CAPTURE(seed);
+    tests::Random random(static_cast<std::uint64_t>(seed));
+    const auto a = felt_at_random(random, seed % 3 != 1);
+    const auto b = felt_at_random(random, seed % 3 != 2);
+    const auto all = protocols::together(a, b);
+    for (const protocols::Measure& one : protocols::measures()) {
+        const std::string column(one.column);
+        CAPTURE(column);
+        if (column == "first_contact_s") {
+            CHECK(all.first_contact_s == (a.first_contact_s ? a : b).first_contact_s);
+            continue;
+        }
+        const double x = number(measured(one, a, true));
+        const double y = number(measured(one, b, true));
+        const bool counts = std::holds_alternative<std::int64_t>(measured(one, all, true));
+        const auto weight = static_cast<double>(a.contact_ticks);
+        const double weights = weight + static_cast<double>(b.contact_ticks);
+        const double wanted = counts || column == "path_length_m" || column == "energy_j" ? x + y
+                            : column.starts_with("mean_")
+                                ? (x * weight + y * (weights - weight)) / weights
+                            : column.starts_with("max_")  ? std::max(x, y)
+                            : column != "worst_episode_j" ? x
+                            : a.contact_ticks == 0        ? y
+                            : b.contact_ticks == 0        ? x
+                                                          : std::max(x, y);
+        CHECK(number(measured(one, all, true)) == Approx(wanted).margin(1e-12));
+    }
 }
