@@ -6,28 +6,8 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/store/row.hpp"
 
 namespace palpate::data {
-
-void write_adaptive_plan(Database& database,
-                         std::int64_t session,
-                         const protocols::Protocol& protocol,
-                         const protocols::Plan& plan) {
-    for (const protocols::PlannedTrial& planned : plan.trials) {
-        if (planned.adaptive) {
-            const protocols::AdaptiveTrial& adaptive = *planned.adaptive;
-            Row("adaptive_plan")
-                .set("session_id", session)
-                .set("plan_position", planned.position)
-                .set("run_number", adaptive.run)
-                .set("run_name", protocol.runs.at(adaptive.run).name)
-                .set("comparison_interval", adaptive.comparison)
-                .set("standard_friction", protocol.frictions.at(adaptive.standard_friction).name)
-                .insert(database);
-        }
-    }
-}
 
 std::string estimates_text(const std::vector<protocols::Estimate>& estimates) {
     const auto number = [](std::optional<double> value) {
@@ -40,16 +20,6 @@ std::string estimates_text(const std::vector<protocols::Estimate>& estimates) {
                             estimate.name, number(estimate.mean), number(estimate.mode));
     }
     return '{' + text + '}';
-}
-
-void write_step(Database& database, std::int64_t trial, const protocols::AdaptiveStep& step) {
-    Row("adaptive_step")
-        .set("trial_id", trial)
-        .set("rule_outcome", step.answer.outcome)
-        .set("estimate", step.estimates.empty() ? std::nullopt : step.estimates.front().mean)
-        .set("estimates", estimates_text(step.estimates))
-        .set("state_sha256", step.state_hash)
-        .insert(database);
 }
 
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {

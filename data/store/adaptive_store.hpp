@@ -5,22 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "protocols/design/plan.hpp"
-#include "protocols/protocol/protocol.hpp"
 #include "protocols/session/adaptive_runs.hpp"
 #include "data/store/database.hpp"
 
 /// Rules that choose stimuli: what is stored of them, and how they are built again.
 namespace palpate::data {
-
-/// What is planned beside the rows of plan.
-void write_adaptive_plan(Database& database,
-                         std::int64_t session,
-                         const protocols::Protocol& protocol,
-                         const protocols::Plan& plan);
-
-/// An answer that the rule took in.
-void write_step(Database& database, std::int64_t trial, const protocols::AdaptiveStep& step);
 
 /// {"threshold":{"mean":5.1,"mode":5},...} as adaptive_step.estimates has it; numbers as short as
 /// can be.

@@ -20,6 +20,9 @@ namespace palpate::data {
 /// the catalogue does not have, StoreError where SQLite refuses.
 class Row {
 public:
+    using Value =
+        std::variant<std::monostate, std::int64_t, double, std::string, std::span<const std::byte>>;
+
     /// @param table  outlives this
     explicit Row(std::string_view table) : table_(table) {}
 
@@ -56,9 +59,13 @@ public:
     /// Changes the row whose columns `keys` are as set here. @return how many rows there were
     std::int64_t update(Database& database, std::initializer_list<std::string_view> keys) const;
 
+    [[nodiscard]] const std::string& table() const noexcept { return table_; }
+    /// Columns and what was set, in that order: what verify holds a stored row against.
+    [[nodiscard]] const std::vector<std::pair<std::string, Value>>& values() const noexcept {
+        return values_;
+    }
+
 private:
-    using Value =
-        std::variant<std::monostate, std::int64_t, double, std::string, std::span<const std::byte>>;
     Row& add(std::string_view column, Value value);
     void bind(Statement& statement) const;
 

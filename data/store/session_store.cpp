@@ -8,7 +8,6 @@
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
@@ -16,13 +15,10 @@
 #include "data/store/secret.hpp"
 #include "data/store/trial_device.hpp"
 #include "data/store/uuid.hpp"
-#include "data/trace/chunk.hpp"
-#include "data/trace/stored_columns.hpp"
+#include "data/store/written_rows.hpp"
 
 namespace palpate::data {
 namespace {
-
-using protocols::PlannedTrial;
 
 std::int64_t study_row(Database& database, const SessionSpec& spec) {
     Row("study")
@@ -37,44 +33,10 @@ std::int64_t study_row(Database& database, const SessionSpec& spec) {
 }
 
 void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
-    for (const PlannedTrial& planned : spec.plan.trials) {
-        const auto& object = spec.protocol.objects.at(planned.condition.object);
-        const auto& friction = spec.protocol.frictions.at(planned.condition.friction);
-        Row("plan")
-            .set("session_id", session)
-            .set("plan_position", planned.position)
-            .set("phase", to_string(planned.phase))
-            .set("planned_object", object.name)
-            .set("friction", friction.name)
-            .set("mu_s", friction.mu_s)
-            .set("mu_d", friction.mu_d)
-            .set("break_before", planned.break_before)
-            .set("block", planned.block)
-            .set("curvature_per_m", curvature_of(object))
-            .insert(database);
-    }
-    for (std::size_t place = 0; place < spec.plan.picture_order.size(); ++place) {
-        Row("picture")
-            .set("session_id", session)
-            .set("picture_place", place)
-            .set("picture_object", spec.protocol.objects.at(spec.plan.picture_order[place]).name)
-            .insert(database);
-    }
-}
-
-void describe_columns(Database& database) {
-    std::int64_t position = 0;
-    for (const StoredColumn& c : stored_columns()) {
-        Row("trace_column")
-            .set("codec", kTraceCodec)
-            .set("column_position", position++)
-            .set("name", c.name)
-            .set("type", c.type)
-            .set("unit", c.unit)
-            .set("scale", c.scale)
-            .set("rule", to_string(c.rule))
-            .set("part", part_name(c.part))
-            .insert(database, "ON CONFLICT DO NOTHING");
+    for (const auto& rows_of : {plan_rows, picture_rows, adaptive_plan_rows}) {
+        for (Row& row : rows_of(spec.protocol, spec.plan)) {
+            row.set("session_id", session).insert(database);
+        }
     }
 }
 
@@ -122,9 +84,10 @@ std::int64_t create(Database& database,
         session = row.set("uuid", spec.uuid.empty() ? random_uuid() : spec.uuid).insert(database);
     }
     write_plan(database, session, spec);
-    write_adaptive_plan(database, session, spec.protocol, spec.plan);
     write_provenance(database, session, spec);
-    describe_columns(database);
+    for (const Row& column : trace_column_rows()) {
+        column.insert(database, "ON CONFLICT DO NOTHING");
+    }
     note_at_beginning(database, session);
     return session;
 }

@@ -11,14 +11,12 @@
 
 #include "protocols/session/pending_trials.hpp"
 #include "protocols/trial/trial_scene.hpp"
-#include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
-#include "data/store/presentation.hpp"
 #include "data/store/row.hpp"
 #include "data/store/stored_chunks.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/trace/chunk.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -77,18 +75,12 @@ TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
     Statement before = database_.prepare(
         "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
     before.bind(1, session_).bind(2, static_cast<std::int64_t>(planned.position)).step();
-    const TrialId id =
-        Row("trial")
-            .set("session_id", session_)
-            .set("plan_position", planned.position)
-            .set("attempt", before.integer(0) + 1)
-            .set("outcome", "running")
-            .set("device", device_.name)
-            .set("calibration_sha256",
-                 device_.calibration.empty() ? std::nullopt : std::optional(device_.calibration))
-            .set("started_utc", database_.utc_now())
-            .set("started_ns", database_.steady_now())
-            .insert(database_);
+    const TrialId id = attempt_row(planned.position, before.integer(0) + 1, device_)
+                           .set("session_id", session_)
+                           .set("outcome", "running")
+                           .set("started_utc", database_.utc_now())
+                           .set("started_ns", database_.steady_now())
+                           .insert(database_);
     before.reset();
     all.commit();
     return id;
@@ -103,7 +95,7 @@ void SqliteRecorder::begin_interval(TrialId trial,
         if (interval_ > 0) {
             trace_.write();
         }
-        write_presentation(database_, trial, felt, scene);
+        presentation_row(felt, scene).set("trial_id", trial).insert(database_);
         all.commit();
     });
     std::unique_ptr<engine::FeltScene> compiled(
@@ -180,13 +172,13 @@ void SqliteRecorder::write_end(TrialId trial, const TrialResult& result) {
     write_result(trial, result);
     write_intervals(trial, result);
     if (result.response) {
-        write_response(database_, trial, protocol_, *result.response);
+        response_row(protocol_, *result.response).set("trial_id", trial).insert(database_);
     }
     if (result.step) {
-        write_step(database_, trial, *result.step);
+        step_row(*result.step).set("trial_id", trial).insert(database_);
     }
-    if (result.fault) {
-        write_fault(trial, *result.fault);
+    for (std::size_t i = 0; result.fault && i < result.fault->last.size(); ++i) {
+        fault_row(result.fault->last[i]).set("trial_id", trial).insert(database_);
     }
     chain_trial(database_, trial);
     all.commit();
@@ -214,19 +206,13 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
 
 void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
     for (std::size_t i = 0; i < result.intervals.size(); ++i) {
-        write_interval_result(database_, trial, static_cast<std::int64_t>(i + 1),
-                              result.intervals[i], device_.gives_force());
-    }
-}
-
-void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
-    for (const engine::TickRecord& tick : fault.last) {
-        Row row("fault_tick");
-        row.set("trial_id", trial);
-        for (const TraceColumn& column : trace_columns()) {
-            row.set(column.name, column.value(tick));
-        }
-        row.insert(database_);
+        Row row("presentation");
+        row.set("trial_id", trial)
+            .set("interval", i + 1)
+            .set("done_s", result.intervals[i].done_s)
+            .set("done_uncertainty_s", result.intervals[i].done_uncertainty_s);
+        set_summary(row, result.intervals[i].summary, device_.gives_force());
+        row.update(database_, {"trial_id", "interval"});
     }
 }
 

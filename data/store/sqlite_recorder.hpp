@@ -55,7 +55,6 @@ private:
     void require_running(protocols::TrialId trial) const;
     void write_intervals(protocols::TrialId trial, const protocols::TrialResult& result);
     void write_result(protocols::TrialId trial, const protocols::TrialResult& result);
-    void write_fault(protocols::TrialId trial, const protocols::Fault& fault);
 
     Database& database_;
     const protocols::Protocol& protocol_;

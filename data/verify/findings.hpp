@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "data/store/row.hpp"
 #include "data/verify/finding.hpp"
 #include "data/verify/stored_row.hpp"
 
@@ -28,6 +30,18 @@ public:
                 std::string_view column,
                 const StoredRow& row,
                 const Value& recomputed);
+    /// Every column of `made`, a row as the program writes it, must be stored so.
+    /// @param name  of the row; empty: its table  @param tick  that it is of
+    void expect(const Row& made,
+                const StoredRow& row,
+                std::string_view name = {},
+                std::optional<std::int64_t> tick = {});
+    /// The same of all rows of a table, in order, and that there are as many.
+    /// @param key  rows are called "plan at KEY 3", by their first column; empty: by the table
+    void expect(std::string_view table,
+                std::span<const Row> made,
+                std::span<const StoredRow> rows,
+                std::string_view key = {});
     void add(Finding finding);
     [[nodiscard]] std::size_t size() const noexcept { return all_.size(); }
 

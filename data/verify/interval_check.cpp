@@ -8,10 +8,9 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/object_outline.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/trial_scene.hpp"
-#include "data/store/adaptive_store.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/verify/replay_check.hpp"
 
 namespace palpate::data {
@@ -44,18 +43,6 @@ std::unique_ptr<engine::FeltScene> scene_of(const SessionFrame& frame,
     check_decay("heal_decay", scene->decay().heal);
     scene->restore_decay({.slip = row.real("slip_decay"), .heal = row.real("heal_decay")});
     return scene;
-}
-
-void check_row(const StoredRow& row, const Presentation& felt, Findings& findings) {
-    constexpr std::string_view table = "presentation";
-    findings.expect(table, "interval", row, static_cast<std::int64_t>(felt.interval));
-    findings.expect(table, "stimulus", row, felt.stimulus ? Value(*felt.stimulus) : Value());
-    findings.expect(table, "felt_object", row, felt.object.name);
-    const auto curvature = protocols::curvature_of(felt.object);
-    findings.expect(table, "curvature_per_m", row, curvature ? Value(*curvature) : Value());
-    findings.expect(table, "friction", row, felt.friction.name);
-    findings.expect(table, "mu_s", row, felt.friction.mu_s);
-    findings.expect(table, "mu_d", row, felt.friction.mu_d);
 }
 
 std::optional<std::size_t> index_of(const std::vector<protocols::ObjectSpec>& objects,
@@ -134,7 +121,9 @@ std::vector<CheckedInterval> check_intervals(Database& database,
     }
     std::vector<CheckedInterval> intervals;
     for (std::size_t i = 0; i < std::min(rows.size(), expected.size()); ++i) {
-        check_row(rows[i], expected[i], findings);
+        findings.expect(presentation_row(expected[i], {.slip_decay = rows[i].real("slip_decay"),
+                                                       .heal_decay = rows[i].real("heal_decay")}),
+                        rows[i]);
         CheckedInterval& one = intervals.emplace_back();
         one.row = rows[i];
         one.scene = scene_of(frame, expected[i], rows[i], findings);
@@ -212,23 +201,12 @@ void check_step(Database& database,
                 const std::optional<protocols::RuleAnswer>& answer,
                 const protocols::AdaptiveRuns& runs,
                 Findings& findings) {
-    const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial_id = ?1", trial);
-    if (rows.size() != (answer ? 1U : 0U)) {
-        findings.differs("adaptive_step", palpate::counted(rows.size(), "row"),
-                         palpate::counted(answer ? 1 : 0, "row"));
+    std::vector<Row> made;
+    if (answer) {
+        made.push_back(step_row(runs.step_after(*answer)));
     }
-    if (!answer || rows.empty()) {
-        return;
-    }
-    const protocols::AdaptiveStep step = runs.step_after(*answer);
-    const auto expect = [&](std::string_view column, const Value& value) {
-        findings.expect("adaptive_step", column, rows.front(), value);
-    };
-    const auto& first = step.estimates;
-    expect("rule_outcome", static_cast<std::int64_t>(answer->outcome));
-    expect("estimate", first.empty() || !first.front().mean ? Value() : Value(*first.front().mean));
-    expect("estimates", estimates_text(first));
-    expect("state_sha256", step.state_hash);
+    findings.expect("adaptive_step", made,
+                    rows_of(database, "SELECT * FROM adaptive_step WHERE trial_id = ?1", trial));
 }
 
 }  // namespace palpate::data

@@ -1,9 +1,7 @@
 #include "data/verify/summary_check.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <span>
 
 #include <fmt/format.h>
@@ -11,9 +9,7 @@
 #include "engine/base/text.hpp"
 #include "engine/safety/safety_limits.hpp"
 #include "protocols/session/trial_meter.hpp"
-#include "data/schema/catalogue.hpp"
-#include "data/store/presentation.hpp"
-#include "data/trace/columns.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/verify/replay_check.hpp"
 
 namespace palpate::data {
@@ -93,46 +89,15 @@ void check_done(std::string_view table,
     }
 }
 
-/// A column of a tick as SQL has it.
-Value value_of(const TickRecord& tick, const TraceColumn& column) {
-    const TickValue value = column.value(tick);
-    if (const auto* text = std::get_if<std::string_view>(&value)) {
-        return std::string(*text);
-    }
-    const auto* number = std::get_if<double>(&value);
-    return number != nullptr ? Value(*number) : Value(std::get<std::int64_t>(value));
-}
-
-void check_fault_row(const StoredRow& row, const TickRecord& tick, Findings& findings) {
-    for (const TraceColumn& column : trace_columns()) {
-        const Value traced = value_of(tick, column);
-        if (!same(row.at(column.name), traced)) {
-            findings.add({.kind = FindingKind::differs,
-                          .trial = {},
-                          .tick = tick.tick,
-                          .what = fmt::format("fault_tick.{}", column.name),
-                          .stored = to_text(row.at(column.name)),
-                          .recomputed = to_text(traced)});
-        }
-    }
-}
-
-}  // namespace
-
-namespace {
-
 /// Columns that trial and presentation share.
 void check_shared(std::string_view table,
                   const StoredRow& row,
                   const protocols::TrialSummary& sum,
                   bool force,
                   Findings& findings) {
-    for (const auto& [column, value] : summary_values(sum, force)) {
-        if (find_column(fmt::format("{}.{}", table, column)) != nullptr) {
-            std::visit([&](const auto& one) { findings.expect(table, column, row, Value(one)); },
-                       value);
-        }
-    }
+    Row made(table);
+    set_summary(made, sum, force);
+    findings.expect(made, row);
 }
 
 protocols::TrialSummary summary_of(const SessionFrame& frame,
@@ -214,7 +179,8 @@ void check_fault_ticks(std::span<const StoredRow> rows,
         return;
     }
     for (std::size_t i = 0; i < expected; ++i) {
-        check_fault_row(rows[i], trace.ticks[all - expected + i], findings);
+        const TickRecord& tick = trace.ticks[all - expected + i];
+        findings.expect(fault_row(tick), rows[i], {}, tick.tick);
     }
     if (faulted && (all == 0 || !trips(trace.ticks.back()))) {
         findings.differs("trial.outcome", "\"faulted\"", "no fault: the last tick has none");

@@ -18,6 +18,7 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/verify/interval_check.hpp"
 #include "data/verify/summary_check.hpp"
 
@@ -178,7 +179,7 @@ void TrialCheck::check_rows(TrialRows& pending, Findings& findings) {
     take_events();
     ++checked_;
     check_place(trial, findings);
-    check_device(pending, findings);
+    pending.force = device_.now.gives_force();
     const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     if (position < frame_.plan.trials.size()) {  // else it was said already
         const auto responses = rows_of(database_, "SELECT * FROM response WHERE trial_id = ?1",
@@ -198,14 +199,7 @@ void TrialCheck::take_events() {
     }
 }
 
-/// What session and events say of where it was felt.
-void TrialCheck::check_device(TrialRows& pending, Findings& findings) const {
-    findings.expect("trial", "device", pending.trial, device_.now.name);
-    findings.expect("trial", "calibration_sha256", pending.trial,
-                    device_.now.calibration.empty() ? Value() : Value(device_.now.calibration));
-    pending.force = device_.now.gives_force();
-}
-
+/// Its turn, and what session and events say of where it was felt.
 void TrialCheck::check_place(const StoredRow& trial, Findings& findings) {
     const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     if (const std::size_t next = progress_.pending().next(); position != next) {
@@ -213,9 +207,9 @@ void TrialCheck::check_place(const StoredRow& trial, Findings& findings) {
                          fmt::format("{}: the next one to run", next));
     }
     const auto before = progress_.attempts().find(position);
-    findings.expect(
-        "trial", "attempt", trial,
-        static_cast<std::int64_t>(before == progress_.attempts().end() ? 1 : before->second + 1));
+    const auto attempt =
+        static_cast<std::int64_t>(before == progress_.attempts().end() ? 1 : before->second + 1);
+    findings.expect(attempt_row(position, attempt, device_.now), trial);
 }
 
 void TrialCheck::check_planned(TrialRows& pending,

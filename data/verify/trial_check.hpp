@@ -51,7 +51,6 @@ private:
     void check_rows(TrialRows& pending, Findings& findings);
     void check_ticks_of(TrialRows& pending) const;
     void check_place(const StoredRow& trial, Findings& findings);
-    void check_device(TrialRows& pending, Findings& findings) const;
     void check_planned(TrialRows& pending,
                        const protocols::PlannedTrial& planned,
                        Findings& findings);

@@ -11,7 +11,7 @@
 #include "data/store/own_schema.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
-#include "data/trace/chunk.hpp"
+#include "data/store/written_rows.hpp"
 #include "data/verify/findings.hpp"
 #include "data/verify/session_check.hpp"
 
@@ -43,29 +43,6 @@ void ask_sqlite(Database& database, Findings& findings) {
                              fmt::format("{} row {}", row.text("table"), row.integer("rowid")),
                              fmt::format("its row in {} is not there", row.text("parent")));
         }
-    }
-}
-
-void check_columns(Database& database, Findings& findings) {
-    const auto columns = stored_columns();
-    const auto rows =
-        rows_of(database, "SELECT * FROM trace_column ORDER BY codec, column_position");
-    if (rows.size() != columns.size()) {
-        findings.differs("trace_column", counted(rows.size(), "row"),
-                         counted(columns.size(), "row"));
-    }
-    for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
-        const auto expect = [&](std::string_view column, const Value& value) {
-            findings.expect("trace_column", column, rows[i], value);
-        };
-        expect("codec", kTraceCodec);
-        expect("column_position", static_cast<std::int64_t>(i));
-        expect("name", std::string(columns[i].name));
-        expect("type", std::string(columns[i].type));
-        expect("unit", std::string(columns[i].unit));
-        expect("scale", columns[i].scale);
-        expect("rule", std::string(to_string(columns[i].rule)));
-        expect("part", std::string(part_name(columns[i].part)));
     }
 }
 
@@ -138,7 +115,11 @@ Verification verify(Database& database) {
     });
     try_to(findings, "participant", [&] { check_people(database, findings); });
     if (!found.sessions.empty()) {
-        try_to(findings, "trace_column", [&] { check_columns(database, findings); });
+        try_to(findings, "trace_column", [&] {
+            findings.expect(
+                "trace_column", trace_column_rows(),
+                rows_of(database, "SELECT * FROM trace_column ORDER BY codec, column_position"));
+        });
     }
     return found;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <set>
@@ -53,6 +54,24 @@ inline std::vector<std::string> result_columns(data::Database& database,
     return columns;
 }
 
+/// Which words the schema lets `column` have: of its CHECK (column IN ('a', 'b')); else none.
+inline std::vector<std::string> words_of(data::Database& database,
+                                         const std::string& table,
+                                         const std::string& column) {
+    auto schema = database.prepare("SELECT sql FROM sqlite_master WHERE name = ?1");
+    schema.bind(1, table).step();
+    const std::string sql = schema.text(0);
+    std::vector<std::string> words;
+    const std::size_t check = sql.find('(' + column + " IN");
+    std::size_t at = check == std::string::npos ? check : sql.find('\'', check);
+    for (const std::size_t end = sql.find(')', at); at < end;) {
+        const std::size_t close = sql.find('\'', at + 1);
+        words.push_back(sql.substr(at + 1, close - at - 1));
+        at = sql.find('\'', close + 1);
+    }
+    return words;
+}
+
 /// A value with one bit or one letter of `row`'s `column` changed, or one where there was none.
 inline void edit(data::Database& database,
                  const std::string& table,
@@ -82,10 +101,16 @@ inline void edit(data::Database& database,
         change.bind(1, std::bit_cast<double>(bits));
     } else if (old.type(0) == 3) {
         std::string text = old.text(0);
-        text += text.empty() ? "a" : "";
-        auto& letter =
-            text.at(static_cast<std::size_t>(random.below(static_cast<int>(text.size()))));
-        letter = letter == 'e' ? 'a' : 'e';
+        const auto words = words_of(database, table, column);
+        if (words.empty()) {
+            const bool number = text.find_first_not_of("0123456789") == std::string::npos;
+            text += text.empty() ? "a" : "";
+            auto& letter =
+                text.at(static_cast<std::size_t>(random.below(static_cast<int>(text.size()))));
+            letter = number ? (letter == '7' ? '8' : '7') : (letter == 'e' ? 'a' : 'e');
+        } else {
+            text = words[static_cast<std::size_t>(random.below(static_cast<int>(words.size())))];
+        }
         change.bind(1, text);
     } else {
         const auto blob = old.blob(0);
@@ -174,12 +199,14 @@ inline std::string text_of(const data::Verification& found) {
 }
 
 /// One seeded edit of a value of `row`, undone at the end: it must be reported.
+/// @param by_itself  becomes true if something else than a seal reports it
 /// @return whether SQLite let it through and the value is another one
 inline bool check_edit(data::Database& database,
                        const std::string& table,
                        const std::string& column,
                        std::int64_t row,
-                       Random& random) {
+                       Random& random,
+                       bool* by_itself = nullptr) {
     const Undone undone(database);
     const std::string before = value_of(database, table, column, row);
     try {
@@ -197,6 +224,15 @@ inline bool check_edit(data::Database& database,
     CHECK(found.count(data::FindingKind::differs) +
               (decay ? found.count(data::FindingKind::missing) : 0) >
           0);
+    if (by_itself != nullptr) {
+        const auto other = [](const data::Finding& one) {
+            return one.what.find("seal") == std::string::npos;
+        };
+        *by_itself = *by_itself || std::ranges::any_of(found.file, other);
+        for (const auto& session : found.sessions) {
+            *by_itself = *by_itself || std::ranges::any_of(session.findings, other);
+        }
+    }
     return true;
 }
 

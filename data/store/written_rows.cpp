@@ -1,0 +1,162 @@
+#include "data/store/written_rows.hpp"
+
+#include <optional>
+#include <string>
+
+#include "protocols/design/object_outline.hpp"
+#include "protocols/session/trial_meter.hpp"
+#include "data/store/adaptive_store.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/columns.hpp"
+#include "data/trace/stored_columns.hpp"
+
+namespace palpate::data {
+namespace {
+
+void set_confirmation(Row& row,
+                      const std::string& of,
+                      const std::optional<protocols::Confirmation>& confirmation) {
+    if (confirmation) {
+        row.set(of + "first_choice_s", confirmation->first_choice_s)
+            .set(of + "confirmed_s", confirmation->confirmed_s)
+            .set(of + "changes", confirmation->changes);
+    }
+}
+
+}  // namespace
+
+std::vector<Row> plan_rows(const protocols::Protocol& protocol, const protocols::Plan& plan) {
+    std::vector<Row> rows;
+    for (const protocols::PlannedTrial& planned : plan.trials) {
+        const auto& object = protocol.objects.at(planned.condition.object);
+        const auto& friction = protocol.frictions.at(planned.condition.friction);
+        rows.emplace_back("plan")
+            .set("plan_position", planned.position)
+            .set("phase", to_string(planned.phase))
+            .set("planned_object", object.name)
+            .set("curvature_per_m", curvature_of(object))
+            .set("friction", friction.name)
+            .set("mu_s", friction.mu_s)
+            .set("mu_d", friction.mu_d)
+            .set("break_before", planned.break_before)
+            .set("block", planned.block);
+    }
+    return rows;
+}
+
+std::vector<Row> picture_rows(const protocols::Protocol& protocol, const protocols::Plan& plan) {
+    std::vector<Row> rows;
+    for (const std::size_t object : plan.picture_order) {
+        const std::size_t place = rows.size();
+        rows.emplace_back("picture")
+            .set("picture_place", place)
+            .set("picture_object", protocol.objects.at(object).name);
+    }
+    return rows;
+}
+
+std::vector<Row> adaptive_plan_rows(const protocols::Protocol& protocol,
+                                    const protocols::Plan& plan) {
+    std::vector<Row> rows;
+    for (const protocols::PlannedTrial& planned : plan.trials) {
+        if (planned.adaptive) {
+            const protocols::AdaptiveTrial& adaptive = *planned.adaptive;
+            rows.emplace_back("adaptive_plan")
+                .set("plan_position", planned.position)
+                .set("run_number", adaptive.run)
+                .set("run_name", protocol.runs.at(adaptive.run).name)
+                .set("comparison_interval", adaptive.comparison)
+                .set("standard_friction", protocol.frictions.at(adaptive.standard_friction).name);
+        }
+    }
+    return rows;
+}
+
+std::vector<Row> trace_column_rows() {
+    std::vector<Row> rows;
+    for (const StoredColumn& c : stored_columns()) {
+        const std::size_t position = rows.size();
+        rows.emplace_back("trace_column")
+            .set("codec", kTraceCodec)
+            .set("column_position", position)
+            .set("name", c.name)
+            .set("type", c.type)
+            .set("unit", c.unit)
+            .set("scale", c.scale)
+            .set("rule", to_string(c.rule))
+            .set("part", part_name(c.part));
+    }
+    return rows;
+}
+
+Row attempt_row(std::size_t position, std::int64_t attempt, const TrialDevice& device) {
+    Row row("trial");
+    row.set("plan_position", position)
+        .set("attempt", attempt)
+        .set("device", device.name)
+        .set("calibration_sha256",
+             device.calibration.empty() ? std::nullopt : std::optional(device.calibration));
+    return row;
+}
+
+Row presentation_row(const protocols::Presentation& felt, const protocols::SceneConstants& scene) {
+    Row row("presentation");
+    row.set("interval", felt.interval)
+        .set("stimulus", felt.stimulus)
+        .set("felt_object", felt.object.name)
+        .set("curvature_per_m", protocols::curvature_of(felt.object))
+        .set("friction", felt.friction.name)
+        .set("mu_s", felt.friction.mu_s)
+        .set("mu_d", felt.friction.mu_d)
+        .set("slip_decay", scene.slip_decay)
+        .set("heal_decay", scene.heal_decay);
+    return row;
+}
+
+void set_summary(Row& row, const protocols::TrialSummary& sum, bool force) {
+    for (const protocols::Measure& one : protocols::measures()) {
+        if (row.has(one.column)) {
+            row.set(one.column, measured(one, sum, force));
+        }
+    }
+}
+
+Row response_row(const protocols::Protocol& protocol, const protocols::Response& response) {
+    Row row("response");
+    row.set("answer_code", response.place)
+        .set("correct", response.correct)
+        .set("reaction_s", response.reaction_s)
+        .set("reaction_uncertainty_s", response.uncertainty_s)
+        .set("input", to_string(response.input))
+        .set("early_presses", response.early_presses);
+    if (response.object) {
+        row.set("chosen_place", response.place)
+            .set("chosen_object", protocol.objects.at(*response.object).name);
+    }
+    if (response.confidence) {
+        row.set("confidence", *response.confidence)
+            .set("confidence_reaction_s", response.confidence_reaction_s);
+    }
+    set_confirmation(row, "", response.confirmation);
+    set_confirmation(row, "confidence_", response.confidence_confirmation);
+    return row;
+}
+
+Row step_row(const protocols::AdaptiveStep& step) {
+    Row row("adaptive_step");
+    row.set("rule_outcome", step.answer.outcome)
+        .set("estimate", step.estimates.empty() ? std::nullopt : step.estimates.front().mean)
+        .set("estimates", estimates_text(step.estimates))
+        .set("state_sha256", step.state_hash);
+    return row;
+}
+
+Row fault_row(const engine::TickRecord& tick) {
+    Row row("fault_tick");
+    for (const TraceColumn& column : trace_columns()) {
+        row.set(column.name, column.value(tick));
+    }
+    return row;
+}
+
+}  // namespace palpate::data
