@@ -85,13 +85,13 @@ Table persons_table(const PeopleTable& table, const std::set<std::string>& left_
 }
 
 Table means_table(const PeopleTable& table, const std::set<std::string>& left_out) {
-    Table made{
-        .place = "means/*",
-        .title = fmt::format("  {}, mean over people (95 % interval over people, t)", table.what),
-        .columns = {{.key = table.factor, .words = " "},
-                    {.key = "mean", .words = "mean"},
-                    {.key = "interval_95", .words = "interval"},
-                    {.key = "people", .words = "people"}}};
+    Table made{.place = "means/*",
+               .title = fmt::format("  {}, mean over people (95 % interval over people, t{})",
+                                    table.what, table.share ? " of the logit" : ""),
+               .columns = {{.key = table.factor, .words = " "},
+                           {.key = "mean", .words = "mean"},
+                           {.key = "interval_95", .words = "interval"},
+                           {.key = "people", .words = "people"}}};
     for (const std::string& condition : table.conditions) {
         std::vector<double> values;
         for (const auto& [person, has] : table.people) {

@@ -164,7 +164,7 @@ Counts counts_of(Database& database, const Group& group) {
 
 std::string counts_text(const Counts& counts) {
     std::string text;
-    if (counts.answers > 0) {
+    if (counts.no_correct > 0) {
         text += fmt::format("\n  {} of {} have no correct (NULL): neither right nor wrong\n",
                             counts.no_correct, counted(counts.answers, "answer"));
     }

@@ -81,7 +81,8 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
 
 void add_tracks(PageWriter& page, const Study& study) {
     PageFigure figure{.id = "tracks", .title = "Adaptive tracks", .data = study.ask(kTracks)};
-    const std::vector<std::string> runs = figure.data.levels("run_name");
+    std::vector<std::string> runs = figure.data.levels("run_name");
+    std::ranges::sort(runs);  // as the conditions of the fit, in the same colours
     const std::vector<std::string> people = figure.data.levels("person");
     bool estimates = false;
     for (const std::string& person : people) {

@@ -7,6 +7,7 @@
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/file/protocol_difference.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"
@@ -94,7 +95,7 @@ std::int64_t create(Database& database,
 
 struct Existing {
     std::int64_t id = 0;
-    std::string protocol_hash, plan_hash, kind, seed, operator_name;
+    std::string protocol_hash, plan_hash, kind, seed, operator_name, protocol_toml;
     bool over = false;  ///< withdrawn, or run under another code or number
     bool finished = false;
 };
@@ -131,7 +132,8 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
         "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, "
-        "finished, coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL "
+        "finished, coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL, "
+        "protocol_toml "
         "FROM "
         "session JOIN study USING (study_id) JOIN "
         "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND "
@@ -148,6 +150,7 @@ std::optional<Existing> existing_session(Database& database, const SessionSpec& 
                     .kind = row.text(3),
                     .seed = row.text(4),
                     .operator_name = row.text(6),
+                    .protocol_toml = row.text(8),
                     .over = row.integer(7) != 0,
                     .finished = row.integer(5) != 0};
 }
@@ -162,7 +165,9 @@ void require_same(const Database& database, const Existing& there, const Session
         refuse("was withdrawn, or run under another code", "begin a new session with --session");
     }
     if (there.protocol_hash != spec.protocol_hash) {
-        refuse("was begun with another version of the protocol",
+        refuse(fmt::format("was begun with another version of the protocol ({})",
+                           protocols::differences_text(there.protocol_toml,
+                                                       protocols::to_toml(spec.protocol))),
                "run the version it was begun with, or begin a new session with --session");
     }
     // The seed too: the order of a small plan can come from many seeds, the hand and the answers

@@ -87,4 +87,15 @@ std::vector<std::string> differences(std::string_view there, std::string_view he
     return found;
 }
 
+std::string differences_text(std::string_view there, std::string_view here) {
+    constexpr std::size_t kShown = 6;
+    std::vector<std::string> differ = differences(there, here);
+    if (differ.size() > kShown) {
+        const std::string more = fmt::format("and {} more", differ.size() - kShown);
+        differ.resize(kShown);
+        differ.push_back(more);
+    }
+    return fmt::format("{}", fmt::join(differ, "; "));
+}
+
 }  // namespace palpate::protocols

@@ -370,7 +370,8 @@ TEST_CASE("a trial's line says how much of it was contact, and the largest force
     CHECK_THAT(
         session.program().out(),
         ContainsSubstring(session.ask(
-            "SELECT printf('felt %.1f s, in contact %.0f %%, %.1f N at most, answered in %.1f s', "
+            "SELECT printf('felt %.1f s, in contact %.0f %%, %.1f N rendered at most, answered in "
+            "%.1f s', "
             "done_s, 100.0 * contact_ticks / ticks, max_normal_force_n, reaction_s) FROM trial "
             "JOIN response USING (trial_id)")));
 }

@@ -147,7 +147,7 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
     session.program().signal(SIGTERM);
     const tests::Finished end = session.finish();
     CHECK_THAT(end.out, Catch::Matchers::Contains(", in contact ") &&
-                            !Catch::Matchers::Contains(" N at most"));
+                            !Catch::Matchers::Contains(" N rendered at most"));
     CHECK(session.ask("SELECT contact_ticks > 0 FROM trial") == "1");
     for (const std::string column :
          {"trial.mean_normal_force_n", "trial.max_normal_force_n", "trial.energy_j",

@@ -119,7 +119,7 @@ protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
         tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
         tick.flags = static_cast<std::uint8_t>(random.below(256));
         tick.normal_force = random.in(0.0, 8.0);
-        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0)};
+        tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0), 0.0};
         meter.add(std::span(&tick, 1));
     }
     return meter.summary();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/store/chain.hpp"
 #include "data/store/destruction.hpp"
 #include "data/store/people.hpp"
 #include "data/store/repairs.hpp"
@@ -190,6 +191,12 @@ int run(const ParticipantOptions& options) {
     }
     if (options.registers || notes.handedness || notes.consent || !notes.details.empty()) {
         data::note_participant(database, options.participant, notes, options.operator_name);
+        const auto sessions = data::sessions_of(database, options.participant, {}, {});
+        if (!sessions.empty()) {
+            say("Noted in {}.\nSeal {}: note it in the lab book.\n",
+                counted(sessions.size(), "session"),
+                data::chain_head(database, sessions.front().id));
+        }
     }
     print(options.participant, data::find_participant(database, options.participant).value());
     return 0;

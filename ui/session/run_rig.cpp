@@ -164,9 +164,9 @@ std::string answer_line(const RigSpec& spec, const protocols::Progress& progress
                    "felt {:.1f} s, in contact {:.0f} %{}, answered in {:.1f} s", result.done_s,
                    100.0 * static_cast<double>(result.summary.contact_ticks) /
                        static_cast<double>(std::max<std::int64_t>(1, result.summary.ticks)),
-                   gives_force(spec.device.kind)
-                       ? fmt::format(", {:.1f} N at most", result.summary.max_normal_force_n)
-                       : std::string(),
+                   gives_force(spec.device.kind) ? fmt::format(", {:.1f} N rendered at most",
+                                                               result.summary.max_normal_force_n)
+                                                 : std::string(),
                    result.response->reaction_s);
 }
 
