@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -26,7 +27,14 @@ struct MarkReply {
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
-    void mark() noexcept { mark_ = true; }
+    void mark() {
+        mark_ = true;
+        if (at_once_) {
+            at_once_();
+        }
+    }
+    /// Where a mark needs not wait for a trial's end: called by mark(). None: it waits.
+    void answer_at_once(std::function<void()> answer) { at_once_ = std::move(answer); }
     /// Wait before the next trial; asked for again: go on, or do not wait after all.
     void pause() noexcept { pause_ = !pause_; }
 
@@ -61,6 +69,7 @@ public:
 private:
     bool mark_ = false;
     bool pause_ = false;
+    std::function<void()> at_once_;
     std::atomic<const char*> stop_{nullptr};
     std::atomic<const char*> barred_{nullptr};
     std::optional<MarkReply> reply_;

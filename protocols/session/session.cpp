@@ -42,12 +42,14 @@ public:
         }
         for (bool fresh = true; check_mark(), !pending().empty();) {
             const TrialView next = view_of_next();
+            const std::size_t marks = marks_;
             if (check_stop() == Signal::abort || check_pause(next) == Signal::abort ||
                 ((!fresh || !trusted()) && between(next) == Signal::abort)) {
                 return stopped();
             }
-            fresh = true;                  // what is wanted now comes without another gap
-            if (wanted() || !trusted()) {  // who stopped a proof goes on before it is right
+            fresh = true;  // what is wanted now comes without another gap
+            // Who stopped a proof goes on before it is right; after a mark another trial may be next.
+            if (wanted() || !trusted() || marks_ != marks) {
                 continue;
             }
             if (const auto end = attempt(next, fresh)) {
@@ -112,7 +114,7 @@ private:
                      fmt::format("{}: {}", to_string(fault.cause), fault.text),
                      to_string(fault.cause));
         note_timing();
-        const MendResult end = mend(ports_, fault, faults_, rig(), last_);
+        const MendResult end = waiting([&] { return mend(ports_, fault, faults_, rig(), last_); });
         return end.signal == Signal::give_up ? std::optional(gave_up(fault, end.tries))
              : end.signal != Signal::go_on   ? std::optional(stopped())
                                              : std::nullopt;
@@ -155,11 +157,26 @@ private:
                      .number = last_number_,
                      .trial = *last_};
             last_.reset();
+            ++marks_;
         } else {
             happened({.kind = EventKind::note, .text = "a mark found no answer that counts"});
         }
         ports_.desk->reply(reply);
         ports_.marked(reply);
+    }
+
+    /// Nobody feels anything meanwhile: a mark is kept and answered while it waits, not after it.
+    template <class Wait>
+    std::invoke_result_t<Wait&> waiting(Wait wait) {
+        if (ports_.desk == nullptr) {
+            return wait();
+        }
+        struct Until {
+            OperatorDesk* desk;
+            ~Until() { desk->answer_at_once({}); }
+        } const until{ports_.desk};
+        ports_.desk->answer_at_once([this] { check_mark(); });
+        return wait();
     }
 
     /// A stop while nothing is felt, and what stands against every trial, hold the session until
@@ -182,7 +199,7 @@ private:
         note_before_next(EventKind::pause);
         const std::int64_t begun = monotonic_ns();
         ports_.paused(true);
-        const Signal signal = ports_.observer.pause(next);
+        const Signal signal = waiting([&] { return ports_.observer.pause(next); });
         ports_.paused(false);
         const double paused = static_cast<double>(monotonic_ns() - begun) * 1e-9;
         happened({.kind = EventKind::go_on,
@@ -205,8 +222,8 @@ private:
         rested_ = planned ? done : rested_;
         note_before_next(EventKind::rest);
         HandleCheck check(ports_.apparatus, trust_);
-        const Signal signal =
-            ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next);
+        const Signal signal = waiting(
+            [&] { return ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next); });
         return signal == Signal::go_on ? check_handle(check) : signal;
     }
 
@@ -247,8 +264,8 @@ private:
 
     /// Between trials. @return go_on or abort
     Signal mended(const Fault& fault) {
-        return mend(ports_, fault, 1, rig()).signal == Signal::go_on ? Signal::go_on
-                                                                     : Signal::abort;
+        const MendResult end = waiting([&] { return mend(ports_, fault, 1, rig()); });
+        return end.signal == Signal::go_on ? Signal::go_on : Signal::abort;
     }
 
     /// Says whether the answer was right, where the protocol wants that and it can be said.
@@ -333,6 +350,7 @@ private:
     std::optional<TrialId> last_;  ///< the attempt before now, of this run; a mark would mean it
     TrialNumber last_number_{};
     std::size_t last_position_ = 0;
+    std::size_t marks_ = 0;  ///< answers that the desk took back
 };
 
 }  // namespace

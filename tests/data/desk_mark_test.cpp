@@ -263,3 +263,52 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                 "trial.plan_position AND later.trial_id > trial.trial_id) FROM trial WHERE "
                 "invalid_reason IS NOT NULL ORDER BY trial_id") == marked);
 }
+
+namespace {
+
+/// Marks in the first break.
+class InABreak : public tests::Patient {
+public:
+    InABreak(Database& database, OperatorDesk& desk) : database_(database), desk_(desk) {}
+    Signal rest(double /*seconds*/, const TrialView& /*next*/) override {
+        if (kept.empty()) {
+            desk_.mark();
+            kept = lines(database_, "SELECT count(*) FROM event WHERE event_kind = 'mark'");
+            reply = desk_.take_reply();
+        }
+        return Signal::go_on;
+    }
+    std::string kept;  ///< marks in the database before the break was over
+    std::optional<MarkReply> reply;
+
+private:
+    Database& database_;
+    OperatorDesk& desk_;
+};
+
+}  // namespace
+
+TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk][law]") {
+    const tests::TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const data::SessionSpec spec = tests::session_spec(tests::short_protocol());
+    const data::OpenedSession opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    tests::World world;
+    Placed apparatus(world);
+    OperatorDesk desk;
+    InABreak observer(database, desk);
+    static_cast<void>(run_session(spec.protocol, spec.plan, {}, opened.progress,
+                                  {.apparatus = apparatus,
+                                   .observer = observer,
+                                   .recorder = recorder,
+                                   .pause = [](double) {},
+                                   .desk = &desk}));
+    CHECK(observer.kept == "1 \n");
+    REQUIRE(observer.reply);
+    CHECK(observer.reply->found);
+    CHECK(lines(database,
+                "SELECT count(*) FROM trial JOIN response USING (trial_id) WHERE invalid_reason IS "
+                "NULL AND trial_id = " +
+                    std::to_string(observer.reply->trial)) == "0 \n");
+}
