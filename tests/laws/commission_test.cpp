@@ -50,6 +50,14 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
     CHECK(rig.record->dynamics.handle_mass == Approx(true_plant.handle_mass).epsilon(0.05));
     CHECK(rig.record->dynamics.damping.x == Approx(true_plant.damping.x).epsilon(0.05));
 
+    // It is another rig's no more by accident.
+    const Finished another =
+        palpate_command({"commission", "--device", "haply-emulator", "-o", file});
+    CHECK(another.code == 2);
+    CHECK_THAT(another.error, ContainsSubstring("is the record of sim, and this is haply-emulator: "
+                                                "give another file to write"));
+    CHECK(protocols::load_rig(file).record->device == "sim");
+
     const std::string other = replaced(tests::slurp(file), "handle_g = ", "handle_g = 1");
     std::ofstream(file) << other;
     const Finished changed = palpate_command({"check", "pilot", "--calibration", file});

@@ -1,5 +1,7 @@
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "engine/device/emulator/free_handle.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/file/document.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/calibration_device.hpp"
 #include "ui/rig/interrupt.hpp"
@@ -212,6 +215,25 @@ void print_found(const engine::RigRecord& record, bool straight) {
     say("usable stiffness at 1 kHz: {:.0f} N/m\n", record.stiffness);
 }
 
+/// A record is written over by a newer one of the same rig alone.
+/// @throws std::invalid_argument where another rig's is there
+void require_same_rig(const CommissionOptions& options) {
+    if (!std::filesystem::exists(options.output)) {
+        return;
+    }
+    std::optional<engine::RigRecord> there;
+    try {
+        there = protocols::load_rig(options.output).record;
+    } catch (const protocols::ProtocolError&) {
+        return;  // no record; whether it is written over is write_whole()'s
+    }
+    if (there && there->device != options.device) {
+        throw std::invalid_argument(
+            fmt::format("{} is the record of {}, and this is {}: give another file to write",
+                        options.output, there->device, options.device));
+    }
+}
+
 void write_rig(const CommissionOptions& options,
                engine::Calibration& machine,
                engine::RigRecord& record) {
@@ -234,6 +256,7 @@ int run(const CommissionOptions& options) {
     const Vec3 mass = mass_of(options, machine);
     require_writable(options.output,
                      protocols::to_toml(machine));  // before anybody brings a handle
+    require_same_rig(options);
     catch_signals();
     Rig rig = open_rig(options, machine);
     say("{}: {} with the numbers of {}; the handle is free\n", options.output, rig.device->name(),
