@@ -46,15 +46,18 @@ TEST_CASE("one changed value in any column of any table of results is reported",
         for (const std::string& name : tests::result_columns(database, {table.name})) {
             bool by_itself = false;
             int made = 0;
-            for (std::uint64_t seed = 0; made < 2 && seed < 200; ++seed) {
+            // Some bits of a time are below what two C libraries differ by: then another edit.
+            const bool sealed = only_sealed(name);
+            for (std::uint64_t seed = 0; (made < 2 || !(by_itself || sealed)) && seed < 200;
+                 ++seed) {
                 tests::Random random(seed + 1000 * static_cast<std::uint64_t>(columns));
                 const std::int64_t row = tests::a_row(database, table.name, random);
                 made += tests::check_edit(database, table.name, name.substr(table.name.size() + 1),
                                           row, random, &by_itself);
             }
             CAPTURE(name);
-            CHECK((made == 2 || name == "trace_chunk.codec"));  // there is but one codec
-            CHECK((by_itself || made == 0 || only_sealed(name)));
+            CHECK((made >= 2 || name == "trace_chunk.codec"));  // there is but one codec
+            CHECK((by_itself || sealed || made == 0));
             ++columns;
         }
     }

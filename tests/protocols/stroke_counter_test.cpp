@@ -117,7 +117,7 @@ protocols::TrialSummary felt_at_random(tests::Random& random, bool touches) {
         TickRecord tick = tick_at(k, random.in(-0.02, 0.02), 0.7);
         tick.segment = static_cast<std::int16_t>(random.below(3) - 1);
         tick.mode = static_cast<engine::Mode>(touches ? random.below(4) : 0);
-        tick.flags = static_cast<std::uint8_t>(random.below(256));
+        tick.flags = static_cast<std::uint8_t>(touches ? random.below(256) : 0);  // no episode
         tick.normal_force = random.in(0.0, 8.0);
         tick.force = {random.in(-8.0, 8.0), random.in(-8.0, 8.0), 0.0};
         meter.add(std::span(&tick, 1));
