@@ -15,7 +15,8 @@ public:
 
 /// nasty [--peers] [--csv FILE]
 int nasty_command(const std::vector<std::string>& words);
-/// contact [--peers] [--seconds S] [--csv FILE] [--svg FILE], or --from FILE --svg FILE
+/// contact [--peers] [--objects LETTERS] [--seconds S] [--against BINARY] [--csv FILE] [--svg FILE],
+/// or --from FILE --svg FILE
 int contact_command(const std::vector<std::string>& words);
 /// scaling [--csv FILE]
 int scaling_command(const std::vector<std::string>& words);
@@ -27,7 +28,7 @@ int servo_command(const std::vector<std::string>& words);
 int friction_command(const std::vector<std::string>& words);
 /// guard [--kills N] [--csv FILE]
 int guard_command(const std::vector<std::string>& words);
-/// data [--peers] [--trials N] [--seconds S] [--csv FILE]
+/// data [--peers] [--trials N] [--seconds S] [--cores 1|2] [--csv FILE]
 int data_command(const std::vector<std::string>& words);
 /// procedure [--csv FILE]
 int procedure_command(const std::vector<std::string>& words);

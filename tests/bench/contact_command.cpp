@@ -1,30 +1,26 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 
 #include <unistd.h>
 
 #include "tests/bench/commands.hpp"
-#include "tests/bench/errors.hpp"
-#include "tests/bench/hand.hpp"
+#include "tests/bench/courses.hpp"
+#include "tests/bench/objects.hpp"
+#include "tests/bench/other_build.hpp"
 #include "tests/bench/own_methods.hpp"
-#include "tests/bench/peers/peers.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/bench/surfaces.hpp"
 #include "tests/support/stability_limit.hpp"
 
 namespace palpate::bench {
 namespace {
 
 constexpr const char* kContactUsage =
-    "contact takes --peers, --objects LETTERS, --seconds S, --csv FILE and --svg FILE, or --from "
-    "FILE "
-    "and --svg FILE";
-
-struct Path {
-    std::string name;
-    double nearest = 0.0;
-    double farthest = 0.0;
-};
+    "contact takes --peers, --objects LETTERS, --seconds S, --against BINARY, --csv FILE and "
+    "--svg FILE, or --from FILE and --svg FILE";
 
 double seconds_of(const std::string& text) {
     std::size_t used = 0;
@@ -40,50 +36,56 @@ double seconds_of(const std::string& text) {
     return seconds;
 }
 
+/// At a terminal, what is being measured.
+void show(const Place& place) {
+    if (isatty(STDERR_FILENO) != 0) {
+        std::cerr << "\r\033[K" << place.object << ", " << place.path << ": " << place.method
+                  << (place.method.empty() ? "\r\033[K" : "") << std::flush;
+    }
+}
+
+/// Counts instructions, where something does.
+using Counts = std::unique_ptr<OtherBuild>;
+
+Counts counts_of(const std::string& binary, const CoursePlan& plan, const Counting& counting) {
+    return counting.by == Counting::By::nobody
+             ? nullptr
+             : std::make_unique<OtherBuild>(binary, plan, counting.by);
+}
+
 template <int D>
-void measure(std::vector<Row>& rows,
-             const std::string& object,
-             const std::string& path_name,
-             const Methods<D>& methods,
-             const std::vector<Vec<D>>& path,
-             const std::vector<Truth<D>>& truth,
-             const Clock& clock) {
-    const std::span<const Vec<D>> hips(path);
-    const bool watched = isatty(STDERR_FILENO) != 0;
-    for (const auto& method : methods) {
-        if (watched) {
-            std::cerr << "\r\033[K" << object << ", " << path_name << ": " << method->name()
-                      << std::flush;
-        }
+std::vector<Row> measure(Course<D>& course, Stand& stand, const Counts& counts) {
+    const std::span<const Vec<D>> hips(course.hips);
+    const auto truth = course.truths ? course.truths() : std::vector<Truth<D>>();
+    std::vector<Row> rows;
+    for (const auto& method : course.methods) {
+        const Place place{course.object, course.path, method->name()};
+        show(place);
         Row row{.machine = machine(),
-                .object = object,
-                .path = path_name,
+                .object = course.object,
+                .path = course.path,
                 .method = method->name(),
                 .kind = method->kind()};
-        row.time = time_of<D>(*method, hips, {}, clock);
+        row.time = time_of<D>(*method, hips, {}, stand);
+        row.time.instructions = counts ? counts->instructions(place) : 0.0;
         if (row.kind != Kind::floor) {
             row.error = errors_of<D>(*method, hips, std::span<const Truth<D>>(truth));
         }
         rows.push_back(row);
     }
-    if (watched) {
-        std::cerr << "\r\033[K" << std::flush;
-    }
-}
-
-template <int D>
-void append(Methods<D>& all, Methods<D> more) {
-    for (auto& method : more) {
-        all.push_back(std::move(method));
-    }
+    show({});
+    return rows;
 }
 
 /// The feedback law's stability limit, measured over formula, at the middle of every curve.
-void print_stability(std::ostream& out, const std::vector<Object>& objects) {
+void print_stability(std::ostream& out, const CoursePlan& plan) {
     constexpr double kTick = 1e-3;
     constexpr double kAside = 0.37;  // of the curve: not where symmetry might help
     out << "\nfeedback law: largest stable gain, by bisection / 2 / (T (|f'|^2 + (f - x) . f''))\n";
-    for (const Object& object : objects) {
+    for (const Object& object : contact_objects()) {
+        if (plan.objects.find(object.name) == std::string::npos) {
+            continue;
+        }
         for (const auto& data : object.curves) {
             const engine::NurbsCurve<2> curve(data.degree, data.knots, data.points, data.weights);
             const double u = curve.front() + kAside * (curve.back() - curve.front());
@@ -95,6 +97,64 @@ void print_stability(std::ostream& out, const std::vector<Object>& objects) {
                     << '\n';
             }
         }
+    }
+}
+
+/// Both builds in turns, pass by pass, and who begins changes.
+template <int D>
+void compare(
+    Course<D>& course, Stand& stand, OtherBuild& other, const Counts& here, const Counts& there) {
+    constexpr int kPasses = 40;
+    std::printf("\n%s, %s\n%-36s %23s %10s %8s %8s\n", course.object.c_str(), course.path.c_str(),
+                "method: this build / the other", "time, 95 %", "instr.", "ns", "thrown");
+    for (const auto& method : course.methods) {
+        const Place place{course.object, course.path, method->name()};
+        show(place);
+        const std::span<const Vec<D>> hips(course.hips);
+        const std::size_t rounds = rounds_of(*method, hips, stand.clock);
+        Passes own;
+        std::vector<std::vector<double>> ratios;
+        for (int n = 0; n < kPasses; ++n) {
+            std::vector<double> theirs =
+                n % 2 == 0 ? other.pass(place, rounds) : std::vector<double>();
+            pass(own, *method, hips, rounds, stand);
+            theirs = n % 2 == 0 ? theirs : other.pass(place, rounds);
+            if (theirs.size() != rounds) {
+                break;
+            }
+            std::transform(own.ns.back().begin(), own.ns.back().end(), theirs.begin(),
+                           theirs.begin(), std::divides<>());
+            ratios.push_back(theirs);
+        }
+        show({});
+        if (ratios.empty()) {
+            std::printf("%-36s the other build has none\n", place.method.c_str());
+            continue;
+        }
+        std::vector<double> weights;
+        for (std::size_t i = 0; i < rounds; ++i) {
+            weights.push_back(median(round_of(own.ns, i)).value);
+        }
+        const Median time = along(ratios, weights);
+        const double instructions =
+            here ? here->instructions(place) / there->instructions(place) : 0.0;
+        std::printf("%-36s %7.3f [%6.3f,%6.3f] %10.4f %8.1f %4zu/%zu\n", place.method.c_str(),
+                    time.value, time.low, time.high, instructions, along(own.ns).value,
+                    own.thrown(), own.rounds());
+        std::fflush(stdout);
+    }
+}
+
+void compare(const CoursePlan& plan,
+             Stand& stand,
+             const Counts& here,
+             const std::string& against,
+             const Counting& counting) {
+    OtherBuild other(against, plan, Counting::By::nobody);
+    const Counts there = counts_of(against, plan, counting);
+    for (const CourseMaker& maker : courses(plan)) {
+        AnyCourse course = maker.make();
+        std::visit([&](auto& one) { compare(one, stand, other, here, there); }, course);
     }
 }
 
@@ -113,9 +173,11 @@ void draw_again(const std::string& table, const std::string& svg_name) {
 
 int contact_command(const std::vector<std::string>& arguments) {
     Words words(arguments);
-    const bool with_peers = words.flag("--peers");
-    const double seconds = seconds_of(words.value("--seconds", "20"));
-    const std::string wanted = words.value("--objects", "ABCDES");
+    const CoursePlan plan{.objects = words.value("--objects", "ABCDES"),
+                          .seconds = seconds_of(words.value("--seconds", "20")),
+                          .peers = words.flag("--peers")};
+    const bool answers = words.flag("--answer");
+    const std::string against = words.value("--against");
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
     const std::string table = words.value("--from");
@@ -124,60 +186,33 @@ int contact_command(const std::vector<std::string>& arguments) {
         draw_again(table, svg_name);
         return 0;
     }
-    need_peers_if(with_peers);
+    need_peers_if(plan.peers);
+    pin_to(1);
+    if (answers) {
+        answer_requests(plan);
+        return 0;
+    }
     std::ofstream csv = open_output(csv_name);
     std::ofstream svg = open_output(svg_name);
-
-    const Clock clock;
-    std::cout << machine() << "; reading the clock twice takes " << clock.cost()
-              << " ns, which is subtracted\n";
+    Stand stand;
+    const Counting counted = counting();
+    std::cout << machine() << "; reading the clock twice takes " << stand.clock.cost()
+              << " ns, which is subtracted; " << counted.sentence << '\n';
+    const std::string own = std::filesystem::read_symlink("/proc/self/exe");
+    const Counts counts = counts_of(own, plan, counted);
+    if (!against.empty()) {
+        compare(plan, stand, counts, against, counted);
+        return 0;
+    }
     std::vector<Row> rows;
-    std::vector<Object> objects = contact_objects();
-    std::erase_if(objects,
-                  [&](const Object& o) { return wanted.find(o.name) == std::string::npos; });
-    for (const Object& object : objects) {
-        std::vector<Path> paths{{"-3..+3 mm", -3e-3, 3e-3}};
-        if (object.name == "D") {
-            paths.push_back({"0..+3 mm", 0.0, 3e-3});
-        }
-        for (const Path& path : paths) {
-            const std::vector<Vec2> hips = hand_along(
-                object, {.seconds = seconds, .nearest = path.nearest, .farthest = path.farthest});
-            Methods<2> methods = own_methods(object);
-            if (with_peers) {
-                append(methods, peer_methods(object));
-            }
-            append(methods, soft_methods(object));
-            const std::size_t before = rows.size();
-            measure<2>(rows, object.name, path.name, methods, hips, truths(object, hips), clock);
-            print_table(std::cout,
-                        {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
-        }
+    for (const CourseMaker& maker : courses(plan)) {
+        AnyCourse course = maker.make();
+        const std::vector<Row> more =
+            std::visit([&](auto& one) { return measure(one, stand, counts); }, course);
+        print_table(std::cout, more);
+        rows.insert(rows.end(), more.begin(), more.end());
     }
-    for (const Object& object : objects) {
-        const std::vector<Vec2> hips =
-            hand_along(object, {.seconds = seconds, .nearest = -3e-3, .farthest = -5e-4});
-        const std::size_t before = rows.size();
-        Methods<2> methods = tick_methods(object);
-        append(methods, soft_methods(object));
-        measure<2>(rows, object.name, "ticks, -3..-0.5 mm", methods, hips, {}, clock);
-        print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
-    }
-    const bool in_space = wanted.find('S') != std::string::npos;
-    for (const Surface& surface : in_space ? contact_surfaces() : std::vector<Surface>()) {
-        Methods<3> methods = own_surface_methods(surface);
-        if (with_peers) {
-            append(methods, peer_surface_methods(surface));
-        }
-        if (methods.empty()) {
-            continue;
-        }
-        const std::vector<Vec3> hips = hand_over(surface, 0.2 * seconds);
-        const std::size_t before = rows.size();
-        measure<3>(rows, surface.name, "-3..+3 mm", methods, hips, truths(surface, hips), clock);
-        print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
-    }
-    print_stability(std::cout, objects);
+    print_stability(std::cout, plan);
     if (csv.is_open()) {
         write_csv(csv, rows);
         close_output(csv, csv_name);

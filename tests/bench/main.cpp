@@ -18,9 +18,12 @@ struct Command {
 constexpr Command kCommands[] = {
     {"contact", contact_command,
      "  contact [--peers] [--objects LETTERS] [--seconds S] [--csv FILE] [--svg FILE]\n"
+     "  contact --against BINARY ...       by how much this build differs from another "
+     "palpate_bench\n"
      "  contact --from FILE --svg FILE     draws a table again\n"
-     "            closest points and ticks: time and error of every method on objects A to E and\n"
-     "            on surfaces, S: ABCDES\n"},
+     "            closest points and ticks: time, instructions and error of every method on "
+     "objects\n"
+     "            A to E and on surfaces, S: ABCDES\n"},
     {"nasty", nasty_command,
      "  nasty [--peers] [--csv FILE]\n"
      "            wrong answers to 2223 queries that break closest-point solvers\n"},
@@ -42,8 +45,10 @@ constexpr Command kCommands[] = {
      "  procedure [--csv FILE]\n"
      "            time in which QUEST+ chooses from 20,000 parameter cells\n"},
     {"data", data_command,
-     "  data [--peers] [--trials N] [--seconds S] [--csv FILE]\n"
-     "            traces: bytes a sample, ingest, queries; against rows in SQLite, CSV and HDF5\n"},
+     "  data [--peers] [--trials N] [--seconds S] [--cores 1|2] [--csv FILE]\n"
+     "            traces: simulate, ingest, queries, replay, verify; against rows in SQLite, CSV "
+     "and\n"
+     "            HDF5; on one core unless two are asked for\n"},
     {"guard", guard_command,
      "  guard [--kills N] [--csv FILE]\n"
      "            from palpate's death (kill -9) or stop to zero torque at an emulated board\n"},

@@ -139,6 +139,11 @@ constexpr engine::Slew kSlew{.speed = 0.2, .radius = 0.003};
 
 }  // namespace
 
+std::unique_ptr<Method<2>> newton_update() {
+    return make_method<2>("one cubic Newton update", Kind::floor,
+                          NewtonUpdate{spans_of(contact_objects().front()).front()});
+}
+
 Methods<2> own_methods(const Object& object) {
     Methods<2> methods;
     const RationalBezier<2> span = spans_of(object).front();
@@ -158,8 +163,7 @@ Methods<2> own_methods(const Object& object) {
 
 Methods<2> tick_methods(const Object& object) {
     Methods<2> methods;
-    const RationalBezier<2> cubic = spans_of(contact_objects().front()).front();
-    methods.push_back(make_method<2>("one cubic Newton update", Kind::floor, NewtonUpdate{cubic}));
+    methods.push_back(newton_update());
     const auto add = [&](const char* name, const engine::SceneSpec& spec) {
         methods.push_back(make_method<2>(name, Kind::floor, Tick(object, spec)));
     };

@@ -5,6 +5,9 @@
 
 namespace palpate::bench {
 
+/// One Newton update of u on a cubic, each waiting for the one before: the unit of all times.
+[[nodiscard]] std::unique_ptr<Method<2>> newton_update();
+
 /// The floor, our own methods and the polyline, for one object. New solvers of the engine go here.
 [[nodiscard]] Methods<2> own_methods(const Object& object);
 

@@ -49,21 +49,29 @@ void print_table(std::ostream& out, const std::vector<Row>& rows) {
         const std::string now = row.object + ", " + row.path;
         if (now != heading) {
             heading = now;
-            out << '\n'
-                << heading << '\n'
-                << print("%-36s %8s %8s %8s %8s %9s %9s %9s %9s %9s %9s %8s\n", "method", "ns",
-                         "p50", "p99", "p99.9", "cold p50", "cold p99", "e_d p50", "e_d p99",
-                         "e_d max", "foot p99", "miss %");
+            out << '\n' << heading << '\n';
+            out << print("%-36s %8s %17s %8s %7s %8s %8s %8s %8s %9s %9s %9s %9s %9s %9s %8s\n",
+                         "method", "x unit", "95 %", "instr.", "thrown", "ns", "p50", "p99",
+                         "p99.9", "cold p50", "cold p99", "e_d p50", "e_d p99", "e_d max",
+                         "foot p99", "miss %");
         }
-        out << print(
-            "%-36s %8s %8s %8s %8s %9s %9s %9s %9s %9s %9s %8s\n", row.method.c_str(),
-            nanoseconds(row.time.warm).c_str(), nanoseconds(row.time.p50).c_str(),
-            nanoseconds(row.time.p99).c_str(), nanoseconds(row.time.p999).c_str(),
-            nanoseconds(row.time.cold_p50).c_str(), nanoseconds(row.time.cold_p99).c_str(),
-            metres(row, row.error.distance_p50).c_str(),
-            metres(row, row.error.distance_p99).c_str(),
-            metres(row, row.error.distance_max).c_str(), metres(row, row.error.foot_p99).c_str(),
-            row.kind == Kind::floor ? "-" : print("%.2f", 100.0 * row.error.misses).c_str());
+        const Timing& t = row.time;
+        out << print("%-36s %8.3f [%7.3f,%7.3f] %8.1f %7s", row.method.c_str(), t.ratio.value,
+                     t.ratio.low, t.ratio.high, t.instructions,
+                     print("%.0f/%.0f", t.thrown, t.rounds).c_str());
+        for (const double ns : {t.warm, t.p50, t.p99, t.p999}) {
+            out << print(" %8s", nanoseconds(ns).c_str());
+        }
+        for (const double ns : {t.cold_p50, t.cold_p99}) {
+            out << print(" %9s", nanoseconds(ns).c_str());
+        }
+        for (const double error : {row.error.distance_p50, row.error.distance_p99,
+                                   row.error.distance_max, row.error.foot_p99}) {
+            out << print(" %9s", metres(row, error).c_str());
+        }
+        out << print(" %8s\n", row.kind == Kind::floor
+                                   ? "-"
+                                   : print("%.2f", 100.0 * row.error.misses).c_str());
     }
 }
 

@@ -29,7 +29,7 @@ struct Row {
 /// Columns that people read: one table an object and path.
 void print_table(std::ostream& out, const std::vector<Row>& rows);
 /// One line a row, SI units and ns in the names of the columns.
-void write_csv(std::ostream& out, const std::vector<Row>& rows);
+void write_csv(std::ostream& out, std::vector<Row> rows);
 /// What write_csv wrote. @throws std::runtime_error for a line that it would not write
 [[nodiscard]] std::vector<Row> read_csv(std::istream& in);
 /// Run time against error of every row, log-log, one panel an object and path, as SVG.

@@ -12,10 +12,21 @@ namespace {
 
 constexpr std::array kKinds{Kind::floor, Kind::global, Kind::tracker, Kind::mesh, Kind::peer};
 constexpr const char* kHead =
-    "machine,object,path,method,kind,warm_ns,tick_p50_ns,tick_p99_ns,tick_p999_ns,cold_p50_ns,"
-    "cold_p99_ns,distance_error_p50_m,distance_error_p99_m,distance_error_max_m,"
-    "foot_error_p99_m,miss_share";
-constexpr std::size_t kFields = 16;
+    "machine,object,path,method,kind,ratio,ratio_low,ratio_high,instructions,rounds,thrown_rounds,"
+    "warm_ns,tick_p50_ns,tick_p99_ns,tick_p999_ns,cold_p50_ns,cold_p99_ns,distance_error_p50_m,"
+    "distance_error_p99_m,distance_error_max_m,foot_error_p99_m,miss_share";
+constexpr std::size_t kTexts = 5;
+constexpr std::size_t kErrors = 5;  ///< the last numbers, empty for Kind::floor
+
+/// The numbers of a row, in the order of the head.
+std::array<double*, 17> numbers_of(Row& row) {
+    Timing& t = row.time;
+    Errors& e = row.error;
+    return {&t.ratio.value, &t.ratio.low, &t.ratio.high,   &t.instructions, &t.rounds,
+            &t.thrown,      &t.warm,      &t.p50,          &t.p99,          &t.p999,
+            &t.cold_p50,    &t.cold_p99,  &e.distance_p50, &e.distance_p99, &e.distance_max,
+            &e.foot_p99,    &e.misses};
+}
 
 /// The fields of a line, without their quotation marks.
 std::vector<std::string> fields_of(const std::string& line) {
@@ -31,10 +42,6 @@ std::vector<std::string> fields_of(const std::string& line) {
         }
     }
     return fields;
-}
-
-double number(const std::string& field) {
-    return field.empty() ? 0.0 : std::stod(field);
 }
 
 }  // namespace
@@ -54,20 +61,17 @@ const char* name_of(Kind kind) {
     }
 }
 
-void write_csv(std::ostream& out, const std::vector<Row>& rows) {
+void write_csv(std::ostream& out, std::vector<Row> rows) {
     out << kHead << '\n';
-    for (const Row& row : rows) {
-        out << fmt::format(
-            "\"{}\",\"{}\",\"{}\",\"{}\",{},{:.2f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f}", row.machine,
-            row.object, row.path, row.method, name_of(row.kind), row.time.warm, row.time.p50,
-            row.time.p99, row.time.p999, row.time.cold_p50, row.time.cold_p99);
-        if (row.kind == Kind::floor) {
-            out << ",,,,,\n";
-        } else {
-            out << fmt::format(",{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", row.error.distance_p50,
-                               row.error.distance_p99, row.error.distance_max, row.error.foot_p99,
-                               row.error.misses);
+    for (Row& row : rows) {
+        out << fmt::format("\"{}\",\"{}\",\"{}\",\"{}\",{}", row.machine, row.object, row.path,
+                           row.method, name_of(row.kind));
+        const auto numbers = numbers_of(row);
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            const bool none = row.kind == Kind::floor && i + kErrors >= numbers.size();
+            out << (none ? "," : fmt::format(",{:.7g}", *numbers[i]));
         }
+        out << '\n';
     }
 }
 
@@ -79,10 +83,12 @@ std::vector<Row> read_csv(std::istream& in) {
     std::vector<Row> rows;
     while (std::getline(in, line)) {
         const std::vector<std::string> f = fields_of(line);
-        if (f.size() != kFields) {
-            throw std::runtime_error("a line has not 16 fields: " + line);
-        }
         Row& row = rows.emplace_back();
+        const auto numbers = numbers_of(row);
+        if (f.size() != kTexts + numbers.size()) {
+            throw std::runtime_error(
+                fmt::format("a line has not {} fields: {}", kTexts + numbers.size(), line));
+        }
         row.machine = f[0];
         row.object = f[1];
         row.path = f[2];
@@ -90,17 +96,10 @@ std::vector<Row> read_csv(std::istream& in) {
         for (const Kind kind : kKinds) {
             row.kind = f[4] == name_of(kind) ? kind : row.kind;
         }
-        row.time.warm = number(f[5]);
-        row.time.p50 = number(f[6]);
-        row.time.p99 = number(f[7]);
-        row.time.p999 = number(f[8]);
-        row.time.cold_p50 = number(f[9]);
-        row.time.cold_p99 = number(f[10]);
-        row.error.distance_p50 = number(f[11]);
-        row.error.distance_p99 = number(f[12]);
-        row.error.distance_max = number(f[13]);
-        row.error.foot_p99 = number(f[14]);
-        row.error.misses = number(f[15]);
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            const std::string& text = f[kTexts + i];
+            *numbers[i] = text.empty() ? 0.0 : std::stod(text);
+        }
     }
     return rows;
 }

@@ -51,13 +51,15 @@ int scaling_command(const std::vector<std::string>& arguments) {
     words.finish("scaling takes --csv FILE");
     std::ofstream csv = open_output(csv_name);
     if (csv.is_open()) {
-        csv << "machine,curves,method,build_s,ticks,warm_ns,tick_p50_ns,tick_p99_ns,tick_p999_ns,"
+        csv << "machine,curves,method,build_s,ticks,ratio,ratio_low,ratio_high,warm_ns,tick_p50_ns,"
+               "tick_p99_ns,tick_p999_ns,"
                "distance_error_max_m,miss_share\n";
     }
-    const Clock clock;
+    pin_to(1);
+    Stand stand;
     std::cout << machine() << '\n';
-    std::printf("%8s  %-24s %9s %7s %11s %11s %11s %11s %9s %7s\n", "curves", "method", "build s",
-                "ticks", "ns", "p50", "p99", "p99.9", "e_d max", "miss %");
+    std::printf("%8s  %-24s %9s %7s %8s %11s %11s %11s %11s %9s %7s\n", "curves", "method",
+                "build s", "ticks", "x unit", "ns", "p50", "p99", "p99.9", "e_d max", "miss %");
     for (const std::size_t count : kCounts) {
         const Object ring = ring_of(count);
         const Object part = reached(ring);
@@ -72,22 +74,24 @@ int scaling_command(const std::vector<std::string>& arguments) {
                 path.begin(),
                 path.begin() + static_cast<std::ptrdiff_t>(affordable(*method, path)));
             const Timing time =
-                time_of<2>(*method, hips, {.warm_seconds = 0.2, .cold_ticks = 0}, clock);
+                time_of<2>(*method, hips, {.warm_seconds = 0.2, .cold_ticks = 0}, stand);
             // The first ticks alone: the oracle looks at every curve that the hand can reach.
             const std::vector<Vec2> few(
                 hips.begin(), hips.begin() + std::min<std::ptrdiff_t>(200, std::ssize(hips)));
             const std::vector<Truth<2>> truth = truths(part, few);
             const Errors error = errors_of<2>(*method, few, std::span<const Truth<2>>(truth));
-            std::printf("%8zu  %-24s %9.4f %7zu %11.1f %11.1f %11.1f %11.1f %9.1e %7.2f\n", count,
-                        method->name().c_str(), build, hips.size(), time.warm, time.p50, time.p99,
-                        time.p999, error.distance_max, 100.0 * error.misses);
+            std::printf("%8zu  %-24s %9.4f %7zu %8.3f %11.1f %11.1f %11.1f %11.1f %9.1e %7.2f\n",
+                        count, method->name().c_str(), build, hips.size(), time.ratio.value,
+                        time.warm, time.p50, time.p99, time.p999, error.distance_max,
+                        100.0 * error.misses);
             if (csv.is_open()) {
                 std::array<char, 256> line{};
-                std::snprintf(line.data(), line.size(),
-                              "\"%s\",%zu,\"%s\",%.6f,%zu,%.2f,%.1f,%.1f,%.1f,%.6g,%.6g\n",
-                              machine().c_str(), count, method->name().c_str(), build, hips.size(),
-                              time.warm, time.p50, time.p99, time.p999, error.distance_max,
-                              error.misses);
+                std::snprintf(
+                    line.data(), line.size(),
+                    "\"%s\",%zu,\"%s\",%.6f,%zu,%.4f,%.4f,%.4f,%.2f,%.1f,%.1f,%.1f,%.6g,%.6g\n",
+                    machine().c_str(), count, method->name().c_str(), build, hips.size(),
+                    time.ratio.value, time.ratio.low, time.ratio.high, time.warm, time.p50,
+                    time.p99, time.p999, error.distance_max, error.misses);
                 csv << line.data();
             }
         }

@@ -1,20 +1,20 @@
-#include <chrono>
-#include <cstdio>
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "tests/bench/commands.hpp"
+#include "tests/bench/core.hpp"
 #include "tests/bench/data/made_trials.hpp"
 #include "tests/bench/data/own_store.hpp"
 #include "tests/bench/data/trace_store.hpp"
 #include "tests/bench/peers/peers.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/bench/timing.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -39,45 +39,49 @@ private:
     fs::path path_;
 };
 
-double seconds_of(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-struct Result {
-    std::string store;
-    double bytes_per_sample = 0.0;
-    double ingest = 0.0;        ///< million samples/s
-    double one_trial_ms = 0.0;  ///< mean normal force of a trial, median
-    double scan_s = 0.0;        ///< mean commanded force over all trials
-    double mean_force = 0.0;    ///< of the first trial, N: all stores must agree
-};
-
-Result measure(TraceStore& store,
-               const std::vector<std::vector<engine::TickRecord>>& made,
-               std::int64_t trials) {
-    Result result{.store = store.name()};
+/// @param mean_force  of the first trial, N: all stores must agree; 0: the first store says it
+std::vector<Figure> measure(TraceStore& store,
+                            const std::vector<std::vector<engine::TickRecord>>& made,
+                            std::int64_t trials,
+                            const Stopwatch& watch,
+                            double& mean_force) {
+    std::vector<double> ingest;
     std::size_t samples = 0;
-    const double writing = seconds_of([&] {
-        for (std::int64_t trial = 1; trial <= trials; ++trial) {
-            const auto& ticks = made[static_cast<std::size_t>(trial - 1) % made.size()];
-            store.write(trial, ticks);
-            samples += ticks.size();
-        }
-        store.finish();
-    });
-    result.ingest = 1e-6 * static_cast<double>(samples) / writing;
-    result.bytes_per_sample = static_cast<double>(store.bytes()) / static_cast<double>(samples);
-    result.mean_force = store.mean_normal_force(1);
-    std::vector<double> times;
-    for (std::int64_t trial = 1; trial <= std::min<std::int64_t>(trials, 15); ++trial) {
-        times.push_back(1e3 *
-                        seconds_of([&] { static_cast<void>(store.mean_normal_force(trial)); }));
+    for (std::int64_t trial = 1; trial <= trials; ++trial) {
+        const auto& ticks = made[static_cast<std::size_t>(trial - 1) % made.size()];
+        const double writing = watch.seconds([&] { store.write(trial, ticks); });
+        ingest.push_back(1e-6 * static_cast<double>(ticks.size()) / writing);
+        samples += ticks.size();
     }
-    result.one_trial_ms = percentile(times, 0.5);
-    result.scan_s = seconds_of([&] { static_cast<void>(store.mean_command_x()); });
-    return result;
+    const double last = watch.seconds([&] { store.finish(); });
+    const double mean = store.mean_normal_force(1);
+    mean_force = mean_force == 0.0 ? mean : mean_force;
+    if (!(std::fabs(mean - mean_force) <= 1e-9 * std::fabs(mean_force))) {
+        throw std::runtime_error(store.name() + " gives another mean force than the first store");
+    }
+    std::vector<double> ask;
+    std::vector<double> scan;
+    std::vector<double> prove;
+    for (std::int64_t trial = 1; trial <= std::min<std::int64_t>(trials, 15); ++trial) {
+        ask.push_back(1e3 *
+                      watch.seconds([&] { static_cast<void>(store.mean_normal_force(trial)); }));
+    }
+    for (int i = 0; i < 6; ++i) {
+        scan.push_back(watch.seconds([&] { static_cast<void>(store.mean_command_x()); }));
+        std::size_t proved = 0;
+        const double proving = watch.seconds([&] { proved = store.verify(); });
+        prove.push_back(1e-6 * static_cast<double>(proved) / proving);
+    }
+    const double bytes = static_cast<double>(store.bytes()) / static_cast<double>(samples);
+    std::vector<Figure> figures{{"size", "bytes a sample", median({bytes})},
+                                {"ingest", "million samples/s", median(ingest)},
+                                {"end of all writing", "s", median({last})},
+                                {"avg(rendered_normal_n) of a trial", "ms", median(ask)},
+                                {"avg(commanded_x_n) of everything", "s", median(scan)}};
+    if (prove.front() > 0.0) {
+        figures.push_back({"verify", "million samples/s", median(prove)});
+    }
+    return figures;
 }
 
 std::vector<std::unique_ptr<TraceStore>> stores(const std::string& folder, const MadeStudy& study) {
@@ -96,45 +100,43 @@ std::vector<std::unique_ptr<TraceStore>> stores(const std::string& folder, const
 int data_command(const std::vector<std::string>& arguments) {
     Words words(arguments);
     const bool peers = words.flag("--peers");
-    const int trials = std::stoi(words.value("--trials", "200"));
+    const int trials = std::stoi(words.value("--trials", "60"));
     const double seconds = std::stod(words.value("--seconds", "30"));
+    const Stopwatch watch{std::stoi(words.value("--cores", "1"))};
     const std::string csv_name = words.value("--csv");
-    words.finish("data takes --peers, --trials N, --seconds S and --csv FILE");
+    words.finish("data takes --peers, --trials N, --seconds S, --cores 1 or 2, and --csv FILE");
     need_peers_if(peers);
+    pin_to(watch.cores);
     std::ofstream csv = open_output(csv_name);
+    if (csv.is_open()) {
+        csv << "machine,cores,trials,seconds,store,figure,unit,median,low,high\n";
+    }
+    std::cout << fmt::format(
+        "{}; {} trials of {} s at 1 kHz; {}\n", machine(), trials, seconds,
+        watch.cores == 1 ? "on one core, seconds of the processor" : "seconds of the wall clock");
+    const auto report = [&](const std::string& store, const std::vector<Figure>& figures) {
+        for (const Figure& one : figures) {
+            std::cout << fmt::format("{:<24} {:<34} {:>9.4g} [{:.4g}, {:.4g}] {}\n", store,
+                                     one.name, one.value.value, one.value.low, one.value.high,
+                                     one.unit)
+                      << std::flush;
+            if (csv.is_open()) {
+                csv << fmt::format("\"{}\",{},{},{},\"{}\",\"{}\",{},{:.5g},{:.5g},{:.5g}\n",
+                                   machine(), watch.cores, trials, seconds, store, one.name,
+                                   one.unit, one.value.value, one.value.low, one.value.high);
+            }
+        }
+    };
     const MadeStudy study = made_study();
     std::vector<std::vector<engine::TickRecord>> made;
     for (std::size_t i = 0; i < 10; ++i) {
         made.push_back(made_trial(study, 10 + i, seconds));
     }
-    std::cout << machine() << '\n';
-    std::printf("%d trials of %g s at 1 kHz\n", trials, seconds);
-    const Own own = measure_own(study, made);
-    std::printf(
-        "encode %.2f, decode of one stored column %.1f, full replay %.2f, one trial after the "
-        "other %.2f million samples/s\n",
-        own.encode, own.decode, own.replay, own.replay_one);
-    std::printf(
-        "schema compared at open: %.3f ms of the processor, the first time in a program %.3f ms\n",
-        own.schema_ms, own.schema_first_ms);
-    std::printf("%-28s %8s %10s %14s %12s %18s\n", "store", "bytes/s.", "ingest M/s",
-                "avg(rendered_normal_n) ms", "avg(commanded_x_n) s", "mean fn, trial 1");
-    if (csv.is_open()) {
-        csv << "machine,store,trials,seconds,bytes_per_sample,ingest_msps,avg_fn_trial_ms,"
-               "avg_fx_scan_s,encode_msps,decode_msps,replay_msps,replay_one_msps\n";
-    }
+    report("in memory", measure_own(study, made, watch));
     const Folder folder;
+    double mean_force = 0.0;
     for (const auto& store : stores(folder.name(), study)) {
-        const Result r = measure(*store, made, trials);
-        std::printf("%-28s %8.2f %10.2f %14.2f %12.3f %18.12f\n", r.store.c_str(),
-                    r.bytes_per_sample, r.ingest, r.one_trial_ms, r.scan_s, r.mean_force);
-        std::fflush(stdout);
-        if (csv.is_open()) {
-            csv << fmt::format(
-                "\"{}\",\"{}\",{},{},{:.3f},{:.4f},{:.3f},{:.4f},{:.3f},{:.2f},{:.3f},{:.3f}\n",
-                machine(), r.store, trials, seconds, r.bytes_per_sample, r.ingest, r.one_trial_ms,
-                r.scan_s, own.encode, own.decode, own.replay, own.replay_one);
-        }
+        report(store->name(), measure(*store, made, trials, watch, mean_force));
     }
     if (csv.is_open()) {
         close_output(csv, csv_name);

@@ -1,8 +1,6 @@
 #include "tests/bench/data/own_store.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <stdexcept>
 
@@ -20,22 +18,18 @@
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"
+#include "data/verify/verify.hpp"
 
 namespace palpate::bench {
 namespace {
 
 using engine::TickRecord;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kFirst = 10;  ///< position of the first made trial: after practice
 constexpr std::size_t kMade = 10;
 
 engine::Calibration simulated_machine() {
     return {.pantograph = engine::PantographModel{}.plant.machine};
-}
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 class OwnStore : public TraceStore {
@@ -85,6 +79,10 @@ public:
     }
     [[nodiscard]] double mean_command_x() override {
         return value("SELECT avg(commanded_x_n) FROM sample");
+    }
+    [[nodiscard]] std::size_t verify() override {
+        data::Database file(file_, data::Access::read);
+        return static_cast<std::size_t>(data::verify(file).sessions.at(0).replayed);
     }
 
 private:
@@ -142,15 +140,13 @@ std::unique_ptr<TraceStore> own_store(const std::string& folder, const MadeStudy
 
 namespace {
 
-constexpr int kTimes = 10;  ///< each replay, so that a run takes a while
-
 /// A made trial as it is stored, and what it is replayed with.
-struct ColumnId {
+struct StoredTrial {
     std::unique_ptr<const engine::Scene> scene;
     Chunks chunks;
 };
 
-void replay(const ColumnId& trial, bool helped) {
+void replay(const StoredTrial& trial, bool helped) {
     const data::ReplayResult again =
         data::replay(trial.scene.get(), simulated_machine().pantograph, trial.chunks.views, helped);
     if (again.differs_from) {
@@ -158,81 +154,88 @@ void replay(const ColumnId& trial, bool helped) {
     }
 }
 
-double seconds_side_by_side(const std::vector<ColumnId>& trials) {
-    const auto start = Clock::now();
-    SideBySide work;
+void replay_side_by_side(const std::vector<StoredTrial>& trials, int cores) {
+    SideBySide work(static_cast<std::size_t>(cores));
     std::size_t last = 0;
-    for (int i = 0; i < kTimes; ++i) {
-        for (const ColumnId& trial : trials) {
-            last = work.add([&trial] { replay(trial, false); });
-        }
+    for (const StoredTrial& trial : trials) {
+        last = work.add([&trial] { replay(trial, false); });
     }
     for (std::size_t i = 0; i <= last; ++i) {
         work.wait_for(i);
     }
-    return seconds_since(start);
 }
 
-double seconds_one_by_one(const std::vector<ColumnId>& trials) {
-    const auto start = Clock::now();
-    for (int i = 0; i < kTimes; ++i) {
-        for (const ColumnId& trial : trials) {
-            replay(trial, true);
-        }
-    }
-    return seconds_since(start);
-}
-
-/// Before any other file is opened: the first open of a program reads the catalogue too. Time of the
-/// processor: less than a millisecond is soon lost to another program.
-void measure_schema(Own& own) {
+/// Time of the processor, since less than a millisecond is soon lost to another program. The first
+/// comparison in a program reads the catalogue too, so this comes before any file is opened.
+void measure_schema(std::vector<Figure>& figures) {
     const data::Database database("schema", data::Access::memory);
+    const Stopwatch processor;
     std::vector<double> ms;
     for (int i = 0; i < 201; ++i) {
-        const std::clock_t start = std::clock();
-        if (!data::schema_differences(database.connection()).empty()) {
-            throw std::runtime_error("a new file's schema differs from the catalogue");
-        }
-        ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+        ms.push_back(1e3 * processor.seconds([&] {
+            if (!data::schema_differences(database.connection()).empty()) {
+                throw std::runtime_error("a new file's schema differs from the catalogue");
+            }
+        }));
     }
-    own.schema_first_ms = ms.front();
-    std::ranges::sort(ms);
-    own.schema_ms = ms[ms.size() / 2];
+    figures.push_back({"schema at open, the first", "ms", median({ms.front()})});
+    figures.push_back({"schema at open, again", "ms", median({ms.begin() + 1, ms.end()})});
 }
 
 }  // namespace
 
-Own measure_own(const MadeStudy& study, const std::vector<std::vector<TickRecord>>& made) {
-    Own own;
-    measure_schema(own);
-    const std::int64_t period_ns = 1'000'000;
-    double encode = 0.0;
-    double decode = 0.0;
-    std::size_t samples = 0;
-    std::vector<ColumnId> trials;
+std::vector<Figure> measure_own(const MadeStudy& study,
+                                const std::vector<std::vector<TickRecord>>& made,
+                                const Stopwatch& watch) {
+    constexpr int kRounds = 11;
+    constexpr std::int64_t kPeriod = 1'000'000;  // ns
+    std::vector<Figure> figures;
+    measure_schema(figures);
+    double millions = 0.0;
+    std::vector<double> simulate;
+    std::vector<double> encode;
+    std::vector<double> decode;
+    std::vector<StoredTrial> trials;
     for (std::size_t i = 0; i < made.size(); ++i) {
+        const double each = 1e-6 * static_cast<double>(made[i].size());
+        const double long_s =
+            static_cast<double>(kPeriod) * 1e-9 * static_cast<double>(made[i].size());
+        simulate.push_back(each / watch.seconds([&] {
+            static_cast<void>(made_trial(study, kFirst + i, long_s));
+        }));
         const auto& condition = study.plan.trials.at(kFirst + i).condition;
         std::unique_ptr<const engine::Scene> scene(
             new engine::Scene(make_scene(study.protocol, condition)));
-        const auto start = Clock::now();
-        Chunks chunks = encode_all(made[i], *scene, period_ns);
-        encode += seconds_since(start);
-
+        Chunks chunks;
+        encode.push_back(each /
+                         watch.seconds([&] { chunks = encode_all(made[i], *scene, kPeriod); }));
         std::vector<std::int64_t> values(data::kChunkTicks);
-        const auto before = Clock::now();
-        for (const data::ChunkView& view : chunks.views) {
-            read_stored(view, data::ColumnId::hip_x, std::span(values).first(view.ticks));
-        }
-        decode += seconds_since(before);
+        decode.push_back(each / watch.seconds([&] {
+            for (const data::ChunkView& view : chunks.views) {
+                read_stored(view, data::ColumnId::hip_x, std::span(values).first(view.ticks));
+            }
+        }));
         trials.push_back({std::move(scene), std::move(chunks)});
-        samples += made[i].size();
+        millions += each;
     }
-    const double millions = 1e-6 * static_cast<double>(samples);
-    own.encode = millions / encode;
-    own.decode = millions / decode;
-    own.replay = kTimes * millions / seconds_side_by_side(trials);
-    own.replay_one = kTimes * millions / seconds_one_by_one(trials);
-    return own;
+    std::vector<double> side_by_side;
+    std::vector<double> one_by_one;
+    for (int i = 0; i < kRounds; ++i) {
+        side_by_side.push_back(millions /
+                               watch.seconds([&] { replay_side_by_side(trials, watch.cores); }));
+        one_by_one.push_back(millions / watch.seconds([&] {
+            for (const StoredTrial& trial : trials) {
+                replay(trial, watch.cores > 1);
+            }
+        }));
+    }
+    const char* unit = "million samples/s";
+    figures.push_back({"simulate", unit, median(simulate)});
+    figures.push_back({"encode", unit, median(encode)});
+    figures.push_back({"decode of one stored column", unit, median(decode)});
+    figures.push_back({"replay, trials side by side", unit, median(side_by_side)});
+    figures.push_back({"replay, one trial after the other", unit, median(one_by_one)});
+    return figures;
 }
 
 }  // namespace palpate::bench

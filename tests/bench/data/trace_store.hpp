@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -29,6 +30,8 @@ public:
     [[nodiscard]] virtual double mean_normal_force(std::int64_t trial) = 0;
     /// Mean x of the commanded force over all trials, N: one stored column of everything.
     [[nodiscard]] virtual double mean_command_x() = 0;
+    /// Proves all that it holds. @return samples proved; 0: such a store cannot
+    [[nodiscard]] virtual std::size_t verify() { return 0; }
 };
 
 /// Row per sample in SQLite, PRIMARY KEY (trial, tick) WITHOUT ROWID, WAL, one transaction a trial.
