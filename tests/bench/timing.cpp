@@ -211,6 +211,9 @@ void pass(Passes& passes,
           std::size_t rounds,
           Stand& stand) {
     static const std::vector<Vec2> units(kUnits);
+    // Never quiet so far: then rounds beside a neighbour count as well, and the interval says so.
+    const bool noisy =
+        passes.ns.size() >= 8 && 20 * (passes.rounds() - passes.thrown()) < passes.rounds();
     std::vector<double>& ratio = passes.ratio.emplace_back();
     std::vector<double>& ns = passes.ns.emplace_back();
     std::size_t looked = 0;
@@ -230,7 +233,7 @@ void pass(Passes& passes,
         const std::uint64_t to = Clock::now();
         const bool ours = stand.watch.ours();
         shared = stand.shared();
-        const bool kept = ours && !before && !shared;
+        const bool kept = ours && (noisy || (!before && !shared));
         const double each = stand.clock.between(middle, to) / static_cast<double>(part.size());
         const double unit = stand.clock.between(from, middle) / static_cast<double>(kUnits);
         ns.push_back(kept ? each : kNone);
