@@ -104,7 +104,9 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     changed.apparatus.stiffness = 500.0;
     CHECK_THROWS_WITH(
         data::open_session(database, session_spec(changed)),
-        ContainsSubstring("another version of the protocol") && ContainsSubstring("--session"));
+        ContainsSubstring("another version of the protocol (apparatus stiffness_n_per_m 1000 "
+                          "there, 500 here); ") &&
+            ContainsSubstring("--session"));
     auto seeded = spec;
     seeded.seed = 8;
     seeded.plan = protocols::make_plan(seeded.protocol, seeded.protocol_hash, seeded.key, 8);

@@ -57,8 +57,9 @@ public:
               {"mark", after, "5", "--invalid", "sneezed"}}) {
             heads.push_back(head_in(said(words)));
         }
-        CHECK(head_in(said({"participant", after, "demo", "--handedness", "80", "--consent", "yes",
-                            "--operator", "Ada"})) == verified_head(after));
+        const std::string noted = head_in(said({"participant", after, "demo", "--handedness", "80",
+                                                "--consent", "yes", "--operator", "Ada"}));
+        CHECK(noted == verified_head(after));
         data::Database(after, data::Access::write).checkpoint();
     }
 
