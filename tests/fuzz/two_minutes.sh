@@ -1,15 +1,15 @@
 #!/bin/bash
 # Two minutes of each fuzzer, four at a time. What they find stays in build/found and is printed: it belongs to corpus/.
-#   cmake --preset fuzz && cmake --build --preset fuzz && bash tests/fuzz/two_minutes.sh [SECONDS]
+#   cmake --preset fuzz && cmake --build --preset fuzz && bash tests/fuzz/two_minutes.sh [SECONDS [SEED]]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
-export seconds=${1:-120}
+export seconds=${1:-120} seed=${2:-0}
 
 fuzz() {
     local name=${1#build/fuzz/fuzz_}
     local found=build/found/$name
     mkdir -p "$found/new"
-    if "$1" -max_total_time="$seconds" -max_len=4096 -timeout=20 -rss_limit_mb=4096 -print_final_stats=1 \
+    if "$1" -seed="$seed" -max_total_time="$seconds" -max_len=4096 -timeout=20 -rss_limit_mb=4096 -print_final_stats=1 \
         -artifact_prefix="$found/" "$found/new" "tests/fuzz/corpus/$name" >"$found/log" 2>&1; then
         echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$found/log") inputs"
         return
