@@ -10,6 +10,7 @@
 #include "engine/base/parsed.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
