@@ -82,6 +82,9 @@ void check(TableReader& top, CaseTable& read) {
         top.refuse("points_m", "points_m has three coordinates: give two each");
     }
     for (const double index : read.fixed) {
+        if (index < 0.0) {
+            continue;  // its range has refused it
+        }
         if (index != std::floor(index) || index > 1e6) {
             top.refuse("fixed",
                        fmt::format("fixed has {}: give whole numbers, the first control point is 0",
