@@ -37,40 +37,50 @@ std::string study(const TemporaryFolder& folder) {
 }
 
 /// Two trials, as rehearsed: a hand that is typed to the emulator explores, lets go in the
-/// break, and the experimenter's keys do the rest.
+/// break, and the experimenter's keys do the rest. A busy machine makes troubles, and they take their
+/// time: each screen has its own.
 void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
     bool explores = false;
     bool felt = false;
     int troubles = 0;
     std::string before;
-    CHECK(eventually([&] {
-        const auto window = hand.find_window("palpate: ");
-        const std::string& at = window.title;
-        if (at == "palpate: explore" && !felt) {
-            felt = board.motors() != "0, 0";
-        } else if (at == "palpate: ready" && !explores) {
-            board.bring("explore");
-            explores = true;
-        } else if ((at == "palpate: break" || at == "palpate: trouble") &&
-                   (at != before || times(run.program().out(), "trouble: ") > troubles)) {
-            const std::string out = run.program().out();
-            troubles = times(out, "trouble: ");
-            const std::string last = out.substr(std::min(out.rfind("trouble: "), out.size()));
-            const bool mark = last.find("to the second mark") != std::string::npos;
-            board.bring(mark ? tests::last_place(last) : "0,89.3");  // without a jump, and let go
-            explores = false;
-        } else if (window.id != 0) {
-            hand.focus(window);
-            if (at == "palpate: trouble" || at == "palpate: pause") {
-                hand.chord("p");
+    std::string course;
+    bool goes_on = true;
+    for (int screens = 0; goes_on && run.program().running() && screens < 80; ++screens) {
+        goes_on = eventually([&] {
+            const auto window = hand.find_window("palpate: ");
+            const std::string& at = window.title;
+            const bool another = at != before;
+            if (at == "palpate: explore" && !felt) {
+                felt = board.motors() != "0, 0";
+            } else if (at == "palpate: ready" && !explores) {
+                board.bring("explore");
+                explores = true;
+            } else if ((at == "palpate: break" || at == "palpate: trouble") &&
+                       (another || times(run.program().out(), "trouble: ") > troubles)) {
+                const std::string out = run.program().out();
+                troubles = times(out, "trouble: ");
+                const std::string last = out.substr(std::min(out.rfind("trouble: "), out.size()));
+                const bool mark = last.find("to the second mark") != std::string::npos;
+                board.bring(mark ? tests::last_place(last) : "0,89.3");  // without a jump, let go
+                explores = false;
+            } else if (window.id != 0) {
+                hand.focus(window);
+                if (at == "palpate: trouble" || at == "palpate: pause") {
+                    hand.chord("p");
+                }
+                hand.key(at == "palpate: question" ? "1" : "space");
+                felt = felt && at == "palpate: explore";
             }
-            hand.key(at == "palpate: question" ? "1" : "space");
-            felt = felt && at == "palpate: explore";
-        }
-        before = at;
-        tests::pause(0.3);
-        return !run.program().running();
-    }));
+            course += another ? "\n" + at : ".";
+            before = at;
+            tests::pause(0.3);
+            return another || !run.program().running();
+        });
+    }
+    INFO(course << "\n" << run.program().out());
+    CHECK(goes_on);
+    CHECK_FALSE(run.program().running());
 }
 
 }  // namespace
