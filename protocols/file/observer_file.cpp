@@ -113,10 +113,7 @@ std::string observer_text(const ObserverModel& model) {
     std::string text = fmt::format("format = {}\n", kObserverFormat);
     for (const Part& part : parts_of(copy)) {
         text += fmt::format("\n[{}]\n", part.name);
-        for (Key key : part.keys) {
-            key.late = false;
-            text += toml_lines({&key, 1}, part.record);
-        }
+        text += toml_lines(part.keys, part.record);
     }
     return text;
 }
@@ -147,8 +144,7 @@ std::string observer_example() {
         kObserverFormat);
     for (const Part& part : parts_of(model)) {
         text += fmt::format("\n[{}]  # {}\n", part.name, part.remark);
-        for (Key key : part.keys) {
-            key.late = false;
+        for (const Key& key : part.keys) {
             text += fmt::format("# {} ({})\n{}", key.meaning, range_of(key.range),
                                 toml_lines({&key, 1}, part.record));
         }

@@ -31,9 +31,7 @@ namespace palpate::protocols {
 [[nodiscard]] Protocol load_protocol(const std::filesystem::path& file);
 
 /// The canonical text: every key, in the order of the key table, numbers as short as they can be
-/// without changing the value. Sets of objects are written out. Without the tables [safety],
-/// [invalid], [exclusion] and [analysis] if all of one is default, and without each younger key
-/// that is (Key::late): studies written before they were there keep their hash.
+/// without changing the value. Sets of objects are written out.
 ///
 /// parse_protocol(to_toml(p)) == p for every p that was read from a file. Lengths and times are in
 /// mm and ms there: of the doubles in metres, about one in 40 is no quotient of a double by 1000,

@@ -172,7 +172,6 @@ struct Key {
     Range range{};        ///< of a number, or of every number of a list or point
     double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms, 0.001 for 1/ms
     Form form = Form::name;
-    bool late = false;  ///< younger than studies that are kept: not in their text while default
     std::string_view meaning;
 };
 using Keys = std::span<const Key>;
@@ -312,7 +311,7 @@ void read_value(const Key& key, const Value& value, const Slot& slot, TableReade
 [[nodiscard]] std::string toml_text(double si, double per_si = 1.0);
 /// In quotes, with escapes.
 [[nodiscard]] std::string toml_text(const std::string& text);
-/// "key = value" lines in the order of the rows, without late keys that are as the struct begins.
+/// "key = value" lines in the order of the rows.
 [[nodiscard]] std::string toml_lines(Keys keys, const void* record);
 
 // --------------------------------------------------------------------------------------- reference

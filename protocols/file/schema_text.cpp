@@ -247,8 +247,7 @@ std::string toml_lines(Keys keys, const void* record) {
     std::string text;
     for (const Key& key : keys) {
         // A slot takes a record to be filled; this one is only read.
-        const auto value = text_of(key, const_cast<void*>(record));
-        if (value && !(key.late && value == text_of(key, nullptr))) {
+        if (const auto value = text_of(key, const_cast<void*>(record))) {
             text += fmt::format("{} = {}\n", key.name, *value);
         }
     }

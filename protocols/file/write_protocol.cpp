@@ -17,15 +17,6 @@ void append(std::string& text, std::string_view heading, const Record& record) {
     text += fmt::format("\n{}\n{}", heading, toml_lines(keys_of<Record>(), &record));
 }
 
-/// A table of which all is as it is without it is not written: studies are older than some tables,
-/// and keep their hashes.
-template <class Record>
-void append_changed(std::string& text, std::string_view heading, const Record& record) {
-    if (record != Record{}) {
-        append(text, heading, record);
-    }
-}
-
 /// Without the keys that only another kind of object has.
 void append_undescribed(std::string& text, const ObjectSpec& object) {
     text += "\n[[object]]\n";
@@ -40,8 +31,7 @@ void append_undescribed(std::string& text, const ObjectSpec& object) {
 void append_friction(std::string& text, const FrictionSpec& friction) {
     const LawKeys* law = keys_of_law(friction.law);
     text += "\n[[friction]]\n";
-    for (Key key : keys_of<FrictionSpec>()) {
-        key.late = key.late && (law == nullptr || !law->needs(key.name));
+    for (const Key& key : keys_of<FrictionSpec>()) {
         if (law == nullptr || law->reads(key)) {
             text += toml_lines({&key, 1}, &friction);
         }
@@ -167,17 +157,17 @@ std::string to_toml(const Protocol& protocol) {
     append(text, "[study]", protocol);
     append(text, "[apparatus]", protocol.apparatus);
     append_objects(text, protocol);
-    append_changed(text, "[safety]", protocol.safety);
-    append_changed(text, "[invalid]", protocol.invalid);
-    append_changed(text, "[exclusion]", protocol.exclusion);
-    append_changed(text, "[analysis]", protocol.analysis);
+    append(text, "[safety]", protocol.safety);
+    append(text, "[invalid]", protocol.invalid);
+    append(text, "[exclusion]", protocol.exclusion);
+    append(text, "[analysis]", protocol.analysis);
     if (protocol.procedure) {  // which decides all but the breaks
         text += fmt::format("\n[design]\nbreak_every = {}\n", protocol.design.break_every);
     } else {
         append(text, "[design]", protocol.design);
     }
     append(text, "[timing]", protocol.timing);
-    append_changed(text, "[response]", protocol.response);
+    append(text, "[response]", protocol.response);
     if (protocol.procedure) {
         append(text, "[procedure]", *protocol.procedure);
         text += nested_in_protocol(protocol.procedure->rule.text);
@@ -186,10 +176,9 @@ std::string to_toml(const Protocol& protocol) {
         }
     }
     append(text, "[observer]", protocol.observer);
-    append_changed(text, "[masking]", protocol.masking);
+    append(text, "[masking]", protocol.masking);
     for (std::size_t i = 0; i < kLanguageCount; ++i) {
-        append_changed(text, fmt::format("[instructions.{}]", kLanguages[i]),
-                       protocol.instructions[i]);
+        append(text, fmt::format("[instructions.{}]", kLanguages[i]), protocol.instructions[i]);
     }
     return text;
 }
