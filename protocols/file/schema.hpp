@@ -311,7 +311,7 @@ void read_value(const Key& key, const Value& value, const Slot& slot, TableReade
 [[nodiscard]] std::string toml_text(double si, double per_si = 1.0);
 /// In quotes, with escapes.
 [[nodiscard]] std::string toml_text(const std::string& text);
-/// "key = value" lines in the order of the rows.
+/// "key = value" lines in the order of the rows; a text that is empty is none.
 [[nodiscard]] std::string toml_lines(Keys keys, const void* record);
 
 // --------------------------------------------------------------------------------------- reference

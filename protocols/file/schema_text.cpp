@@ -247,7 +247,8 @@ std::string toml_lines(Keys keys, const void* record) {
     std::string text;
     for (const Key& key : keys) {
         // A slot takes a record to be filled; this one is only read.
-        if (const auto value = text_of(key, const_cast<void*>(record))) {
+        const auto value = text_of(key, const_cast<void*>(record));
+        if (value && *value != "\"\"") {
             text += fmt::format("{} = {}\n", key.name, *value);
         }
     }

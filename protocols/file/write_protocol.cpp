@@ -14,7 +14,10 @@ namespace {
 
 template <class Record>
 void append(std::string& text, std::string_view heading, const Record& record) {
-    text += fmt::format("\n{}\n{}", heading, toml_lines(keys_of<Record>(), &record));
+    const std::string lines = toml_lines(keys_of<Record>(), &record);
+    if (!lines.empty()) {
+        text += fmt::format("\n{}\n{}", heading, lines);
+    }
 }
 
 /// Without the keys that only another kind of object has.
