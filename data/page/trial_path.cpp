@@ -116,11 +116,6 @@ std::optional<Vec2> vertex_of(const TrialTrace& trace) {
     return std::nullopt;
 }
 
-std::vector<Vec2> border_of(const TrialTrace& trace) {
-    return trace.scene->plane() != nullptr ? stimuli::silhouette(trace.scene->plane()->outline())
-                                           : stimuli::border_of(trace.scene->space()->surface());
-}
-
 Panel path_panel(const TrialTrace& trace, const View& view) {
     const bool space = trace.scene->plane() == nullptr;
     Panel panel{.title = !space     ? ""
@@ -196,6 +191,11 @@ Panel cells_panel(const TrialTrace& trace) {
 }
 
 }  // namespace
+
+std::vector<Vec2> border_of(const TrialTrace& trace) {
+    return trace.scene->plane() != nullptr ? stimuli::silhouette(trace.scene->plane()->outline())
+                                           : stimuli::border_of(trace.scene->space()->surface());
+}
 
 std::string TrialTrace::rows() const {
     return fmt::format("trial_id = {} AND interval = {}{}", trial, interval,

@@ -47,6 +47,136 @@
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   }
 
+  // What is felt as seen from above: border, the hand's last half second, hand, god-object and force at a tick.
+  function stage(drawn, times) {
+    var lines = drawn.strips[0].lines, x = lines[0].values, y = lines[1].values;
+    var played = drawn.played.map(function (line) { return numbers(line.text, drawn.ticks, line.step * line.shown); });
+    var modes = drawn.strips.find(function (strip) { return strip.names.length > 0; });
+    var box = document.createElement('div'), row = document.createElement('div');
+    var play = document.createElement('button'), slider = document.createElement('input');
+    var pace = document.createElement('select'), canvas = document.createElement('canvas');
+    var words = document.createElement('p');
+    var low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    function reach(px, py) {
+      low = [Math.min(low[0], px), Math.min(low[1], py)];
+      high = [Math.max(high[0], px), Math.max(high[1], py)];
+    }
+    drawn.border.forEach(function (p) { reach(p[0], p[1]); });
+    for (var i = 0; i < drawn.ticks; ++i) if (x[i] !== null && y[i] !== null) reach(x[i], y[i]);
+    box.className = 'stage';
+    play.type = 'button';
+    play.textContent = 'play';
+    slider.type = 'range';
+    slider.max = drawn.ticks - 1;
+    slider.value = 0;
+    slider.setAttribute('aria-label', 'time');
+    pace.setAttribute('aria-label', 'pace');
+    [['real time', 1], ['a quarter', 0.25], ['a twentieth', 0.05]].forEach(function (one) {
+      pace.add(new Option(one[0], one[1]));
+    });
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', 'hand, god-object and force at that time, seen from above');
+    row.append(play, slider, pace);
+    box.append(row, canvas, words);
+
+    var at = 0, timer = 0, told = null;
+    function paint() {
+      var ratio = devicePixelRatio, inks = dark.matches ? INKS.dark : INKS.light, c = canvas.getContext('2d');
+      canvas.width = canvas.clientWidth * ratio;
+      canvas.height = canvas.clientHeight * ratio;
+      var scale = 0.9 * Math.min(canvas.width / (high[0] - low[0]), canvas.height / (high[1] - low[1]));
+      function path(points, ink, width) {
+        c.beginPath();
+        points.forEach(function (p) {
+          c.lineTo(canvas.width / 2 + scale * (p[0] - (low[0] + high[0]) / 2),
+            canvas.height / 2 - scale * (p[1] - (low[1] + high[1]) / 2));
+        });
+        c.strokeStyle = c.fillStyle = ink;
+        c.lineWidth = width * ratio;
+        c.stroke();
+      }
+      function around(p, corners, size) {
+        var points = [];
+        for (var k = 0; k <= corners; ++k) {
+          var turn = (2 * k + 1) * Math.PI / corners;
+          points.push([p[0] + size * ratio / scale * Math.cos(turn), p[1] + size * ratio / scale * Math.sin(turn)]);
+        }
+        return points;
+      }
+      c.lineJoin = 'round';
+      path(drawn.border.concat(drawn.border.slice(0, 1)), colour('--text'), 1.5);
+      var trail = [];
+      for (var k = at; k >= 0 && times[k] > times[at] - 0.5; --k) if (x[k] !== null) trail.push([x[k], y[k]]);
+      path(trail, inks.blue, 1);
+      var hip = [x[at], y[at]], go = [played[0][at], played[1][at]], f = [played[2][at], played[3][at]];
+      if (go[0] !== null) {
+        path([hip, go], colour('--quiet'), 1);
+        path(around(go, 4, 6), inks.green, 2);
+      }
+      var tip = [hip[0] + 10 * f[0], hip[1] + 10 * f[1]], turn = Math.atan2(f[1], f[0]), size = Math.hypot(f[0], f[1]);
+      if (size > 0.005) {
+        path([hip, tip], inks.vermillion, 2);
+        path([-0.5, 0, 0.5].map(function (side) {
+          var back = side === 0 ? 0 : 9 * ratio / scale;
+          return [tip[0] - back * Math.cos(turn + side), tip[1] - back * Math.sin(turn + side)];
+        }), inks.vermillion, 2);
+      }
+      path(around(hip, 16, 4), inks.blue, 2);
+      c.fill();
+      function mm(p) { return p[0] === null ? 'none' : p[0].toFixed(1) + ', ' + p[1].toFixed(1) + ' mm'; }
+      words.textContent = times[at].toFixed(3) + ' s: disc, the hand at ' + mm(hip) + '; square, god-object ' + mm(go) +
+        '; arrow, force ' + size.toFixed(3) + ' N (' +
+        (lines.length > 2 ? 'along the plane; ' : '') + '10 mm is 1 N)' +
+        (modes ? '; ' + modes.names[modes.lines[0].values[at]] : '') + '.';
+    }
+    function place(tick) {
+      at = Math.max(0, Math.min(drawn.ticks - 1, tick));
+      slider.value = at;
+      slider.setAttribute('aria-valuetext', times[at].toFixed(3) + ' s');
+      paint();
+      if (told) told(times[at]);
+    }
+    function stop() {
+      cancelAnimationFrame(timer);
+      timer = 0;
+      play.textContent = 'play';
+    }
+    function start() {
+      var begun = null, from;
+      if (at === drawn.ticks - 1) at = 0;
+      from = times[at];
+      play.textContent = 'stop';
+      timer = requestAnimationFrame(function next(now) {
+        if (begun === null) begun = now;
+        var t = from + pace.value * (now - begun) / 1000, tick = at;
+        while (tick < drawn.ticks - 1 && times[tick + 1] <= t) ++tick;
+        place(tick);
+        if (tick === drawn.ticks - 1) stop();
+        else timer = requestAnimationFrame(next);
+      });
+    }
+    play.addEventListener('click', function () {
+      if (timer) stop();
+      else start();
+    });
+    pace.addEventListener('change', function () {
+      if (!timer) return;
+      stop();
+      start();
+    });
+    slider.addEventListener('input', function () {
+      stop();
+      place(+slider.value);
+    });
+    return {
+      box: box,
+      plays: function () { return timer !== 0; },
+      place: place,
+      again: function () { place(at); },
+      tell: function (to) { told = to; }
+    };
+  }
+
   function draw(figure) {
     var drawn = JSON.parse(figure.querySelector('script.ticks').textContent);
     var live = figure.querySelector('.live');
@@ -76,7 +206,8 @@
         });
         buttons.appendChild(button);
       });
-    live.append(buttons, readout, strips);
+    var played = stage(drawn, times);
+    live.append(buttons, readout, played.box, strips);
     live.hidden = false;
     figure.classList.add('drawn');
 
@@ -89,7 +220,17 @@
       plots.forEach(function (plot) { plot.setScale('x', shown); });
       busy = false;
       say();
+      requestAnimationFrame(played.again);
     }
+    played.tell(function (time) {
+      if (played.plays() && time > shown.max) {
+        show(time, time + shown.max - shown.min);
+        return;
+      }
+      plots.forEach(function (plot) {
+        plot.setCursor({ left: plot.valToPos(time, 'x'), top: plot.over.clientHeight / 2 }, false);
+      });
+    });
     function say() {
       var first = times.findIndex(function (t) { return t >= shown.min; });
       var last = times.length - 1;
@@ -160,12 +301,12 @@
           title: strip.title + (unit ? ', ' + unit : ''),
           width: Math.max(280, live.clientWidth),
           height: strip.height,
-          cursor: { sync: { key: figure.id, setSeries: false }, drag: { x: true, y: false } },
+          cursor: { y: false, sync: { key: figure.id, setSeries: false }, drag: { x: true, y: false } },
           scales: { x: { time: false }, y: words.length ? { range: [-0.4, words.length - 0.6] } : {} },
           axes: [
             { stroke: text, font: font, size: 28, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 },
               values: function (plot, at) { return at.map(function (t) { return +t.toFixed(6) + ' s'; }); } },
-            { stroke: text, font: font, size: 60, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } }
+            { stroke: text, font: font, size: 72, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } }
           ],
           series: [{ label: 'time', value: function (plot, t) { return t === null ? '\u2013' : t.toFixed(3) + ' s'; } }],
           hooks: {
@@ -201,7 +342,12 @@
           });
         });
         var data = [times].concat(strip.lines.map(function (line) { return line.values; }));
-        return new uPlot(options, data, strips);
+        var plot = new uPlot(options, data, strips);
+        plot.over.addEventListener('mousemove', function (event) {
+          if (!played.plays()) played.place(plot.posToIdx(event.offsetX));
+        });
+        plot.over.addEventListener('mouseleave', function () { requestAnimationFrame(played.again); });
+        return plot;
       });
       show(shown.min, shown.max);
     }
@@ -211,6 +357,7 @@
       plots.forEach(function (plot, i) {
         plot.setSize({ width: Math.max(280, live.clientWidth), height: drawn.strips[i].height });
       });
+      requestAnimationFrame(played.again);
     });
   }
 

@@ -118,6 +118,39 @@ std::string ticks_text(const std::vector<double>& values, double step) {
     return tick_text(steps);
 }
 
+/// Of each tick god-object and rendered force, as seen from above: played on the border.
+std::vector<Line> played_lines(const TrialTrace& trace) {
+    const auto of = [&](const char* name, double step, double shown, auto value) {
+        return Line{
+            .name = name, .step = step, .shown = shown, .values = of_each(trace.ticks, value)};
+    };
+    return {of("go_x_m", 1e-6, 1e3,
+               [](const TickRecord& tick) {
+                   return tick.mode == engine::Mode::free ? kNoValue : tick.go.x;
+               }),
+            of("go_y_m", 1e-6, 1e3,
+               [](const TickRecord& tick) {
+                   return tick.mode == engine::Mode::free ? kNoValue : tick.go.y;
+               }),
+            of("rendered_x_n", 1e-3, 1.0, [](const TickRecord& tick) { return tick.force.x; }),
+            of("rendered_y_n", 1e-3, 1.0, [](const TickRecord& tick) { return tick.force.y; })};
+}
+
+std::string played_json(const TrialTrace& trace) {
+    std::string out = "\"border\":[";
+    for (const engine::Vec2& point : border_of(trace)) {
+        out += fmt::format("{}[{:.2f},{:.2f}]", out.back() == '[' ? "" : ",", 1e3 * point.x,
+                           1e3 * point.y);
+    }
+    out += "],\"played\":[";
+    for (const Line& line : played_lines(trace)) {
+        out += fmt::format("{}\n{{\"name\":{},\"step\":{},\"shown\":{},\"text\":\"{}\"}}",
+                           out.back() == '[' ? "" : ",", json_string(line.name), line.step,
+                           line.shown, ticks_text(line.values, line.step));
+    }
+    return out + "]";
+}
+
 std::string_view colour_name(Ink ink) {
     return ink == Ink::blue ? "blue" : ink == Ink::vermillion ? "vermillion" : "green";
 }
@@ -163,7 +196,7 @@ std::string json_of(const TrialTrace& trace,
         out +=
             fmt::format("{}{}", i == 0 ? "" : ",", 1e-9 * static_cast<double>(sticks[i].time_ns));
     }
-    out += "]}";
+    out += "]," + played_json(trace) + "}";
     for (std::size_t at = out.find('<'); at != std::string::npos; at = out.find('<', at)) {
         out.replace(at, 1, "\\u003c");  // nothing may end the element
     }
@@ -254,7 +287,9 @@ void add_strips(PageWriter& page, const Study& study, const TrialTrace& trace) {
     }
     const std::size_t lost = static_cast<std::size_t>(trace.ticks.back().tick + 1) - times.size();
     figure.caption = fmt::format(
-        "All {} ticks{}: zoom by dragging along the time or with the buttons, a double click shows "
+        "All {} ticks{}: play them, or set a time with the slider or by pointing at a strip; zoom "
+        "by "
+        "dragging along the time or with the buttons, a double click shows "
         "all again. Drawn in steps of 1 um, 1 mN, 0.1 mm/s and 0.1 us; printed, the least and the "
         "largest value of each of 400 stretches. {}The table has a row a "
         "second; every number of every tick: palpate sql {} --csv -c \"SELECT * FROM sample WHERE "

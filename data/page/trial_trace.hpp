@@ -42,6 +42,9 @@ struct TrialTrace {
 /// Something may stick: a tick in contact had friction.
 [[nodiscard]] bool has_friction(const TrialTrace& trace);
 
+/// Points of what is felt, seen from above, m; the last is joined to the first.
+[[nodiscard]] std::vector<engine::Vec2> border_of(const TrialTrace& trace);
+
 /// Where hand and god-object went on the object.
 void add_path(PageWriter& page, const Study& study, const TrialTrace& trace);
 /// Every tick, and a table of every second.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <initializer_list>
 #include <map>
@@ -75,6 +76,49 @@ inline std::map<std::string, Source> sources_of(const std::string& page) {
             of_address(page.substr(href, page.find('"', href) - href))};
     }
     return found;
+}
+
+/// What tick_text.hpp promises, read by its words. NaN: none.
+inline std::vector<double> ticks_of(const std::string& text, double step) {
+    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bits;
+    for (const char c : text) {
+        for (int k = 5; k >= 0 && c != '='; --k) {
+            bits += (digits.find(c) >> static_cast<unsigned>(k)) % 2 == 1 ? '1' : '0';
+        }
+    }
+    std::vector<int> bytes;
+    for (std::size_t i = 0; i + 8 <= bits.size(); i += 8) {
+        bytes.push_back(std::stoi(bits.substr(i, 8), nullptr, 2));
+    }
+    const int order = bytes.at(0);
+    std::vector<double> out;
+    double last = 0.0;
+    double before = 0.0;
+    std::size_t at = 1;
+    const auto next = [&] {
+        double value = 0.0;
+        double factor = 1.0;
+        do {
+            value += factor * (bytes.at(at) % 128);
+            factor *= 128.0;
+        } while (bytes.at(at++) > 127);
+        return value;
+    };
+    while (at < bytes.size()) {
+        const double folded = next();
+        const double again = folded == 0.0 ? next() : 0.0;
+        const double rest = std::fmod(folded, 2.0) == 0.0 ? folded / 2.0 : -(folded + 1.0) / 2.0;
+        for (double k = 0.0; k <= again; k += 1.0) {
+            const double value = rest + (order == 0   ? 0.0
+                                         : order == 1 ? last
+                                                      : 2.0 * last - before);
+            before = last;
+            last = value;
+            out.push_back(value == -2147483648.0 ? std::nan("") : step * value);
+        }
+    }
+    return out;
 }
 
 /// What a browser without a window makes of a page, once.

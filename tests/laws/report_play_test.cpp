@@ -1,0 +1,65 @@
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/page_reader.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+
+TEST_CASE("the slider of a trial's page shows hand, god-object and force of that tick, and plays",
+          "[report]") {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const std::string page = folder.file("a.html");
+    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                             "--participant", "P1", "--db", file, "--device", "sim", "--headless"})
+                .code == 0);
+    REQUIRE(palpate_command({"report", file, "--trial", "2", "-o", page}).code == 0);
+    const Finished asked = palpate_command(
+        {"sql", file, "--csv", "-c",
+         "SELECT tick, time_s, 1000 * hip_x_m, 1000 * hip_y_m, 1000 * go_x_m, 1000 * go_y_m, "
+         "sqrt(rendered_x_n * rendered_x_n + rendered_y_n * rendered_y_n), mode FROM sample WHERE "
+         "trial_id = 2 AND mode <> 'free' ORDER BY tick LIMIT 1 OFFSET 700"});
+    REQUIRE(asked.code == 0);
+    std::istringstream fields(asked.out.substr(asked.out.find('\n') + 1));
+    std::vector<std::string> row;
+    for (std::string field; std::getline(fields >> std::ws, field, ',');) {
+        row.push_back(field.substr(0, field.find('\n')));
+    }
+    CAPTURE(asked.out);
+    REQUIRE(row.size() == 8);
+    // A script that its policy does not name moves the slider to that tick, and presses play.
+    tests::write(page, tests::replaced(tests::slurp(page), "Content-Security-Policy", "none") +
+                           fmt::format("<script>var s = document.querySelector('.stage input'); "
+                                       "s.value = {}; s.dispatchEvent(new Event('input')); "
+                                       "document.querySelector('.stage button').click();</script>",
+                                       row[0]));
+    const tests::Browsed shown = tests::browsed(folder, page, "--dump-dom");
+    if (!shown.there) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    CHECK_THAT(shown.done.error, !ContainsSubstring("CONSOLE"));
+    const std::size_t at = shown.done.out.find("class=\"stage\"");
+    REQUIRE(at != std::string::npos);
+    const std::string stage = shown.done.out.substr(at, shown.done.out.find("</p>", at) - at);
+    const auto number = [&](std::size_t i) {
+        return std::stod(row.at(i));
+    };
+    CAPTURE(stage);
+    CHECK_THAT(stage,
+               ContainsSubstring(fmt::format(
+                   "{:.3f} s: disc, the hand at {:.1f}, {:.1f} mm; square, god-object "
+                   "{:.1f}, {:.1f} mm; arrow, force {:.3f} N (10 mm is 1 N); {}.",
+                   number(1), number(2), number(3), number(4), number(5), number(6), row[7])));
+    CHECK_THAT(stage, ContainsSubstring(fmt::format("aria-valuetext=\"{:.3f} s\"", number(1))) &&
+                          ContainsSubstring(">stop</button>"));
+}
