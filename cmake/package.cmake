@@ -23,6 +23,11 @@ install(CODE "
         OUTPUT_FILE \"\${share}/man/man1/palpate.1\" COMMAND_ERROR_IS_FATAL ANY)
     execute_process(COMMAND \"$<TARGET_FILE:palpate>\" words bash
         OUTPUT_FILE \"\${share}/bash-completion/completions/palpate\" COMMAND_ERROR_IS_FATAL ANY)
+    foreach(kind protocol procedure scene calibration observer)
+        file(MAKE_DIRECTORY \"\${share}/palpate/schema\")
+        execute_process(COMMAND \"$<TARGET_FILE:palpate>\" words schema --of \${kind}
+            OUTPUT_FILE \"\${share}/palpate/schema/\${kind}.json\" COMMAND_ERROR_IS_FATAL ANY)
+    endforeach()
     execute_process(COMMAND gzip -9nf \"\${share}/man/man1/palpate.1\" COMMAND_ERROR_IS_FATAL ANY)")
 
 file(WRITE ${PROJECT_BINARY_DIR}/debian/conffiles "/etc/security/limits.d/palpate.conf\n")

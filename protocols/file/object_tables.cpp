@@ -27,7 +27,6 @@ struct SetTable {
 };
 
 constexpr std::array<std::string_view, 3> kSets{"five_shapes", "curvature_ladder", "catch_pair"};
-constexpr std::array<std::string_view, 3> kSegmentKinds{"nurbs", "line", "arc"};
 
 WordList words_of(SetTable::Set) {
     return kSets;
@@ -75,14 +74,6 @@ constexpr Key kSegment[]{
      .meaning = "of an arc: above 0 convex, below 0 concave"},
 };
 // clang-format on
-
-/// The keys that a segment has beside its kind.
-Keys keys_of_segment(SegmentKind kind) {
-    const Keys all(kSegment);
-    return kind == SegmentKind::nurbs ? all.subspan(1, 4)
-         : kind == SegmentKind::line  ? all.subspan(5, 2)
-                                      : all.subspan(5, 3);
-}
 
 /// "convex_7_5" for 7.5 1/m; to a thousandth.
 std::string name_of(double curvature) {
@@ -196,6 +187,13 @@ void read_segments(const Entry& entry,
 }
 
 }  // namespace
+
+Keys keys_of_segment(SegmentKind kind) {
+    const Keys all(kSegment);
+    return kind == SegmentKind::nurbs ? all.subspan(1, 4)
+         : kind == SegmentKind::line  ? all.subspan(5, 2)
+                                      : all.subspan(5, 3);
+}
 
 SegmentTable read_segment_table(TableReader& table) {
     SegmentTable read;

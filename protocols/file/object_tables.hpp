@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "stimuli/free_outline.hpp"
@@ -35,6 +37,11 @@ struct SegmentTable {
     PointList from{}, to{};  ///< one point each, of a line or an arc
     double curvature = 0.0;
 };
+
+/// What `kind` of a segment may be, in the order of its values.
+inline constexpr std::array<std::string_view, 3> kSegmentKinds{"nurbs", "line", "arc"};
+/// The keys that a segment has beside its kind.
+[[nodiscard]] Keys keys_of_segment(stimuli::Segment::Kind kind);
 
 /// Whatever is wrong becomes a problem; `table` is broken() then. Keys of another kind are unknown.
 /// `points` of a line or an arc become its two ends.

@@ -15,29 +15,6 @@
 namespace palpate::protocols {
 namespace {
 
-/// The tables that each kind uses, beside [procedure] and [stream].
-std::vector<std::string_view> tables_of(RuleKind kind) {
-    switch (kind) {
-        case RuleKind::constant:
-            return {"constant"};
-        case RuleKind::staircase:
-            return {"staircase"};
-        case RuleKind::quest:
-            return {"quest"};
-        case RuleKind::psi:
-        case RuleKind::quest_plus:
-            return {"model", "stimuli", "parameters", "prior"};
-    }
-    return {};
-}
-
-/// How many of the keys of [procedure] each kind has, beside the first.
-std::size_t more_keys_of(RuleKind kind) {
-    return kind == RuleKind::psi || kind == RuleKind::quest_plus ? 3
-         : kind == RuleKind::quest                               ? 1
-                                                                 : 0;
-}
-
 struct NormalPrior {
     double mean = 0.0;
     double sd = 1.0;
@@ -99,7 +76,7 @@ private:
         if (procedure.broken()) {  // all else depends on the kind
             return std::nullopt;
         }
-        procedure.read(keys.subspan(1, more_keys_of(rule_.kind)), &rule_);
+        procedure.read(keys_of_rule(rule_.kind), &rule_);
         procedure.refuse_unknown();
         check_tables();
         switch (rule_.kind) {
@@ -142,7 +119,7 @@ private:
     }
 
     void check_tables() {
-        std::vector<std::string_view> used = tables_of(rule_.kind);
+        std::vector<std::string_view> used = tables_of_rule(rule_.kind);
         main_ = Position{};
         if (const Entry* entry =
                 find(file_, rule_.kind == RuleKind::psi || rule_.kind == RuleKind::quest_plus
@@ -363,6 +340,28 @@ private:
 };
 
 }  // namespace
+
+std::vector<std::string_view> tables_of_rule(RuleKind kind) {
+    switch (kind) {
+        case RuleKind::constant:
+            return {"constant"};
+        case RuleKind::staircase:
+            return {"staircase"};
+        case RuleKind::quest:
+            return {"quest"};
+        case RuleKind::psi:
+        case RuleKind::quest_plus:
+            return {"model", "stimuli", "parameters", "prior"};
+    }
+    return {};
+}
+
+Keys keys_of_rule(RuleKind kind) {
+    const std::size_t more = kind == RuleKind::psi || kind == RuleKind::quest_plus ? 3
+                           : kind == RuleKind::quest                               ? 1
+                                                                                   : 0;
+    return procedure_keys("procedure").subspan(1, more);
+}
 
 ProcedureFile parse_procedure(std::string_view text, std::string_view file_name) {
     const Table file = parse_document(text, file_name);

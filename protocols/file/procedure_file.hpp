@@ -112,6 +112,11 @@ struct ProcedureTable {
 /// Of this table; of [prior] those of [parameters].
 [[nodiscard]] Keys procedure_keys(std::string_view table);
 
+/// The tables that each kind uses, beside [procedure] and [stream].
+[[nodiscard]] std::vector<std::string_view> tables_of_rule(RuleKind kind);
+/// The keys of [procedure] that each kind reads, beside kind.
+[[nodiscard]] Keys keys_of_rule(RuleKind kind);
+
 /// The rule in the tables of a procedure file, wherever they stand; [stream] is not looked at.
 /// Nothing if there are problems.
 [[nodiscard]] std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "protocols/file/json_schema.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"
@@ -213,15 +214,27 @@ std::string bash_completion(const std::vector<Command>& commands) {
 
 /// @param all  every command, this one too
 Command words_command(std::vector<Command> (*all)()) {
-    const auto form = std::make_shared<std::string>();
-    return {"words", "Print what other programs want to know of the commands",
-            [form](CommandWords& words) {
-                words.add("FORM", *form, "bash: a script that completes them; man: the manual page")
+    struct Options {
+        std::string form;
+        std::string kind{protocols::kSchemaKinds.front()};
+    };
+    const auto options = std::make_shared<Options>();
+    return {"words", "Print what other programs want to know of commands and files",
+            [options](CommandWords& words) {
+                words
+                    .add("FORM", options->form,
+                         "bash: a script that completes the commands; man: the manual page; "
+                         "schema: what a file may say, as JSON Schema, for editors")
                     .required()
-                    .among({"bash", "man"});
+                    .among({"bash", "man", "schema"});
+                words.add("--of", options->kind, "with schema: of this kind of file")
+                    .among({protocols::kSchemaKinds.begin(), protocols::kSchemaKinds.end()})
+                    .with_default();
             },
-            [form, all] {
-                say_to(stdout, *form == "man" ? man_page(all(), kVersion) : bash_completion(all()));
+            [options, all] {
+                say_to(stdout, options->form == "schema" ? protocols::json_schema(options->kind)
+                               : options->form == "man"  ? man_page(all(), kVersion)
+                                                         : bash_completion(all()));
                 return 0;
             }};
 }

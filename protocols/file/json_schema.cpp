@@ -1,0 +1,336 @@
+#include "protocols/file/json_schema.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "protocols/file/calibration_keys.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/object_tables.hpp"
+#include "protocols/file/observer_file.hpp"
+#include "protocols/file/procedure_file.hpp"
+#include "protocols/file/scene_file.hpp"
+#include "protocols/file/table_schema.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+using Names = std::vector<std::string_view>;
+
+template <class Record>
+std::string table_of() {
+    return TableSchema(keys_of<Record>()).text();
+}
+
+/// Those of `all` that are not among `some`.
+Names without(const Names& all, const Names& some) {
+    Names rest;
+    for (const std::string_view one : all) {
+        if (std::ranges::find(some, one) == some.end()) {
+            rest.push_back(one);
+        }
+    }
+    return rest;
+}
+
+void put_format(TableSchema& file, std::int64_t format) {
+    file.put("format",
+             fmt::format(R"({{"const": {}, "description": "the version of the format"}})", format),
+             true);
+}
+
+std::string segment_schema(Keys keys) {
+    TableSchema segment;
+    segment.add(keys.first(1)).add(keys.subspan(1), false);
+    const Names all = names_of(keys.subspan(1));
+    for (std::size_t i = 0; i < kSegmentKinds.size(); ++i) {
+        const Keys own = keys_of_segment(static_cast<stimuli::Segment::Kind>(i));
+        segment.rule(json_when(says("kind", {kSegmentKinds.at(i)}),
+                               needs_and_lacks(required_of(own), without(all, names_of(own)))));
+    }
+    return segment.text();
+}
+
+/// One object by itself, of two curves or of segments; or a set of several.
+std::string object_schema() {
+    const auto tables = object_reference();
+    const Keys set = tables.at(0).keys;
+    const Keys ladder = tables.at(1).keys;
+    TableSchema object;
+    object.add(keys_of<ObjectSpec>(), false).add(set, false).add(ladder, false);
+    object.put("segment", json_list(segment_schema(tables.at(2).keys), 1, kMaxSegments));
+    Names of_sets = names_of(set);
+    const Names of_ladders = names_of(ladder);
+    of_sets.insert(of_sets.end(), of_ladders.begin(), of_ladders.end());
+    object.rule(json_when(
+        needs_all({"set"}),
+        json_object(
+            {{"allOf", fmt::format("[{}, {}]", has_none({"name", "curvature_per_m", "segment"}),
+                                   json_when(says("set", {"curvature_ladder"}),
+                                             needs_all(of_ladders), has_none(of_ladders)))}}),
+        json_object(
+            {{"allOf",
+              fmt::format("[{}]", needs_and_lacks(required_of(keys_of<ObjectSpec>()), of_sets))},
+             {"oneOf",
+              fmt::format("[{}, {}]", needs_all({"curvature_per_m"}), needs_all({"segment"}))}})));
+    return object.text();
+}
+
+std::string friction_schema() {
+    const Keys keys = keys_of<FrictionSpec>();
+    TableSchema friction(keys);
+    Names laws;
+    for (const LawKeys& law : friction_laws()) {
+        laws.push_back(law.law);
+        Names needed;
+        Names refused;
+        for (const Key& key : keys) {
+            if (law.needs(key.name)) {
+                needed.push_back(key.name);
+            } else if (!law.reads(key)) {
+                refused.push_back(key.name);
+            }
+        }
+        friction.rule(json_when(says("law", {law.law}), needs_and_lacks(needed, refused)));
+    }
+    return friction.among("law", laws).text();
+}
+
+/// Of each parameter weights, or a normal prior.
+std::string prior_schema() {
+    TableSchema prior;
+    for (const Key& key : procedure_keys("prior")) {
+        prior.put(key.name,
+                  R"({"anyOf": [{"type": "array", "items": {"type": "number", "minimum": 0}}, )"
+                  R"({"type": "object", "properties": {"mean": {"type": "number"}, "sd": )"
+                  R"({"type": "number", "exclusiveMinimum": 0}}, "required": ["mean", "sd"], )"
+                  R"("additionalProperties": false}], "description": )"
+                  R"("a weight for each value, or mean and sd of a normal prior"})");
+    }
+    return prior.text();
+}
+
+std::string model_schema() {
+    const Keys keys = procedure_keys("model");
+    TableSchema model;
+    model.add(keys, false);
+    const Keys function = keys.subspan(1, keys.size() - 2);
+    const Keys items = keys.last(1);
+    return model
+        .rule(json_when(says("kind", {word_of(ModelKind::identification)}),
+                        needs_and_lacks(required_of(items), names_of(function)),
+                        needs_and_lacks(required_of(function), names_of(items))))
+        .text();
+}
+
+/// The tables of a rule, put beside its keys: in a file [procedure] has the keys alone.
+void put_rule_tables(TableSchema& to) {
+    for (const char* name : {"constant", "quest", "stimuli", "parameters"}) {
+        to.put(name, TableSchema(procedure_keys(name)).text());
+    }
+    to.put("staircase", json_list(TableSchema(procedure_keys("staircase")).text(), 1, 0));
+    to.put("model", model_schema());
+    to.put("prior", prior_schema());
+    to.put("stream", TableSchema(procedure_keys("stream")).text());
+}
+
+/// What follows from the kind of a rule. @param where  wraps the schema of the table with `kind`
+template <class Where>
+void add_rule_kinds(TableSchema& to, bool keys, bool tables, const Where& where) {
+    Names all_tables;
+    for (const RuleKind kind :
+         {RuleKind::constant, RuleKind::staircase, RuleKind::quest, RuleKind::quest_plus}) {
+        const Names own = tables_of_rule(kind);
+        all_tables.insert(all_tables.end(), own.begin(), own.end());
+    }
+    const Names all_keys = names_of(procedure_keys("procedure").subspan(1));
+    for (std::size_t i = 0; i < kRuleKinds.size(); ++i) {
+        const auto kind = static_cast<RuleKind>(i);
+        const Names own = tables_of_rule(kind);
+        const Names needed = without(own, {"prior"});
+        const Names other_keys = without(all_keys, names_of(keys_of_rule(kind)));
+        const std::string condition = where(says("kind", {kRuleKinds.at(i)}));
+        if (keys) {
+            to.rule(json_when(condition, where(has_none(other_keys))));
+        }
+        if (tables) {
+            to.rule(json_when(condition, needs_and_lacks(needed, without(all_tables, own))));
+        }
+    }
+}
+
+std::string adaptive_schema() {
+    TableSchema procedure(keys_of<AdaptiveSpec>());
+    procedure.add(procedure_keys("procedure"));
+    put_rule_tables(procedure);
+    add_rule_kinds(procedure, true, true, [](std::string schema) { return schema; });
+    return procedure.text();
+}
+
+std::string instructions_schema() {
+    TableSchema languages;
+    for (const std::string_view language : kLanguages) {
+        languages.put(language, table_of<InstructionTexts>());
+    }
+    return languages.text();
+}
+
+/// [design] alone, or [procedure] with [[run]] and the breaks of [design].
+std::string design_or_procedure() {
+    const Keys design = keys_of<DesignSpec>();
+    Names needed;
+    for (const Key& key : design) {
+        if (key.need == Need::factorial) {
+            needed.push_back(key.name);
+        }
+    }
+    return json_when(
+        needs_all({"procedure"}),
+        json_object(
+            {{"required", json_words({"run"})},
+             {"properties",
+              json_object({{"design", has_none(without(names_of(design), {"break_every"}))}})}}),
+        json_object(
+            {{"required", json_words({"design"})},
+             {"properties", json_object({{"design", needs_all(needed)}, {"run", "false"}})}}));
+}
+
+TableSchema protocol_schema() {
+    TableSchema file;
+    put_format(file, kFormat);
+    file.put("study", table_of<Protocol>(), true)
+        .put("apparatus", table_of<ApparatusSpec>())
+        .put("outline", table_of<OutlineSpec>())
+        .put("surface", table_of<SurfaceSpec>())
+        .put("object", json_list(object_schema(), 1, kMaxObjects), true)
+        .put("friction", json_list(friction_schema(), 1, kMaxFrictions), true)
+        .put("safety", table_of<SafetySpec>())
+        .put("invalid", table_of<InvalidSpec>())
+        .put("exclusion", table_of<ExclusionSpec>())
+        .put("analysis", table_of<AnalysisSpec>())
+        .put("design", table_of<DesignSpec>())
+        .put("timing", table_of<TimingSpec>())
+        .put("response", table_of<ResponseSpec>())
+        .put("procedure", adaptive_schema())
+        .put("run", json_list(table_of<RunSpec>(), 1, kMaxRuns))
+        .put("observer", table_of<ObserverSpec>())
+        .put("masking", table_of<MaskingSpec>())
+        .put("instructions", instructions_schema())
+        .rule(design_or_procedure());
+    return file;
+}
+
+TableSchema procedure_schema() {
+    TableSchema file;
+    put_format(file, kProcedureFormat);
+    file.put("procedure", TableSchema(procedure_keys("procedure")).text(), true);
+    put_rule_tables(file);
+    const auto inside = [](const std::string& schema) {
+        return json_object({{"properties", json_object({{"procedure", schema}})}});
+    };
+    add_rule_kinds(file, true, false, inside);
+    add_rule_kinds(file, false, true, inside);
+    return file;
+}
+
+TableSchema scene_schema() {
+    const auto tables = scene_reference();
+    const auto keys = [&](std::size_t i) {
+        return tables.at(i).keys;
+    };
+    TableSchema renderer(keys(0));
+    renderer.add(keys(1), false)
+        .rule(json_when(says("tracker", {"feedback", "feed_forward", "feedback_linearised"}),
+                        needs_all({"gain"}), has_none({"gain"})));
+    TableSchema friction(keys(2));
+    friction.add(keys(3), false).add(keys(4), false);
+    Names laws(kThesisLaws.begin(), kThesisLaws.end());
+    Names rub = laws;
+    Names stick = laws;
+    for (const LawKeys& law : friction_laws()) {
+        laws.push_back(law.law);
+        if (law.rubs) {
+            rub.push_back(law.law);
+        }
+        if (law.sticks) {
+            stick.push_back(law.law);
+        }
+    }
+    friction.among("law", laws)
+        .rule(json_when(says("law", rub, true), needs_all({"mu_d"})))
+        .rule(json_when(says("law", stick, true), needs_all({"mu_s"})));
+    TableSchema file;
+    file.put("renderer", renderer.text())
+        .put("friction", friction.text())
+        .put("segment", json_list(segment_schema(keys(5)), 0, 0))
+        .put("surface", json_list(TableSchema(keys(6)).text(), 0, 0))
+        .rule(json_object(
+            {{"anyOf", fmt::format("[{}, {}]", needs_all({"segment"}), needs_all({"surface"}))}}));
+    return file;
+}
+
+TableSchema calibration_schema() {
+    const CalibrationKeys& all = kCalibrationKeys;
+    const auto table = [](Keys keys) {
+        return TableSchema(keys).text();
+    };
+    TableSchema pantograph(all.pantograph);
+    pantograph.put("linkage", table(all.linkage), true)
+        .put("axis_1", table(all.axis), true)
+        .put("axis_2", table(all.axis), true)
+        .put("haply", table(all.haply))
+        .put("board", table(all.board))
+        .put("comedi", table(all.comedi));
+    TableSchema gantry(all.gantry);
+    TableSchema record(all.record);
+    record.add(all.linkage_record, false);
+    const Names axes{"axis_x", "axis_y", "axis_z"};
+    for (const std::string_view axis : axes) {
+        gantry.put(axis, table(all.straight_axis), true);
+        record.put(axis, table(all.axis_record));
+    }
+    gantry.put("board", table(all.gantry_board), true);
+    record.rule(json_when(needs_all({"axis_x"}),
+                          needs_and_lacks(axes, names_of(all.linkage_record)),
+                          needs_and_lacks(required_of(all.linkage_record), axes)));
+    TableSchema file;
+    put_format(file, 1);
+    file.put("pantograph", json_list(pantograph.text(), 0, 0))
+        .put("gantry", json_list(gantry.text(), 0, 0))
+        .put("commissioning", record.text())
+        .rule(json_object({{"anyOf", fmt::format("[{}, {}]", needs_all({"pantograph"}),
+                                                 needs_all({"gantry"}))}}));
+    return file;
+}
+
+TableSchema observer_schema() {
+    TableSchema file;
+    put_format(file, 1);
+    for (const TableText& table : observer_reference()) {
+        file.put(std::string_view(table.heading).substr(1, table.heading.size() - 2),
+                 TableSchema(table.keys).text());
+    }
+    return file;
+}
+
+}  // namespace
+
+std::string json_schema(std::string_view kind) {
+    using Make = TableSchema (*)();
+    constexpr std::array<Make, kSchemaKinds.size()> kMakers{
+        protocol_schema, procedure_schema, scene_schema, calibration_schema, observer_schema};
+    const auto found = std::ranges::find(kSchemaKinds, kind);
+    if (found == kSchemaKinds.end()) {
+        throw std::invalid_argument(fmt::format("there is no schema of {}: give one of {}", kind,
+                                                fmt::join(kSchemaKinds, ", ")));
+    }
+    const TableSchema schema = kMakers.at(static_cast<std::size_t>(found - kSchemaKinds.begin()))();
+    return schema.text({{"$schema", R"("https://json-schema.org/draft/2020-12/schema")"},
+                        {"title", fmt::format(R"("palpate: {}")", kind)}}) +
+           "\n";
+}
+
+}  // namespace palpate::protocols
