@@ -44,6 +44,10 @@ public:
         const char* none = nullptr;
         stop_.compare_exchange_strong(none, way);
     }
+    /// In a break: asked whether the handle still has to come home, until another is given; none: it
+    /// has not.
+    void await_handle(std::function<bool()> awaited) { handle_awaited_ = std::move(awaited); }
+    [[nodiscard]] bool awaits_handle() const { return handle_awaited_ && handle_awaited_(); }
     /// No trial begins while this stands. @param why  a sentence, a literal; none: nothing any more
     void bar(const char* why) noexcept { barred_.store(why); }
 
@@ -70,6 +74,7 @@ private:
     bool mark_ = false;
     bool pause_ = false;
     std::function<void()> at_once_;
+    std::function<bool()> handle_awaited_;
     std::atomic<const char*> stop_{nullptr};
     std::atomic<const char*> barred_{nullptr};
     std::optional<MarkReply> reply_;

@@ -20,6 +20,7 @@ struct Progress {
     TrialId trial = 0;
     TrialNumber number{};          ///< as its screens said
     const SessionProgress& known;  ///< what the session knows now
+    double waited_s = 0.0;         ///< in pauses and troubles since the attempt before
 
     /// Trials still to run, those set back counted; and whether this one is among them.
     [[nodiscard]] std::size_t left() const { return known.pending().order().size(); }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <thread>
 #include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -77,7 +78,8 @@ private:
                          .result = result,
                          .trial = *last_,
                          .number = number,
-                         .known = progress_});
+                         .known = progress_,
+                         .waited_s = std::exchange(waited_s_, 0.0)});
     }
 
     /// One attempt at the next trial, and what its fault asks for. `fresh`: nothing was begun.
@@ -131,6 +133,7 @@ private:
 
     void happened(const Event& event) {
         ports_.recorder.event(event);
+        waited_s_ += event.kind == EventKind::go_on ? event.duration_s.value_or(0.0) : 0.0;
         progress_ = apply(std::move(progress_), event);
         trust_ = apply(trust_, event);
     }
@@ -174,7 +177,10 @@ private:
         }
         struct Until {
             OperatorDesk* desk;
-            ~Until() { desk->answer_at_once({}); }
+            ~Until() {
+                desk->answer_at_once({});
+                desk->await_handle({});
+            }
         } const until{ports_.desk};
         ports_.desk->answer_at_once([this] { check_mark(); });
         return wait();
@@ -223,8 +229,12 @@ private:
         rested_ = planned ? done : rested_;
         note_before_next(EventKind::rest);
         HandleCheck check(ports_.apparatus, trust_);
-        const Signal signal = waiting(
-            [&] { return ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next); });
+        const Signal signal = waiting([&] {
+            if (ports_.desk != nullptr) {
+                ports_.desk->await_handle([&check] { return !check.over(); });
+            }
+            return ports_.observer.rest(planned ? protocol_.timing.break_min : 0.0, next);
+        });
         return signal == Signal::go_on ? check_handle(check) : signal;
     }
 
@@ -352,6 +362,7 @@ private:
     TrialNumber last_number_{};
     std::size_t last_position_ = 0;
     std::size_t marks_ = 0;  ///< answers that the desk took back
+    double waited_s_ = 0.0;  ///< in pauses and troubles since the last attempt
 };
 
 }  // namespace

@@ -189,6 +189,7 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
     protocol.timing.explore_timeout = 3.0;
     const data::SessionSpec spec = tests::session_spec(protocol);
     SimulatedApparatus apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed});
+    double waited_s = 0.0;
     {
         const data::OpenedSession opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
@@ -197,14 +198,20 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
         SessionView view;
         view.trials = spec.plan.trials.size();
         view.simulated = true;
-        const SessionEnd end = run_session(spec.protocol, spec.plan, view, opened.progress,
-                                           {.apparatus = apparatus,
-                                            .observer = observer,
-                                            .recorder = recorder,
-                                            .pause = [](double) {},
-                                            .desk = &desk});
+        const SessionEnd end =
+            run_session(spec.protocol, spec.plan, view, opened.progress,
+                        {.apparatus = apparatus,
+                         .observer = observer,
+                         .recorder = recorder,
+                         .progress = [&](const Progress& one) { waited_s += one.waited_s; },
+                         .pause = [](double) {},
+                         .desk = &desk});
         CHECK(end.why == SessionEnd::Why::finished);
     }
+    CHECK(waited_s > 0.0);
+    CHECK(waited_s == Approx(std::stod(lines(database,
+                                             "SELECT sum(duration_s) FROM event WHERE "
+                                             "event_kind = 'go on'"))));
     CHECK(lines(database, "SELECT count(*) > 2 FROM event WHERE event_kind = 'mark'") == "1 \n");
     CHECK(lines(database, "SELECT count(*) > 1 FROM event WHERE event_kind = 'pause'") == "1 \n");
     const data::Verification found = data::verify(database);

@@ -37,7 +37,7 @@ void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
             troubled += trouble ? 1 : 0;
             // A busy machine's trouble is a long one. A chord too many would be a pause.
             if (trouble && troubled % 15 == 14 &&
-                run.program().out().find("mended: Ctrl+Shift+P") != std::string::npos) {
+                run.program().out().find("can go on: Ctrl+Shift+P") != std::string::npos) {
                 hand.chord("p");
             } else {
                 hand.key(window.title == "palpate: question" ? "1" : "space");
@@ -97,7 +97,18 @@ TEST_CASE(
     TypedTo& run = *typed;
     INFO(run.program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
-    if (!open) {  // a motor that becomes stronger is found in the next break
+    if (!open) {
+        // A break asks for the handle, and by itself for no more than Space once it was proved.
+        press_up_to(hand, run, "question");
+        board.bring("20,89.3");
+        press_up_to(hand, run, "break");
+        tests::pause(6.0);
+        const auto window = hand.find_window("palpate: break");
+        const std::uint64_t asks = hand.pixels(window);
+        board.bring("0,89.3");
+        CHECK(eventually([&] { return hand.pixels(window) != asks; }));
+        CHECK(hand.find_window("palpate: ").title == "palpate: break");
+        // A motor that becomes stronger is found in the next one.
         press_up_to(hand, run, "question");
         board.bring("0,89.3");
         board.bring(fmt::format("turned {}", 30 * 360.0 / 4880.0));  // its disc slips by 30 counts
@@ -198,7 +209,7 @@ TEST_CASE(
     CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
     board->bring("gain 1");
     const auto goes_on = [&] {
-        said("mended: Ctrl+Shift+P");
+        said("can go on: Ctrl+Shift+P");
         hand.focus(hand.find_window("palpate: "));
         hand.key("space");  // the participant's alone
         tests::pause(0.5);

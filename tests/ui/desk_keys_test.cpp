@@ -18,6 +18,14 @@ struct DeskRig {
         all.desk = &desk;
         return all;
     }
+    /// What the screen shows now.
+    std::string words() {
+        std::string all;
+        for (const TextExtent& line : screen.stage().window().written()) {
+            all += line.text + " ";
+        }
+        return all;
+    }
     OperatorDesk desk;
     SubjectScreen screen{with()};
 };
@@ -85,13 +93,7 @@ TEST_CASE("what became of a mark stands at the lower edge, until something else 
     DeskRig rig;
     const auto says = [&](const std::string& sentence) {
         static_cast<void>(rig.screen.gap(0.1));
-        const auto& lines = rig.screen.stage().window().written();
-        std::string all;
-        for (const TextExtent& line : lines) {
-            all += line.text + " ";
-        }
-        CAPTURE(all);
-        CHECK(all.find(sentence) != std::string::npos);
+        CHECK_THAT(rig.words(), Catch::Matchers::Contains(sentence));
     };
     rig.desk.reply({.found = true, .runs_again = true, .number = {false, 3, 10}, .trial = 7});
     says("trial 3 of 10 does not count and runs again");
@@ -99,6 +101,57 @@ TEST_CASE("what became of a mark stands at the lower edge, until something else 
     says("practice 2 of 4 does not count and is not run again");
     rig.desk.reply({});
     says("nothing to mark");
+}
+
+TEST_CASE("the question of a mark names the trial that runs, or the last one",
+          "[screen][desk][law]") {
+    DeskRig rig;
+    const auto asks = [&](const std::string& which) {
+        CHECK_THAT(rig.words(), Catch::Matchers::Contains("press Y if " + which + " trial"));
+        press(SDLK_n);
+        static_cast<void>(rig.screen.gap(0.1));
+    };
+    press(SDLK_m, kChord);
+    static_cast<void>(rig.screen.gap(0.1));
+    asks("the last");
+    static_cast<void>(rig.screen.explore(kTrial, 0.0));
+    press(SDLK_m, kChord);
+    for (int i = 0; i < 20; ++i) {
+        static_cast<void>(rig.screen.explore(kTrial, 0.1));
+    }
+    asks("this");
+    {
+        const Later subject([] { press(SDLK_2); });
+        static_cast<void>(rig.screen.choose(kTrial, {.kind = ResponseKind::two_interval,
+                                                     .text = {},
+                                                     .pictures = {},
+                                                     .answers = 2,
+                                                     .labels = {}}));
+    }
+    press(SDLK_m, kChord);
+    static_cast<void>(rig.screen.gap(0.1));
+    asks("the last");
+}
+
+TEST_CASE("a break asks for the handle before it asks for Space", "[screen][desk][law]") {
+    DeskRig rig;
+    std::atomic<bool> awaited{true};
+    std::string before;
+    rig.desk.await_handle([&] {
+        before = awaited ? rig.words() : before;  // of the screen that was shown until now
+        return awaited.load();
+    });
+    const Later participant(
+        [&] {
+            awaited = false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            press(SDLK_SPACE);
+        },
+        500);
+    CHECK(rig.screen.rest(0.0, kTrial) == Signal::go_on);
+    CHECK_THAT(before, Catch::Matchers::Contains("First bring the handle home") &&
+                           !Catch::Matchers::Contains("Space"));
+    CHECK_THAT(rig.words(), Catch::Matchers::Contains("Press Space to go on"));
 }
 
 TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",

@@ -3,6 +3,7 @@
 #include <tuple>
 #include <vector>
 
+#include "engine/safety/trip.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/file/keys.hpp"
 #include "ui/subject/answer_row.hpp"
@@ -104,6 +105,7 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     all.push_back(shown(FeedbackFace{false}));
     all.push_back(shown(BreakFace{0, 1031, 1114}, &Words::go_on));
     all.push_back(shown(BreakFace{120, 1031, 1114, true}));
+    all.push_back(shown(BreakFace{0, 1031, 1114, false, true}, &Words::home_first));
     const std::string sentence =
         "/dev/serial/by-id/usb-Haply_Robotics_2diy_0123456789-if00: the device stopped answering "
         "17 s ago: check its cable and its power, then wait until it is found again";
@@ -201,9 +203,9 @@ TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and i
                    .font = {},
                    .language = language});
     const Words& words = window.words();
-    for (const auto sentence :
-         {words.stop_question, words.mark_question, words.pause_comes, words.no_pause,
-          words.session_over, words.marked, words.practice_marked, words.nothing_to_mark}) {
+    for (const auto sentence : {words.stop_question, words.mark_question, words.mark_last_question,
+                                words.pause_comes, words.no_pause, words.session_over, words.marked,
+                                words.practice_marked, words.nothing_to_mark}) {
         window.clear(kBackground);
         draw_bar(window, sentence);
         check_layout(window, {}, 1.0);

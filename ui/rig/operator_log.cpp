@@ -130,6 +130,7 @@ std::string OperatorLog::line(const Progress& progress, const std::string& what,
     const std::size_t attempt = ++attempts_[progress.planned.position];
     const bool lost = is_lost(progress.result.outcome) || !progress.result.invalid.empty();
     const bool over = progress.result.response || is_lost(progress.result.outcome);
+    ended_s_ += progress.waited_s;
     if (over && !progress.runs_again()) {
         took_s_.push_back(now_s - ended_s_);
         ended_s_ = now_s;
@@ -188,9 +189,8 @@ std::string trouble_text(const protocols::TroubleView& view) {
         return fmt::format("trouble: {}\n", sentence);
     }
     return view.by_hand
-             ? std::string(
-                   "what was wrong is mended: Ctrl+Shift+P at the participant's screen goes on\n")
-             : std::string("what was wrong is mended: the participant goes on\n");
+             ? std::string("the session can go on: Ctrl+Shift+P at the participant's screen\n")
+             : std::string("the session can go on: the participant presses Space\n");
 }
 
 std::string_view pause_text(bool begins) noexcept {

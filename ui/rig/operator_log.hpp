@@ -72,7 +72,8 @@ private:
     std::map<std::size_t, std::size_t> attempts_;
     double ended_s_;  ///< when the last of took_s_ did, or this run began
     std::vector<double>
-        took_s_{};  ///< from one trial that need not run again to the next, in this run
+        took_s_{};  ///< from one trial that need not run again to the next, in this run, without
+                    ///< pauses and troubles
     std::deque<std::vector<std::string>> advice_;  ///< of the last attempts; none: it counts
 };
 

@@ -223,7 +223,7 @@ void draw(Window& window, const BreakFace& face) {
     if (face.seconds_left > 0) {
         press(window, with(words.wait, face.seconds_left), kQuiet);
     } else {
-        press(window, words.go_on, kAccent);
+        press(window, face.awaits_handle ? words.home_first : words.go_on, kAccent);
     }
 }
 

@@ -91,6 +91,9 @@ struct BreakFace {
     std::size_t next = 0;
     std::size_t total = 0;
     bool practice = false;
+    bool awaits_handle = false;  ///< home, where nobody holds it
+
+    friend bool operator==(const BreakFace&, const BreakFace&) = default;
 };
 
 /// After a fault. The sentence comes from device and safety chain, which know nothing of the

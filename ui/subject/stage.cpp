@@ -73,7 +73,7 @@ std::string Stage::sentence_of(Bar bar) const {
         case Bar::stop:
             return std::string(words.stop_question);
         case Bar::mark:
-            return std::string(words.mark_question);
+            return std::string(in_trial_ ? words.mark_question : words.mark_last_question);
         case Bar::marked:
             return marked_text(words, reply_);
         case Bar::pause_comes:

@@ -66,6 +66,8 @@ public:
         return show(Face::kName, [face = std::move(face)](Window& window) { draw(window, face); });
     }
     std::int64_t show(std::string_view name, std::function<void(Window&)> drawing);
+    /// Whether a mark means the trial that runs, or the last one.
+    void in_trial(bool runs) noexcept { in_trial_ = runs; }
     /// The session is over: the desk can mark and pause nothing any more, and its keys say so.
     void close_desk();
     /// Nothing at the lower edge from the next show() on.
@@ -129,6 +131,7 @@ private:
     std::function<void()> on_close_;
     protocols::MarkReply reply_{};  ///< of Bar::marked
     bool desk_closed_ = false;
+    bool in_trial_ = false;
     bool needs_keyboard_ = false;
     Bar bar_ = Bar::none;
     std::int64_t bar_until_ns_ = 0;

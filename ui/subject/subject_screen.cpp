@@ -136,6 +136,7 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     in_trouble_.reset();
     hold(false);
     const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
+    stage_.in_trial(!first);
     stage_.need_keyboard(true);
     const Signal signal = wait_at_start({.number = trial.number,
                                          .total = trial.total,
@@ -155,6 +156,7 @@ PointerMap SubjectScreen::pointer_map() {
 
 void SubjectScreen::begin_exploring() {
     in_trouble_.reset();
+    stage_.in_trial(true);
     stage_.window().show_pointer(false);
     const SafetyKeys forgotten = guard(monotonic_ns());
     if (forgotten.released) {
@@ -234,6 +236,7 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
     TroubleFace face{.sentence = view.sentence, .solved = view.solved, .by_chord = by_chord};
     if (in_trouble_ != face) {
         exploring_.reset();
+        stage_.in_trial(false);
         stage_.window().show_pointer(true);
         stage_.show(face);
         guard(monotonic_ns());  // a press while nothing worked asked for nothing
@@ -311,6 +314,7 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
         choice.confidence_confirmation = sure.confirmation;
         choice.early_presses += sure.early_presses;
     }
+    stage_.in_trial(false);
     return choice;
 }
 
@@ -326,19 +330,29 @@ Signal SubjectScreen::gap(double seconds) {
 
 Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
     const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
-    int shown = -1;
+    BreakFace shown{.seconds_left = -1};
     for (;;) {
         const double left = static_cast<double>(until - monotonic_ns()) * 1e-9;
-        const int seconds_left = left > 0.0 ? static_cast<int>(std::ceil(left)) : 0;
-        if (seconds_left != shown) {
-            shown = seconds_left;
-            stage_.show(BreakFace{seconds_left, next.number, next.total, next.practice});
+        const BreakFace face{
+            .seconds_left = left > 0.0 ? static_cast<int>(std::ceil(left)) : 0,
+            .next = next.number,
+            .total = next.total,
+            .practice = next.practice,
+            .awaits_handle = options_.desk != nullptr && options_.desk->awaits_handle()};
+        if (face != shown) {
+            stage_.show(face);
         }
-        if (seconds_left == 0) {
-            return wait_for_go();
+        if (face.seconds_left == 0 && shown.seconds_left != 0) {
+            guard(monotonic_ns());
         }
-        if (stage_.next(kIdleWaitMs).kind == Input::Kind::abort) {
+        shown = face;
+        const Input input = stage_.next(kIdleWaitMs);
+        if (input.kind == Input::Kind::abort) {
             return Signal::abort;
+        }
+        if (shown.seconds_left == 0 &&
+            (input.kind == Input::Kind::go || input.kind == Input::Kind::enter)) {
+            return Signal::go_on;  // also where the handle is away: the experimenter is called then
         }
     }
 }

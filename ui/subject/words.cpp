@@ -66,6 +66,7 @@ constexpr Words kEnglish{
     .wrong = "Wrong",
     .rest = "Time for a break",
     .let_go = "Bring the handle home, let go of it and rest your hand.",
+    .home_first = "First bring the handle home and let go of it",
     .next_trial = "Next: trial {0} of {1}",
     .next_practice = "Next: practice {0} of {1}",
     .wait = "You can go on in {0} s",
@@ -79,6 +80,8 @@ constexpr Words kEnglish{
     .tell_experimenter = "Please tell the experimenter. Space closes this window.",
     .stop_question = "Experimenter: press Y to stop the session, any other key to go on",
     .mark_question = "Experimenter: press Y if this trial shall not count, any other key to go on",
+    .mark_last_question =
+        "Experimenter: press Y if the last trial shall not count, any other key to go on",
     .pause_comes = "Experimenter: the pause comes before the next trial",
     .no_pause = "Experimenter: no pause after all",
     .session_over = "Experimenter: the session is over; palpate mark marks its trials",
@@ -152,6 +155,7 @@ constexpr Words kTurkish{
     .wrong = "Yanlış",
     .rest = "Mola zamanı",
     .let_go = "Tutamağı yerine götürün, bırakın ve elinizi dinlendirin.",
+    .home_first = "Önce tutamağı yerine götürün ve bırakın",
     .next_trial = "Sıradaki: deneme {0} / {1}",
     .next_practice = "Sıradaki: alıştırma {0} / {1}",
     .wait = "{0} s sonra devam edebilirsiniz",
@@ -167,6 +171,8 @@ constexpr Words kTurkish{
         "Deneyi yürüten: oturumu bitirmek için Y'ye, sürdürmek için başka bir tuşa basın",
     .mark_question =
         "Deneyi yürüten: bu deneme sayılmayacaksa Y'ye, sürdürmek için başka bir tuşa basın",
+    .mark_last_question =
+        "Deneyi yürüten: son deneme sayılmayacaksa Y'ye, sürdürmek için başka bir tuşa basın",
     .pause_comes = "Deneyi yürüten: sıradaki denemeden önce ara verilecek",
     .no_pause = "Deneyi yürüten: ara verilmeyecek",
     .session_over = "Deneyi yürüten: oturum bitti; denemeleri palpate mark işaretler",

@@ -28,11 +28,12 @@ struct Words {
     std::string_view confirm;                      ///< once an answer is marked that may be changed
     std::string_view how_sure, a_guess, certain;
     std::string_view right, wrong;
-    std::string_view rest, let_go, next_trial, next_practice;  ///< next: {0} of {1}
-    std::string_view wait, go_on;                              ///< wait: {0} s
+    std::string_view rest, let_go, home_first, next_trial, next_practice;  ///< next: {0} of {1}
+    std::string_view wait, go_on;                                          ///< wait: {0} s
     std::string_view moment, can_go_on, help_comes, thank_you_for_waiting, for_experimenter;
     std::string_view end, tell_experimenter;
-    std::string_view stop_question, mark_question, pause_comes, no_pause, session_over;
+    std::string_view stop_question, mark_question, mark_last_question, pause_comes, no_pause,
+        session_over;
     std::string_view keyboard_elsewhere;
     /// Of a mark: {0} of {1}; and what becomes of the trial.
     std::string_view marked, practice_marked, nothing_to_mark, runs_again, not_again;
