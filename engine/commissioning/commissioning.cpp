@@ -105,6 +105,15 @@ std::string read_marks(PulseRunner& runner,
             !what.empty()) {
             return what;
         }
+        if (axes == 2 && std::any_of(marks.begin(), marks.end(), [&](const Rest& one) {
+                return glm::length(one.counts - mark.counts) <= 2.0;
+            })) {
+            return "the handle stands where it stood before, and not at " +
+                   place_text(place, axes) +
+                   ": bring it there before you press Enter, or see whether the encoders are "
+                   "connected" +
+                   kAgain;
+        }
         marks.push_back(mark);
     }
     return {};

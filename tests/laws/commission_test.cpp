@@ -222,6 +222,29 @@ TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, 
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
+TEST_CASE("a handle that was not brought to a mark is refused there, with no torque so far",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    TypedTo program(
+        folder, "desk",
+        "commission --device " + board.word() + " -o '" + folder.file("rig.toml") + "'");
+    const auto asked = [&](const char* what) {
+        return eventually([&] { return program.program().out().find(what) != std::string::npos; });
+    };
+    REQUIRE(asked("Type yes:"));
+    program.type("yes");
+    REQUIRE(asked("Bring the handle to"));
+    program.type("");  // it stands at home
+    const Finished end = program.program().wait();
+    CHECK(end.code == 1);
+    CHECK_THAT(end.error, ContainsSubstring("the handle stands where it stood before") ||
+                              ContainsSubstring("stopped answering"));  // a busy machine
+    CHECK(times(end.out, "Bring the handle to") == 1);
+    CHECK(board.motors() == "0, 0");
+    CHECK_FALSE(std::filesystem::exists(folder.file("rig.toml")));
+}
+
 TEST_CASE(
     "a stiffness or a delay that the device's damping does not bear is refused, before a file",
     "[commission][haply][law]") {
