@@ -186,6 +186,27 @@ TEST_CASE("a motion that mass and friction do not explain blames no motor",
 }
 
 TEST_CASE(
+    "a drag that grows with the square of the speed blames no motor, and air's changes nothing",
+    "[commissioning][law]") {
+    const double drag = GENERATE(0.01, 5.0, 100.0);  // N s^2/m^2: ten times air's, water's, oil's
+    const auto seed = GENERATE(take(palpate::tests::cases(std::size_t{2}), values({3U, 5U})));
+    CAPTURE(drag, seed);
+    const PlantModel plant = some_plant(seed);
+    MiswiredMachine device(plant, {}, {});
+    device.dip(drag);
+    const Calibration machine{.pantograph = plant.machine};
+    const CommissioningResult done =
+        commission(device, machine, places_to_commission(machine, kHome), Vec3(plant.handle_mass),
+                   desk_of(device));
+    CHECK_THAT(done.refused, Catch::Equals("") ||
+                                 ContainsSubstring("not explained by mass, damping and friction"));
+    if (drag < 0.1) {
+        CHECK(done.record.damping ==
+              Approx(0.8 * min_handle_damping(plant)).epsilon(0.1).margin(0.01));
+    }
+}
+
+TEST_CASE(
     "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
     "[commissioning][law]") {
     const auto seed = GENERATE(palpate::tests::seeds(6U));

@@ -43,6 +43,8 @@ public:
 
     /// From now on a cable pulls the handle back to where it is brought, N/m.
     void tie(double stiffness) { cable_ = stiffness; }
+    /// From now on a drag grows with the square of its speed, N s^2/m^2.
+    void dip(double drag) { drag_ = drag; }
     /// It falls silent, and takes the pose in which it is opened anew for home.
     void fall_silent() { silent_ = true; }
     [[nodiscard]] bool reconnect() override {
@@ -53,7 +55,10 @@ public:
 
     [[nodiscard]] engine::Reading read() noexcept override {
         plant_.set_torque(acting_ + pulled());
+        const auto before = machine_.locate(plant_.angles());
         plant_.advance(period_);
+        const auto after = machine_.locate(plant_.angles());
+        speed_ = before && after ? (after->hip - before->hip) / period_ : engine::Vec2{};
         engine::Reading reading;
         if (silent_) {
             reading.fault = engine::DeviceFault::silent;
@@ -99,10 +104,12 @@ private:
         plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
         return plant;
     }
-    /// N m of the cable.
+    /// N m of the cable and the drag.
     [[nodiscard]] engine::Vec2 pulled() const noexcept {
         const auto fix = machine_.locate(plant_.angles());
-        return fix ? fix->jacobian.transposed(cable_ * (brought_ - fix->hip)) : engine::Vec2{};
+        return fix ? fix->jacobian.transposed(cable_ * (brought_ - fix->hip) -
+                                              drag_ * glm::length(speed_) * speed_)
+                   : engine::Vec2{};
     }
 
     engine::Pantograph machine_;
@@ -119,6 +126,8 @@ private:
     engine::Vec2 acting_{};
     engine::Vec2 brought_{};
     double cable_ = 0.0;  ///< N/m
+    double drag_ = 0.0;   ///< N s^2/m^2
+    engine::Vec2 speed_{};
     double strongest_ = 0.0;
     double max_asked_ = 0.0;
 };
