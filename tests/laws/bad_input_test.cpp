@@ -217,11 +217,16 @@ TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     // A pipe whose reader is gone from the start, for both kinds of output.
+    const std::string kind = GENERATE("real", "pilot");
+    const Finished said =
+        palpate_command({"run", "shape_friction_demo", "--participant", "P1", "--db",
+                         folder.file("said.sqlite"), "--headless", "--kind", kind});
+    CHECK_THAT(said.error, ContainsSubstring("recorded as simulated, not " + kind));
     const Finished alone =
         tests::Process(
             {"sh", "-c", R"(mkfifo "$1"; exec 4<>"$1" 5>"$1" 4<&-; shift; exec "$@" >&5 2>&5)",
              "sh", folder.file("pipe"), tests::palpate_program(), "run", "shape_friction_demo",
-             "--participant", "P1", "--db", file, "--headless", "--kind", "real"},
+             "--participant", "P1", "--db", file, "--headless", "--kind", kind},
             {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
             .wait();
     CHECK(alone.code == 0);

@@ -98,7 +98,9 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
                        {"SDL_VIDEODRIVER=dummy"})
             .wait();
     CHECK(as_real.code == 2);
-    CHECK_THAT(as_real.error, ContainsSubstring("is a pilot session; it cannot go on as real"));
+    CHECK_THAT(as_real.error, ContainsSubstring("is a pilot session; it cannot go on as real") &&
+                                  ContainsSubstring("--kind it was begun with") &&
+                                  ContainsSubstring("--session 2"));
 }
 
 TEST_CASE("in a ring that reaches into an object no trial begins where it does",

@@ -80,8 +80,9 @@ data::RunKind kind_of(const RunOptions& options,
                         options.device));
     }
     if (!held_by_a_person(device.kind)) {
-        if (options.kind == "real") {
-            warn("the hand is simulated: the session is recorded as simulated, not real");
+        if (!options.kind.empty()) {
+            warn("the hand is simulated: the session is recorded as simulated, not {}",
+                 options.kind);
         }
         return data::RunKind::simulated;
     }

@@ -73,10 +73,11 @@ void require_kind(const SessionChoice& choice,
                   const std::string& file) {
     if (choice.begun && choice.kind != to_string(kind)) {
         throw std::invalid_argument(
-            fmt::format("{}: session {} of {} in {} is a {} session; it cannot go on as {}: begin "
-                        "a new session with --session",
+            fmt::format("{}: session {} of {} in {} is a {} session; it cannot go on as {}: run it "
+                        "with the --device and --kind it was begun with, or begin another by "
+                        "--session {}",
                         file, choice.key.session, choice.key.participant, study.protocol.id,
-                        choice.kind, to_string(kind)));
+                        choice.kind, to_string(kind), choice.last + 1));
     }
 }
 
