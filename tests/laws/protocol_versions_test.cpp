@@ -80,6 +80,8 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     names_both(summary);
     CHECK_THAT(summary, ContainsSubstring("Study " + one + ", simulated") &&
                             ContainsSubstring("Study " + other + ", simulated"));
+    CHECK(one > other);  // by first use, not by hash
+    CHECK(summary.find("Study " + one) < summary.find("Study " + other));
     const std::string pooled = palpate_command({"summary", file, "--versions", "together"}).out;
     names_both(pooled);
     CHECK_THAT(pooled,
