@@ -286,8 +286,9 @@ std::string PageWriter::page(const PageFrame& frame) const {
         frame.kind, html_text(frame.kicker), html_text(frame.title));
     if (frame.kind == "simulated") {
         out +=
-            "<p class=\"warning\" role=\"note\"><strong>Simulated data.</strong> Hand and "
-            "answers were computed: nobody felt anything. Nothing here is a result.</p>\n";
+            "<p class=\"warning\" role=\"note\"><strong>Simulated data.</strong> The hand "
+            "was computed, or the board an emulator: nobody felt anything, whoever answered. "
+            "Nothing here is a result.</p>\n";
     } else if (!real) {
         out +=
             "<p class=\"warning\" role=\"note\"><strong>Pilot data.</strong> Sessions to try "

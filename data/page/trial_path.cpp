@@ -234,7 +234,7 @@ bool has_friction(const TrialTrace& trace) {
 void add_path(PageWriter& page, const Study& study, const TrialTrace& trace) {
     PageFigure figure{.id = "path" + trace.place,
                       .title = "Where hand and god-object went" + trace.title,
-                      .width = 640.0};
+                      .width = 480.0};
     figure.data = study.ask(fmt::format(
         "SELECT CASE WHEN mode = 'free' THEN 'none' WHEN segment < 0 THEN 'vertex ' || (-1 - "
         "segment) ELSE '{0} ' || segment END AS touched,\n       count(*) AS ticks, count(*) / "

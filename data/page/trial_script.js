@@ -306,7 +306,7 @@
           axes: [
             { stroke: text, font: font, size: 28, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 },
               values: function (plot, at) { return at.map(function (t) { return +t.toFixed(6) + ' s'; }); } },
-            { stroke: text, font: font, size: 72, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } }
+            { stroke: text, font: font, size: 74, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } }
           ],
           series: [{ label: 'time', value: function (plot, t) { return t === null ? '\u2013' : t.toFixed(3) + ' s'; } }],
           hooks: {

@@ -343,6 +343,8 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     for (const std::string& code : kCodes) {
         CHECK(page.find(code) == std::string::npos);
     }
+    CHECK_THAT(page, ContainsSubstring(">mu</text>") && !ContainsSubstring(">stimulus</text>") &&
+                         ContainsSubstring("or the board an emulator: nobody felt anything"));
     check_sources(page, file);
     const Finished cells =
         palpate_command({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
