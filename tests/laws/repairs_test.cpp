@@ -81,6 +81,10 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     ran(file, "P3");
     const std::string before = copied(file, folder.file("before.sqlite"));
     done({"participant", file, "P2", "--new", "--handedness=-60"});
+    CHECK_THAT(done({"participant", file}), ContainsSubstring("1 session, consent not noted\n") &&
+                                                ContainsSubstring("3 people in " + file));
+    CHECK_THAT(refused({"participant", file, "--consent", "yes"}),
+               ContainsSubstring("nobody is named"));
     CHECK_THAT(refused({"participant", file, "P3", "--is-really", "P9", "--reason", "typed"}),
                ContainsSubstring("nobody is called P9"));
     const std::vector<std::string> really{"participant", file,        "P3",      "--is-really",

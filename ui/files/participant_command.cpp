@@ -65,7 +65,8 @@ void print(const std::string& id, const data::Participant& person) {
 
 void declare(CommandWords& words, ParticipantOptions& options) {
     words.add("FILE", options.database, "The study's database file").required();
-    words.add("ID", options.participant, "Pseudonymous id: letters, digits, - and _").required();
+    words.add("ID", options.participant,
+              "Pseudonymous id: letters, digits, - and _; left out: who is in the file");
     words.add("--handedness", options.handedness, "Edinburgh score, -100 (left) to 100 (right)")
         .within(-100, 100);
     words.add("--consent", options.consent, "yes or no: consent to take part").among({"yes", "no"});
@@ -164,7 +165,33 @@ data::ParticipantNotes notes_of(const ParticipantOptions& options) {
     return notes;
 }
 
+/// Who is in the file, a line each.
+int list(const ParticipantOptions& options) {
+    if (options.registers || options.handedness || !options.consent.empty() ||
+        !options.details.empty() || !options.really.empty() || !options.destroy.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{}: nobody is named: give the code of whom it is noted as well, as in "
+                        "palpate participant FILE P01 ...",
+                        options.database));
+    }
+    data::Database database(options.database, data::Access::read);
+    data::Statement row = database.prepare(
+        "SELECT participant_code, count(session_id), CASE consent WHEN 1 THEN 'yes' WHEN 0 THEN "
+        "'no' ELSE 'not noted' END FROM participant LEFT JOIN session USING (participant_id) "
+        "GROUP BY participant_id ORDER BY participant_id");
+    std::size_t people = 0;
+    for (; row.step(); ++people) {
+        say("{:<12} {}, consent {}\n", row.text(0),
+            counted(static_cast<std::size_t>(row.integer(1)), "session"), row.text(2));
+    }
+    say("{} in {}\n", counted(people, "person", "people"), options.database);
+    return 0;
+}
+
 int run(const ParticipantOptions& options) {
+    if (options.participant.empty()) {
+        return list(options);
+    }
     check_participant(options.participant, "the participant");
     const data::ParticipantNotes notes = notes_of(options);
     if (!options.registers) {  // nothing is to be made for a wrong name
@@ -206,7 +233,8 @@ int run(const ParticipantOptions& options) {
 
 Command participant_command() {
     return make_command<ParticipantOptions>(
-        "participant", "Show what is noted of a participant, and note handedness, consent and more",
+        "participant",
+        "Show who is in a file or what is noted of one, and note handedness, consent and more",
         declare, run);
 }
 
