@@ -28,3 +28,25 @@ TEST_CASE("same seed, same plan, same content: in two runs, and in every build",
     CHECK(demo_hash(folder.file("c.sqlite"), "2") != first);
     CHECK(first == "b4af348fe694fb71664f5fa35dc6ab159a204231f7cc925f49473dc11a5d3ea5");
 }
+
+TEST_CASE("a wall clock that jumps by days while a session runs changes nothing but its dates",
+          "[determinism][law]") {
+    const TemporaryFolder folder;
+    const auto hash = [&](const std::string& file, const std::vector<std::string>& environment) {
+        const tests::Finished run = tests::Process({tests::palpate_program(), "demo", "--headless",
+                                                    "--speed", "20", "--db", file, "--seed", "1"},
+                                                   environment)
+                                        .wait();
+        CAPTURE(run.error);
+        REQUIRE(run.code == 0);
+        CHECK(palpate_command({"verify", file}).code == 0);
+        data::Database database(file, data::Access::read);
+        auto days = database.prepare("SELECT count(DISTINCT date(started_utc)) FROM trial");
+        REQUIRE(days.step());
+        CHECK((days.integer(0) > 2) == !environment.empty());
+        return tests::content_hash(database);
+    };
+    CHECK(hash(folder.file("a.sqlite"),
+               {"LD_PRELOAD=" PALPATE_JUMPING_CLOCK, "ASAN_OPTIONS=verify_asan_link_order=0"}) ==
+          hash(folder.file("b.sqlite"), {}));
+}

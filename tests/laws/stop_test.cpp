@@ -1,6 +1,9 @@
 #include <csignal>
+#include <filesystem>
 #include <functional>
 #include <utility>
+
+#include <unistd.h>
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
@@ -180,7 +183,7 @@ TEST_CASE(
     hand.take_keyboard_away();
     session.wait_until("SELECT fault_cause FROM trial", "focus_lost");
     session.wait_for_screen("trouble");
-    session.wait_for_text("mended: Ctrl+Shift+P at the participant's screen goes on");
+    session.wait_for_text("can go on: Ctrl+Shift+P at the participant's screen");
     hand.focus(hand.find_window("palpate: "));
     tests::pause(0.3);
     hand.key("space");
@@ -223,8 +226,23 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
         CHECK(eventually([&] { return tests::count(database, stops) > before; }));
     };
     ends("palpate stop", [&] {
-        CHECK_THAT(tests::palpate_command({"stop", file}).out,
-                   ContainsSubstring("No force any more in 1 session"));
+        tests::Finished stopped;
+        if (geteuid() == 0) {  // another user stops what they may write to, and nothing else
+            const auto as_nobody = [&](unsigned mode) {
+                std::filesystem::permissions(file, std::filesystem::perms{mode});
+                return tests::Process({"runuser", "-u", "nobody", "--", tests::palpate_program(),
+                                       "stop", file})
+                    .wait();
+            };
+            std::filesystem::permissions(folder.path(), std::filesystem::perms{0755});
+            const tests::Finished barred = as_nobody(0644);
+            CHECK(barred.code == 1);
+            CHECK_THAT(barred.error, ContainsSubstring("only who may write to it, or runs it"));
+            stopped = as_nobody(0666);
+        } else {
+            stopped = tests::palpate_command({"stop", file});
+        }
+        CHECK_THAT(stopped.out, ContainsSubstring("No force any more in 1 session"));
     });
     ends("terminal", [&] { terminal.type("\n"); });
     ends("terminal", [&] { terminal.type("\x1b"); });
