@@ -223,7 +223,7 @@ CREATE TABLE event (
                       ('break', 'pause', 'go on', 'abort', 'gave up', 'fault', 'reconnect', 'invalid', 'note',
                        'mark', 'redo', 'interrupted', 'timing', 'ticks lost', 'masking', 'display lost',
                        'device', 'operator', 'provenance', 'participant', 'planned again',
-                       'stop')),
+                       'stop', 'reveal')),
     text          TEXT NOT NULL,                    -- [details] a sentence; of a mark the reason
     at_utc        TEXT NOT NULL,                    -- [details] wall clock, ISO 8601
     at_ns         INTEGER,                          -- [details] on the servo's clock, as trial.started_ns
@@ -236,7 +236,7 @@ CREATE TABLE event (
     duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause or the trouble; masking: without noise
     key           TEXT,                             -- [details] provenance, participant: what; mark: undone, it takes the one before back; that of no trial is of the session
     noted_utc     TEXT,                             -- [details] participant, as a session begins: when it had been noted
-    value         TEXT                              -- [details] of key; fault, go on: the cause; reconnect: anew, or nothing; stop: by what; device, operator: the new one; participant, is really: whose the session is
+    value         TEXT                              -- [details] of key; fault, go on: the cause; reconnect: anew, or nothing; stop: by what; reveal: who asked; device, operator: the new one; participant, is really: whose the session is
 ) STRICT;
 
 CREATE TABLE trace_chunk (

@@ -29,9 +29,11 @@ constexpr Key kStudy[]{
     {.name = "participants", .slot = at<&Protocol::participants>, .range = {1, 10000},
      .meaning = "planned number of participants"},
     {.name = "consent_required", .slot = at<&Protocol::consent_required>,
-     .meaning = "no real session without a noted consent; left out of the hash while false"},
+     .meaning = "no real session without a noted consent"},
     {.name = "handedness", .slot = at<&Protocol::handedness>,
      .meaning = "of the participants asked for"},
+    {.name = "reveal", .slot = at<&Protocol::reveal>,
+     .meaning = "whether the experimenter may see what is felt while a session runs: ask is an event in it"},
     {.name = "language", .slot = at<&Protocol::language>,
      .meaning = "of the participant's screen"},
 };

@@ -17,6 +17,7 @@ inline constexpr std::array<std::string_view, 3> kFrictionBlocks{"interleaved", 
 inline constexpr std::array<std::string_view, 5> kDeviceClasses{"any", "haply", "comedi", "mouse",
                                                                 "board"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
+inline constexpr std::array<std::string_view, 2> kReveals{"ask", "never"};
 inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
 inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
 inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
@@ -41,6 +42,9 @@ inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 }
 [[nodiscard]] constexpr WordList words_of(Handedness) {
     return kHandedness;
+}
+[[nodiscard]] constexpr WordList words_of(Reveal) {
+    return kReveals;
 }
 [[nodiscard]] constexpr WordList words_of(Language) {
     return kLanguages;

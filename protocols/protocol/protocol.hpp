@@ -310,6 +310,9 @@ struct InstructionTexts {
 /// Of the participants that are asked for.
 enum class Handedness : std::uint8_t { right, left, any };
 
+/// Whether whoever runs a session may see what is felt while it runs.
+enum class Reveal : std::uint8_t { ask, never };
+
 /// An experiment as its file describes it, SI.
 struct Protocol {
     std::string id = "shape_friction";  ///< [a-z0-9_]+, names the study in the database
@@ -318,6 +321,7 @@ struct Protocol {
     std::size_t participants = 12;  ///< planned
     bool consent_required = false;  ///< no real session without a noted consent
     Handedness handedness = Handedness::right;
+    Reveal reveal = Reveal::ask;
     Language language = Language::en;
     std::vector<ObjectSpec> objects;
     OutlineSpec outline{};

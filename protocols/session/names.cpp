@@ -55,7 +55,7 @@ constexpr std::array<std::string_view, kEventKinds> kEventWords{
     "break",      "pause",       "go on",         "abort",        "gave up", "fault",
     "reconnect",  "invalid",     "note",          "mark",         "redo",    "interrupted",
     "timing",     "ticks lost",  "masking",       "display lost", "device",  "operator",
-    "provenance", "participant", "planned again", "stop"};
+    "provenance", "participant", "planned again", "stop",         "reveal"};
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "protocols/session/pending_trials.hpp"
@@ -27,8 +28,10 @@ struct MarkReply {
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
-    void mark() {
+    /// @param reason  in the experimenter's words; empty: none was given
+    void mark(std::string reason = {}) {
         mark_ = true;
+        reason_ = std::move(reason);
         if (at_once_) {
             at_once_();
         }
@@ -68,10 +71,13 @@ public:
     }
     [[nodiscard]] bool wants_pause() const noexcept { return pause_; }
     [[nodiscard]] bool take_mark() noexcept { return std::exchange(mark_, false); }
+    /// Of the mark that was taken.
+    [[nodiscard]] std::string take_reason() noexcept { return std::exchange(reason_, {}); }
     [[nodiscard]] bool take_pause() noexcept { return std::exchange(pause_, false); }
 
 private:
     bool mark_ = false;
+    std::string reason_;
     bool pause_ = false;
     std::function<void()> at_once_;
     std::function<bool()> handle_awaited_;

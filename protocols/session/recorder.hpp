@@ -167,8 +167,9 @@ enum class EventKind : std::uint8_t {
     participant,    ///< `value` was noted of the participant's `key`
     planned_again,  ///< before its first trial the session became another one
     stop,           ///< somebody wanted no force, in `trial` or between trials; `value`: by what
+    reveal,         ///< from here on the experimenter sees what is felt; `value`: who asked for it
 };
-inline constexpr std::size_t kEventKinds = 22;
+inline constexpr std::size_t kEventKinds = 23;
 
 /// The word of a kind, as the database has it.
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;

@@ -154,8 +154,12 @@ private:
             return;
         }
         MarkReply reply{.found = last_ && progress_.counts(*last_)};
+        const std::string reason = ports_.desk->take_reason();
         if (reply.found) {
-            happened({.kind = EventKind::mark, .text = kMarkedAtDesk, .trial = last_});
+            happened({.kind = EventKind::mark,
+                      .text = reason.empty() ? kMarkedAtDesk
+                                             : fmt::format("{}: {}", kMarkedAtDesk, reason),
+                      .trial = last_});
             reply = {.found = true,
                      .runs_again = pending().has(last_position_),
                      .number = last_number_,
