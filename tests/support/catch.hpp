@@ -1,5 +1,35 @@
 #pragma once
 
+// What nearly every test uses beside Catch2.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <set>
+#include <span>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
 #include "tests/support/cases.hpp"
 
 // Catch2 v3 (Debian 13, Ubuntu 24.04) and v2 (Debian 12) behind one include.
@@ -7,8 +37,6 @@
 #include <catch2/catch_all.hpp>
 using Catch::Approx;  // v2 has it in the global namespace
 #else
-#include <string>
-
 #include <catch2/catch.hpp>
 
 namespace Catch::Matchers {
@@ -23,6 +51,10 @@ inline auto ContainsSubstring(const std::string& text) {
 
 namespace palpate::tests {
 
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::EndsWith;
+using Catch::Matchers::StartsWith;
+
 /// For GENERATE: `all` seeds from 0, fewer under sanitizers.
 template <class Count>
 auto seeds(Count all) {
@@ -30,3 +62,10 @@ auto seeds(Count all) {
 }
 
 }  // namespace palpate::tests
+
+/// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it
+/// (tests/support/random.hpp).
+#define SEEDED(random, count)                                 \
+    const auto seed = GENERATE(palpate::tests::seeds(count)); \
+    CAPTURE(seed);                                            \
+    palpate::tests::Random random(seed)

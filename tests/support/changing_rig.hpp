@@ -1,8 +1,5 @@
 #pragma once
 
-#include <map>
-#include <utility>
-
 #include "protocols/session/trust.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"

@@ -1,14 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <bit>
-#include <cstdint>
-#include <set>
-#include <span>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"

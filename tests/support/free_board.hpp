@@ -1,13 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
-#include <filesystem>
-#include <string>
-#include <thread>
-
-#include <fmt/format.h>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/process.hpp"

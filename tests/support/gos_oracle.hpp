@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "tests/support/arc_oracle.hpp"
 

@@ -1,12 +1,7 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 /// Finished sessions' files, and what others do to them.
 namespace palpate::tests {
@@ -24,7 +19,7 @@ inline std::string lab_sqlite(const std::string& file, const std::string& sql) {
 class LabFiles {
 public:
     LabFiles() {
-        REQUIRE(palpate_command({"demo", "--headless", "--db", clean}).code == 0);
+        ran({"demo", "--headless", "--db", clean});
         data::Database(clean, data::Access::write).checkpoint();
     }
     [[nodiscard]] std::string with(const std::string& sql) const {

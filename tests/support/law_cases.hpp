@@ -1,10 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <vector>
-
 #include "engine/friction/laws/law.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

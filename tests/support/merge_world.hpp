@@ -101,8 +101,7 @@ private:
                 .prepare(
                     "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, "
                     "reaction_s, reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, "
-                    "'straight', 1, "
-                    "?2, 0.0, 'key', 0)")
+                    "'straight', 1, ?2, 0.0, 'key', 0)")
                 .bind(1, trial)
                 .bind(2, random.in(0.1, 3.0))
                 .run();

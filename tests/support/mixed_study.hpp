@@ -18,16 +18,14 @@ inline void run_headless(const TemporaryFolder& folder, const std::string& text)
 /// trials.
 inline std::string mixed_study(const TemporaryFolder& folder) {
     const std::pair<std::string, std::string> quick{"explore_min_s = 2", "explore_min_s = 0.2"};
-    run_headless(
-        folder,
-        tests::short_text("shape_friction_demo",
-                          {quick,
-                           {"explore_prompt_s = 30", "explore_prompt_s = 1"},
-                           {"explore_timeout_s = 45", "explore_timeout_s = 2"},
-                           {"break_every = 0", "break_every = 3"},
-                           {"dead_man = false", "speed_limit_m_per_s = 0.172"}}) +
-            "\n[response]\nconfidence = true\n[invalid]\ncontact_min_s = 0.1\npath_min_mm = "
-            "160\nmax_requeues = 1\n");
+    run_headless(folder, tests::short_text("shape_friction_demo",
+                                           {quick,
+                                            {"explore_prompt_s = 30", "explore_prompt_s = 1"},
+                                            {"explore_timeout_s = 45", "explore_timeout_s = 2"},
+                                            {"break_every = 0", "break_every = 3"},
+                                            {"dead_man = false", "speed_limit_m_per_s = 0.172"}}) +
+                             "\n[response]\nconfidence = true\n[invalid]\ncontact_min_s = "
+                             "0.1\npath_min_mm = 160\nmax_requeues = 1\n");
     run_headless(folder, tests::short_text("friction_threshold",
                                            {quick,
                                             {"explore_prompt_s = 10", "explore_prompt_s = 0.4"},

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <sstream>
-#include <string>
-
 #include "tests/support/catch.hpp"
 
 namespace palpate::tests {

@@ -1,15 +1,8 @@
 #pragma once
 
-#include <memory>
-#include <stdexcept>
-#include <string>
-
-#include <fmt/format.h>
-
 #include "data/sync/postgres.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/postgres_server.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 /// What tests of push share: a server, a file, and what is on the server.
 namespace palpate::tests {
@@ -41,7 +34,7 @@ inline std::unique_ptr<PostgresServer> a_server(const std::string& certificate =
 
 inline std::string a_database(const TemporaryFolder& folder) {
     const std::string file = folder.file("demo.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    ran({"demo", "--headless", "--db", file});
     return file;
 }
 

@@ -1,22 +1,13 @@
 #pragma once
 
-#include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
-#include <span>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "data/extension/sample_module.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/fixed_point.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 /// Rows of the virtual table `sample`, and what they must be by the reader's ticks.
 namespace palpate::tests {
@@ -32,7 +23,7 @@ inline std::string exactly(double value) {
 inline const std::string& demo_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
-        REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("a.sqlite")}).code == 0);
+        ran({"demo", "--headless", "--db", folder.file("a.sqlite")});
         return folder.file("a.sqlite");
     }();
     return file;

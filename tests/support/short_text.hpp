@@ -1,10 +1,5 @@
 #pragma once
 
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
-
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 
