@@ -9,7 +9,6 @@
 #include "engine/base/text.hpp"
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 
 namespace palpate::data {

@@ -12,6 +12,13 @@
 /// gives.
 namespace palpate::data {
 
+/// Which answers of a file are meant.
+struct AnswerChoice {
+    std::string kind = "real";  ///< real, pilot or simulated: never two of them
+    std::string study{};        ///< needed where the file has several with such answers
+    bool codes = false;         ///< people by the lab's codes, not by their numbers in exports
+};
+
 /// Of one study and kind. Each person is counted in one place, and so is each answer of a main
 /// trial: in the first that holds of no_consent, withdrawn, marked, invalid, by_rule, analysed.
 struct LeftOut {

@@ -10,7 +10,6 @@
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/statistics/over_people.hpp"
-#include "data/tables/table.hpp"
 
 namespace palpate::data {
 namespace {
@@ -122,8 +121,7 @@ Table differences_table(const PeopleTable& table, const std::set<std::string>& l
                            {.key = "people", .words = "people"},
                            {.key = "sign_flip_p", .words = "sign-flip p", .says = Column::Says::p},
                            {.key = "own_95",
-                            .words = "of this person's own trials (Newcombe), not "
-                                     "of people"}}};
+                            .words = "of this person's own trials (Newcombe), not of people"}}};
     const auto kept = std::ranges::count_if(
         table.people, [&](const auto& one) { return !left_out.contains(one.first); });
     for (std::size_t i = 1; i < table.conditions.size(); ++i) {

@@ -10,7 +10,6 @@
 
 #include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
-#include "data/inference/mixed_logit.hpp"
 #include "data/statistics/distributions.hpp"
 
 namespace palpate::data {

@@ -9,7 +9,7 @@
 #include "data/choice/similarity_choice.hpp"
 #include "data/choice/thurstone.hpp"
 #include "data/inference/trials.hpp"
-#include "data/tables/over_people_table.hpp"
+#include "data/tables/table.hpp"
 
 /// Which of several things was it: what identifications say of how well people tell things apart,
 /// and of how they name them.

@@ -7,8 +7,6 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 

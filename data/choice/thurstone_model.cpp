@@ -1,7 +1,5 @@
 #include "data/choice/thurstone_model.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <numeric>
 

@@ -10,7 +10,6 @@
 #include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
-#include "protocols/file/protocol_file.hpp"
 
 namespace palpate::data {
 namespace {

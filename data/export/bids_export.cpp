@@ -18,7 +18,7 @@
 #include "data/export/delimited_file.hpp"
 #include "data/export/formats.hpp"
 #include "data/export/selection.hpp"
-#include "data/export/table_sql.hpp"
+#include "data/export/tables.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
-#include "data/export/table_sql.hpp"
+#include "data/export/tables.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 
@@ -49,12 +49,9 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
         "are\n"
         "subject, study_label, session_number, trial_number. Text is UTF-8; an empty field: not "
-        "known or not so. "
-        "Numbers read\n"
+        "known or not so. Numbers read\n"
         "back to the same bits in C, Python and R (pandas: float_precision='round_trip'). A text "
-        "that a spreadsheet would take for a "
-        "formula "
-        "has\n"
+        "that a spreadsheet would take for a formula has\n"
         "' in front.\n{}",
         counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "

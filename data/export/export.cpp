@@ -4,10 +4,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <system_error>
 #include <utility>
 
@@ -18,9 +16,8 @@
 #include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
 #include "data/export/formats.hpp"
-#include "data/export/selection.hpp"
-#include "data/export/table_sql.hpp"
-#include "data/store/adaptive_export.hpp"
+#include "data/export/tables.hpp"
+#include "data/store/adaptive_store.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
@@ -122,8 +119,7 @@ void convert(DuckDb& duck, const std::string& from, const fs::path& to, const Ty
     }
     duck.run(fmt::format(
         "COPY (SELECT *{} FROM read_csv({}, header = true, delim = ',', quote = '\"', escape = "
-        "'\"',"
-        " auto_detect = false, allow_quoted_nulls = false, columns = {{{}}})) TO {} (FORMAT "
+        "'\"', auto_detect = false, allow_quoted_nulls = false, columns = {{{}}})) TO {} (FORMAT "
         "parquet, COMPRESSION zstd)",
         texts.empty() ? "" : " REPLACE (" + texts + ")", quoted_text(from), columns,
         quoted_text(to.string())));
@@ -209,10 +205,9 @@ void export_procedures(Database& database,
 void add_accounts(const std::filesystem::path& readme,
                   const std::vector<LeftOut>& accounts,
                   bool details) {
-    std::string text =
-        file_text(readme) +
-        "\nNothing is here of who does not consent and of withdrawn sessions; whom a rule of the "
-        "protocol leaves out is.\n\n";
+    std::string text = file_text(readme) +
+                       "\nNothing is here of who does not consent and of withdrawn sessions; whom "
+                       "a rule of the protocol leaves out is.\n\n";
     for (const LeftOut& one : accounts) {
         text += left_out_text(details ? one : without_words(one));
     }
@@ -273,10 +268,10 @@ ExportSummary export_file(const std::string& file,
                           const std::filesystem::path& folder) {
     if (format >= ExportFormat::procedure &&
         (options.details || options.traces || options.keep_codes)) {
-        throw std::invalid_argument(fmt::format(
-            "{} holds no more than answers: details, codes and ticks go with csv, bids, "
-            "psych-ds and parquet",
-            kExportWords.at(static_cast<std::size_t>(format))));
+        throw std::invalid_argument(
+            fmt::format("{} holds no more than answers: details, codes and ticks go with csv, "
+                        "bids, psych-ds and parquet",
+                        kExportWords.at(static_cast<std::size_t>(format))));
     }
     Database database(file, Access::read);
     NewFolder built(folder);

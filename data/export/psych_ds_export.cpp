@@ -8,7 +8,7 @@
 #include "data/csv/json_text.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/formats.hpp"
-#include "data/export/table_sql.hpp"
+#include "data/export/tables.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
@@ -71,8 +71,7 @@ void write_description(const Selection& selection,
                        const ExportOptions& options,
                        const std::filesystem::path& folder) {
     const auto description = fmt::format(
-        "Felt shape: choices of {} (kind {}), written by palpate, one row an attempt at a "
-        "trial. "
+        "Felt shape: choices of {} (kind {}), written by palpate, one row an attempt at a trial. "
         "SI units.{}",
         counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "" : " De-identified.");
@@ -87,8 +86,8 @@ void write_description(const Selection& selection,
         folder / "README.md",
         fmt::format(
             "{}\n\nIn data/, subject, study, session and trial name a row{}. An empty field: not "
-            "known or not so.\nAuthors, licence and citation are not known to palpate: add "
-            "them to dataset_description.json.\n",
+            "known or not so.\nAuthors, licence and citation are not known to palpate: add them to "
+            "dataset_description.json.\n",
             description,
             options.traces ? "; in files with description-ticks, interval and tick as well" : ""));
 }

@@ -100,9 +100,8 @@ void Selection::choose(const std::string& kind) {
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
         throw std::invalid_argument(fmt::format(
-            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
-            "simulated, and "
-            "{} not consent; --kind chooses",
+            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} simulated, "
+            "and {} not consent; --kind chooses",
             kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
             count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
             count(database_, kOfKind, "simulated"),

@@ -16,8 +16,8 @@ constexpr const char* kYesNo = "0 = no; 1 = yes";
 /// What a device calls itself, without the port, the address or the file behind it.
 std::string kind_of(const std::string& device) {
     return fmt::format(
-        "iif({0} LIKE 'replay of %', 'replay', substr({0}, 1, min(instr({0} || ':', ':'),"
-        " instr({0} || ' at ', ' at ')) - 1))",
+        "iif({0} LIKE 'replay of %', 'replay', substr({0}, 1, min(instr({0} || ':', ':'), "
+        "instr({0} || ' at ', ' at ')) - 1))",
         device);
 }
 
@@ -46,8 +46,8 @@ const std::vector<ExportColumn> kComputed{
     {"device_words", "text", "", "device as given", "session.device", true},
     {"exclusion", "text", "", "why the answer does not count; marked: somebody said so",
      "iif(trial.invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM event WHERE"
-     " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked',"
-     " trial.invalid_reason)"},
+     " event.trial_id = trial.trial_id AND event.event_kind = 'mark'), 'marked', "
+     "trial.invalid_reason)"},
     {"trials_since_break", "integer", "1",
      "attempts before it since the session's begin or last break; empty: it has not ended",
      "iif(trial.seal_events IS NULL, NULL, (SELECT count(*) FROM trial AS earlier WHERE"
@@ -74,11 +74,11 @@ const std::vector<ExportColumn> kComputed{
     {"event_value", "text", "", "of key; fault, go on: the cause; device, operator: the new one",
      "iif(event.key IS 'is really', NULL, event.value)", true},
     {"event_text", "text", "", "what palpate noted itself",
-     "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
-     " 'interrupted'), event.text, NULL)"},
+     "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault', "
+     "'interrupted'), event.text, NULL)"},
     {"event_since_first_ns", "integer", "ns",
-     "as since_first_ns of trials; empty: no attempt is within an hour of it, or it was noted "
-     "from outside",
+     "as since_first_ns of trials; empty: no attempt is within an hour of it, or it was noted from "
+     "outside",
      "iif(event.event_kind IN ('mark', 'note', 'participant'), NULL, (SELECT since_ns FROM "
      "happened WHERE happened.event_id = event.event_id))"},
 };
@@ -164,8 +164,8 @@ std::vector<ExportTable> tables_of_sessions() {
     return {
         table("participants", "one row a participant", " GROUP BY participant.participant_id",
               kSubject,
-              "subject handedness handedness_score participant.handedness_utc sessions"
-              " participant.consent participant.consent_utc"),
+              "subject handedness handedness_score participant.handedness_utc sessions "
+              "participant.consent participant.consent_utc"),
         table("participant_details", "what else was asked of participants",
               " JOIN participant_detail USING (participant_id) GROUP BY"
               " participant_detail.participant_id, participant_detail.key",
@@ -184,12 +184,12 @@ std::vector<ExportTable> tables_of_sessions() {
 }
 
 constexpr const char* kTrialColumns =
-    "session.session_kind trial_number trial.plan_position trial.attempt plan.phase"
-    " plan.block plan.planned_object plan.curvature_per_m plan.friction plan.mu_s"
-    " plan.mu_d trials_since_break trial.outcome counts exclusion response.answer_code"
-    " response.chosen_object response.correct response.confidence"
-    " response.reaction_s response.reaction_uncertainty_s adaptive_plan.run_name"
-    " adaptive_plan.comparison_interval stimulus since_first_ns trial_device trial.*";
+    "session.session_kind trial_number trial.plan_position trial.attempt plan.phase plan.block "
+    "plan.planned_object plan.curvature_per_m plan.friction plan.mu_s plan.mu_d trials_since_break "
+    "trial.outcome counts exclusion response.answer_code response.chosen_object response.correct "
+    "response.confidence response.reaction_s response.reaction_uncertainty_s "
+    "adaptive_plan.run_name adaptive_plan.comparison_interval stimulus since_first_ns trial_device "
+    "trial.*";
 
 std::vector<ExportTable> tables_of_trials() {
     const std::string trial = kSession + ", trial.trial_id";
@@ -210,12 +210,11 @@ std::vector<ExportTable> tables_of_trials() {
         table("adaptive_steps", "one row an answer that a rule took in",
               trials + " JOIN adaptive_step USING (trial_id) JOIN" + adaptive, trial,
               kKeys + "trial_number adaptive_plan.* adaptive_step.*"),
-        table(
-            "events", "breaks, stops, resumes, faults", " JOIN event USING (session_id)",
-            kSession + ", event.event_id",
-            kKeys +
-                "event_number trial_number=event_trial event.event_kind mark_undone text=event_text"
-                " words=event.text since_first_ns=event_since_first_ns value=event_value event.*"),
+        table("events", "breaks, stops, resumes, faults", " JOIN event USING (session_id)",
+              kSession + ", event.event_id",
+              kKeys + "event_number trial_number=event_trial event.event_kind mark_undone "
+                      "text=event_text words=event.text since_first_ns=event_since_first_ns "
+                      "value=event_value event.*"),
     };
 }
 
@@ -242,6 +241,40 @@ const ExportTable& export_table(std::string_view name) {
         throw std::logic_error(fmt::format("there is no table {}", name));
     }
     return *table;
+}
+
+std::vector<std::pair<std::string_view, std::string_view>> levels_of(const ExportColumn& column) {
+    std::vector<std::pair<std::string_view, std::string_view>> levels;
+    for (std::string_view left(column.levels); !left.empty();) {
+        const std::string_view one = left.substr(0, left.find("; "));
+        left.remove_prefix(std::min(one.size() + 2, left.size()));
+        const std::size_t sign = one.find(" = ");
+        levels.emplace_back(one.substr(0, sign), one.substr(sign + 3));
+    }
+    return levels;
+}
+
+std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details) {
+    std::vector<ExportColumn> columns;
+    for (const ExportColumn& column : table.columns) {
+        if (details || !column.detail) {
+            columns.push_back(column);
+        }
+    }
+    return columns;
+}
+
+std::string select_sql(const ExportTable& table,
+                       std::span<const ExportColumn> columns,
+                       std::string_view where) {
+    std::string names;
+    for (const ExportColumn& column : columns) {
+        names += fmt::format("{}{} AS {}", names.empty() ? "" : ", ", column.sql, column.name);
+    }
+    const std::size_t group = std::min(table.from.find(" GROUP BY "), table.from.size());
+    return fmt::format("SELECT {} FROM {}{}{}{} ORDER BY {}", names, table.from.substr(0, group),
+                       where.empty() ? "" : " WHERE ", where, table.from.substr(group),
+                       table.order);
 }
 
 }  // namespace palpate::data

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace palpate::data {
@@ -39,5 +41,17 @@ inline constexpr const char* kHandednessSql =
 
 /// What a row of ticks begins with: whose they are. The sql is not used.
 [[nodiscard]] const std::vector<ExportColumn>& tick_keys();
+
+/// The words that may stand in a column, and what each means; none where any text or number may.
+[[nodiscard]] std::vector<std::pair<std::string_view, std::string_view>> levels_of(
+    const ExportColumn& column);
+
+/// The columns of a table that a reader may see.
+[[nodiscard]] std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details);
+
+/// SELECT of these columns. @param where  of one session, e.g. "chosen.session = ?1"; empty: all
+[[nodiscard]] std::string select_sql(const ExportTable& table,
+                                     std::span<const ExportColumn> columns,
+                                     std::string_view where = {});
 
 }  // namespace palpate::data

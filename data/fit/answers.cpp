@@ -29,8 +29,8 @@ std::vector<Answers> read_answers(const std::filesystem::path& file) {
         const double k = table.at(row, 2);
         if (!(n >= 0.0 && n <= kMaxAnswers) || n != std::floor(n)) {
             refuse(row, 1,
-                   "give how many answers there are, a whole number from 0 to 1000000 (1 "
-                   "where a row is a trial)");
+                   "give how many answers there are, a whole number from 0 to 1000000 (1 where a "
+                   "row is a trial)");
         }
         if (!(k >= 0.0 && k <= n) || k != std::floor(k)) {
             refuse(row, 2,
@@ -52,8 +52,7 @@ std::vector<Answers> read_answers(const std::filesystem::path& file) {
     }
     if (all.empty()) {
         throw CsvError(
-            fmt::format("{}: there is no row below the head: give stimulus,n,k, a row a "
-                        "stimulus",
+            fmt::format("{}: there is no row below the head: give stimulus,n,k, a row a stimulus",
                         file.string()));
     }
     return all;

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "data/fit/curve_model.hpp"
 #include "data/statistics/wilson.hpp"

@@ -170,10 +170,9 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
                         spec.family == Family::weibull ? " above 0" : ""));
     }
     if (gap < 1.0 / kLargest) {
-        throw std::invalid_argument(
-            fmt::format("two stimuli are {} apart: give stimuli further apart than {}, in a "
-                        "smaller unit",
-                        gap, 1.0 / kLargest));
+        throw std::invalid_argument(fmt::format(
+            "two stimuli are {} apart: give stimuli further apart than {}, in a smaller unit", gap,
+            1.0 / kLargest));
     }
     first_ = std::isfinite(z_.front()) ? z_.front() : z_[1];
     last_ = z_.back();

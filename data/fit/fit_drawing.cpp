@@ -114,8 +114,7 @@ Figure fit_figure(const FitReport& report) {
     figure.columns = people.size() > 1 ? 2 : 1;
     figure.caption =
         "Dots: shares of the answers, larger for more of them. Bands: the middle 95 % of bootstrap "
-        "samples. Bars: 95 % "
-        "profile intervals of the thresholds.";
+        "samples. Bars: 95 % profile intervals of the thresholds.";
     return figure;
 }
 

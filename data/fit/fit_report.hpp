@@ -13,7 +13,7 @@
 #include "data/plot/figure.hpp"
 #include "data/statistics/over_people.hpp"
 #include "data/store/analysed.hpp"
-#include "data/tables/over_people_table.hpp"
+#include "data/tables/table.hpp"
 
 /// Fits of all curves of a file, and what is said of them.
 namespace palpate::data {

@@ -36,8 +36,7 @@ std::string head_text(const FitReport& report) {
         "  {}: P(x) = guess + (1 - guess - lapse) F, {}\n"
         "  guess {}, lapse {}; {}\n"
         "  threshold: x of F = 1/2 (of a comparison: the point of equality, PSE); JND: half the "
-        "distance from F = "
-        "1/4 to\n  F = 3/4; Weber fraction: JND / threshold.\n"
+        "distance from F = 1/4 to\n  F = 3/4; Weber fraction: JND / threshold.\n"
         "  95 % intervals (inf: no end that the answers bound): profile likelihood",
         report.source, counted(report.curves.size(), "curve"), word_of(spec.family),
         core_of(spec.family), guess_text(spec), lapse_text(spec),
@@ -147,8 +146,7 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
     if (fit.shallow) {
         all.emplace_back(
             "the share of 1 does not grow with the stimulus: there is no curve to fit; if it "
-            "should fall, give n - k "
-            "as k");
+            "should fall, give n - k as k");
         return all;
     }
     if (fit.steep) {
@@ -174,10 +172,9 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
             curve.samples.steep, report.options.bootstrap));
     }
     if (curve.samples.far > 0 && !fit.far) {
-        all.push_back(
-            fmt::format("{} of {} bootstrap samples hardly rise: their threshold and JND "
-                        "count as infinite",
-                        curve.samples.far, report.options.bootstrap));
+        all.push_back(fmt::format(
+            "{} of {} bootstrap samples hardly rise: their threshold and JND count as infinite",
+            curve.samples.far, report.options.bootstrap));
     }
     const double degrees =
         static_cast<double>(curve.model.levels()) - static_cast<double>(fit.parameters);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"

@@ -15,7 +15,7 @@
 namespace palpate::data {
 namespace {
 
-void add_beliefs(Database& database, const StoredChoice& choice, std::vector<Answers>& all) {
+void add_beliefs(Database& database, const AnswerChoice& choice, std::vector<Answers>& all) {
     Statement row = database.prepare(
         "SELECT DISTINCT participant_code, session_number, session_id, run_number, run_name FROM "
         "analysis_trial WHERE "
@@ -58,7 +58,7 @@ void number_people(Database& database, std::vector<Answers>& all) {
     }
 }
 
-std::vector<std::string> conditions_of(Database& database, const StoredChoice& choice) {
+std::vector<std::string> conditions_of(Database& database, const AnswerChoice& choice) {
     Statement row = database.prepare(
         "SELECT name FROM (SELECT run_name AS name, run_number AS place FROM analysis_trial WHERE "
         "study_name = ?1 AND session_kind = ?2 AND run_name IS NOT NULL UNION ALL SELECT friction, "
@@ -75,7 +75,7 @@ std::vector<std::string> conditions_of(Database& database, const StoredChoice& c
 
 }  // namespace
 
-bool answers_are_names(Database& database, const StoredChoice& choice) {
+bool answers_are_names(Database& database, const AnswerChoice& choice) {
     Statement row = database.prepare(fmt::format(
         "SELECT NOT EXISTS (SELECT 1 FROM ({}) WHERE session_kind = ?1 AND ?2 IN ('', "
         "study_name)) AND EXISTS (SELECT 1 FROM analysis_trial WHERE phase = 'main' AND run_number "
@@ -85,9 +85,9 @@ bool answers_are_names(Database& database, const StoredChoice& choice) {
     return row.integer(0) != 0;
 }
 
-StoredAnswers stored_answers(Database& database, const StoredChoice& asked) {
+StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     const Snapshot now(database);
-    StoredChoice choice = asked;
+    AnswerChoice choice = asked;
     std::set<std::string> studies;
     std::vector<std::pair<std::string, Answers>> found;
     Statement row = database.prepare(fmt::format(

@@ -9,15 +9,8 @@
 
 namespace palpate::data {
 
-/// Which sessions of a file are meant.
-struct StoredChoice {
-    std::string kind = "real";  ///< real, pilot or simulated: never two of them
-    std::string study{};        ///< needed where the file has several with such answers
-    bool codes = false;         ///< people by the lab's codes, not by their numbers in exports
-};
-
 /// There is no graded stimulus to fit, but there are answers by a picture's name.
-[[nodiscard]] bool answers_are_names(Database& database, const StoredChoice& choice);
+[[nodiscard]] bool answers_are_names(Database& database, const AnswerChoice& choice);
 
 /// What a database has to fit.
 struct StoredAnswers {
@@ -35,6 +28,6 @@ struct StoredAnswers {
 /// and how often yes. Sessions of a participant add up; what the rules believe stands beside them,
 /// session by session. Without whom the protocol's rules leave out.
 /// @throws std::invalid_argument if there are none, or of several studies: which there are
-[[nodiscard]] StoredAnswers stored_answers(Database& database, const StoredChoice& choice);
+[[nodiscard]] StoredAnswers stored_answers(Database& database, const AnswerChoice& choice);
 
 }  // namespace palpate::data

@@ -5,8 +5,6 @@
 #include <map>
 #include <set>
 #include <stdexcept>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -58,7 +56,7 @@ struct ExplorationMeans {
     LeftOut left_out{};
 };
 
-ExplorationMeans read_felt(Database& database, const TrialChoice& choice) {
+ExplorationMeans read_felt(Database& database, const AnswerChoice& choice) {
     std::string columns;
     for (const AuditedQuantity& one : kAudited) {
         columns += fmt::format(", {}", one.value);
@@ -99,7 +97,7 @@ ExplorationMeans read_felt(Database& database, const TrialChoice& choice) {
     return felt;
 }
 
-void check_choice(const ExplorationMeans& felt, Database& database, const TrialChoice& choice) {
+void check_choice(const ExplorationMeans& felt, Database& database, const AnswerChoice& choice) {
     if (felt.studies.size() > 1) {
         throw std::invalid_argument(several_studies(database, felt.studies));
     }
@@ -197,7 +195,7 @@ std::string_view verdict_text(const std::optional<Equivalence>& found) {
                                                : "not known: more people";
 }
 
-Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+Audit audit_of(Database& database, const AnswerChoice& choice, const AuditBounds& bounds) {
     const Snapshot now(database);
     const ExplorationMeans felt = read_felt(database, choice);
     check_choice(felt, database, choice);
@@ -258,7 +256,7 @@ std::string gap_text(const AuditGap& gap) {
                        fmt::join(gap.people, ", "));
 }
 
-std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+std::string audit_text(Database& database, const AnswerChoice& choice, const AuditBounds& bounds) {
     const Audit audit = audit_of(database, choice, bounds);
     std::string text = fmt::format(
         "Study {}, {} data\n"
@@ -279,7 +277,7 @@ std::string audit_text(Database& database, const TrialChoice& choice, const Audi
     return versions.empty() ? text : text + '\n' + versions;
 }
 
-std::string audit_json(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+std::string audit_json(Database& database, const AnswerChoice& choice, const AuditBounds& bounds) {
     const Audit audit = audit_of(database, choice, bounds);
     Json all = {{"study", audit.study},
                 {"kind", choice.kind},

@@ -101,7 +101,7 @@ struct Audit {
 /// @throws std::invalid_argument if there are none, of several studies, or of one friction alone:
 /// which there are
 [[nodiscard]] Audit audit_of(Database& database,
-                             const TrialChoice& choice,
+                             const AnswerChoice& choice,
                              const AuditBounds& bounds);
 
 /// In words for people.
@@ -115,12 +115,12 @@ struct Audit {
 
 /// audit_of() as a table for people.
 [[nodiscard]] std::string audit_text(Database& database,
-                                     const TrialChoice& choice,
+                                     const AnswerChoice& choice,
                                      const AuditBounds& bounds);
 
 /// The same for programs.
 [[nodiscard]] std::string audit_json(Database& database,
-                                     const TrialChoice& choice,
+                                     const AnswerChoice& choice,
                                      const AuditBounds& bounds);
 
 }  // namespace palpate::data

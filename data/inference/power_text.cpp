@@ -21,23 +21,23 @@ Interval share_interval(const MonteCarlo& share, std::size_t studies) {
 
 /// A row a number of participants.
 Table points_table(const PowerReport& report) {
-    Table table{.place = "points/-",
-                .columns = {{.key = "participants", .words = "people"},
-                            {.key = "power", .words = "power"},
-                            {.key = "power_95", .words = "interval"},
-                            {.key = "type_i_error", .words = "type I error", .digits = 4},
-                            {.key = "type_i_error_95", .words = "interval", .digits = 4},
-                            {.key = "interval_width", .words = "interval width"},
-                            {.key = "interval_width_se", .words = "se"},
-                            {.key = "exaggeration", .words = "exaggeration", .digits = 2},
-                            {.key = "exaggeration_se", .words = "se", .digits = 2},
-                            {.key = "wrong_sign", .words = "wrong sign", .digits = 4},
-                            {.key = "wrong_sign_95", .words = "interval", .digits = 4}},
-                .notes = {"Intervals: Wilson's of 95 %, of the share of studies; se: of Monte "
-                          "Carlo. Interval width: of the 95 %\n  interval of the difference of "
-                          "shares, over people. Exaggeration and wrong sign: of significant "
-                          "studies, size of\n  the difference by the true one, and share of those "
-                          "that point the other way."}};
+    Table table{
+        .place = "points/-",
+        .columns = {{.key = "participants", .words = "people"},
+                    {.key = "power", .words = "power"},
+                    {.key = "power_95", .words = "interval"},
+                    {.key = "type_i_error", .words = "type I error", .digits = 4},
+                    {.key = "type_i_error_95", .words = "interval", .digits = 4},
+                    {.key = "interval_width", .words = "interval width"},
+                    {.key = "interval_width_se", .words = "se"},
+                    {.key = "exaggeration", .words = "exaggeration", .digits = 2},
+                    {.key = "exaggeration_se", .words = "se", .digits = 2},
+                    {.key = "wrong_sign", .words = "wrong sign", .digits = 4},
+                    {.key = "wrong_sign_95", .words = "interval", .digits = 4}},
+        .notes = {"Intervals: Wilson's of 95 %, of the share of studies; se: of Monte Carlo. "
+                  "Interval width: of the 95 %\n  interval of the difference of shares, over "
+                  "people. Exaggeration and wrong sign: of significant studies, size of\n  the "
+                  "difference by the true one, and share of those that point the other way."}};
     const auto of = [](const std::optional<MonteCarlo>& value, double MonteCarlo::*member) {
         return value ? cell_of((*value).*member) : Cell(Nothing{});
     };
@@ -155,8 +155,7 @@ std::string power_text(const PowerReport& report) {
         "{}: {} against {}, {} trials of a person under each; everybody is SIMULATED\n"
         "  Primary test: {}; two-sided, alpha = {:g}.\n"
         "  Effect: {}: the share of right answers goes from {:.3f} by {:+.3f}. Without it people "
-        "differ "
-        "by {:.2f} logit.\n"
+        "differ by {:.2f} logit.\n"
         "  {} studies each, {} without an effect, judged from {} hands that felt once.\n",
         report.study, report.friction, report.against, report.trials, title_of(report.spec.test),
         report.spec.alpha, report.effect, report.share_without, report.true_difference,

@@ -290,19 +290,18 @@ std::vector<std::string> warnings_of(const MixedStats& mixed) {
     std::vector<std::string> all;
     const auto add = [&](const char* method, const MixedFit& fit) {
         if (fit.unbounded) {
-            all.push_back(fmt::format(
-                "{}: {} (a condition has answers of one kind alone): its estimate and se say "
-                "nothing, the likelihood ratio holds",
-                method,
-                fit.intercept_unbounded ? "intercept and effect have no end"
-                                        : "the effect has no end"));
+            all.push_back(
+                fmt::format("{}: {} (a condition has answers of one kind alone): its estimate and "
+                            "se say nothing, the likelihood ratio holds",
+                            method,
+                            fit.intercept_unbounded ? "intercept and effect have no end"
+                                                    : "the effect has no end"));
         }
         if (fit.singular) {
             all.push_back(fmt::format(
                 "{}: the fit is singular: the spread of intercepts and effects over people has "
-                "lost "
-                "a dimension (a variance of 0, or a correlation of -1 or 1); too few people or "
-                "trials for this model, and its standard errors are too small",
+                "lost a dimension (a variance of 0, or a correlation of -1 or 1); too few people "
+                "or trials for this model, and its standard errors are too small",
                 method));
         }
         if (!fit.converged) {

@@ -23,10 +23,10 @@ Table people_table(const StatsReport& report, const StatsPart& part) {
             "plug-in, Miller-Madow, mean of {} permutations (a guesser's), their p, interval;\n  "
             "seconds: geometric means; felt: from the first contact to done",
             share_title(report),
-            report.yes_no ? "and criterion c with the log-linear correction (Hautus 1995)"
-                          : fmt::format("of {} alternatives, unbiased observer (n of n counts as n "
-                                        "- 1/2)",
-                                        report.table.alternatives),
+            report.yes_no
+                ? "and criterion c with the log-linear correction (Hautus 1995)"
+                : fmt::format("of {} alternatives, unbiased observer (n of n counts as n - 1/2)",
+                              report.table.alternatives),
             report.options.permutations),
         .columns = {{.key = "person", .words = "person"},
                     {.key = "friction", .words = "friction"},
@@ -73,8 +73,8 @@ Table people_table(const StatsReport& report, const StatsPart& part) {
 Table persons_table(const StatsPart& part) {
     Table table{.place = "people/*",
                 .title =
-                    "  Confidence, person by person: area under the type 2 ROC, mean less "
-                    "share correct, Brier's score\n  (0: sure and right; 0.25: always .5)",
+                    "  Confidence, person by person: area under the type 2 ROC, mean less share "
+                    "correct, Brier's score\n  (0: sure and right; 0.25: always .5)",
                 .columns = {{.key = "person", .words = "person"},
                             {.key = "confidence_area", .words = "area"},
                             {.key = "overconfidence", .words = "over"},
@@ -163,15 +163,14 @@ Table primary_table(const StatsReport& report, const StatsPart& part) {
 }
 
 Table confidence_table(const StatsPart& part) {
-    Table table{.place = "confidence/-",
-                .title =
-                    "  Confidence: share correct at each level, mean over the people who used "
-                    "it",
-                .columns = {{.key = "level", .words = "level", .digits = 2},
-                            {.key = "answers", .words = "answers"},
-                            {.key = "people", .words = "people"},
-                            {.key = "share", .words = "share"},
-                            {.key = "interval_95", .words = "interval"}}};
+    Table table{
+        .place = "confidence/-",
+        .title = "  Confidence: share correct at each level, mean over the people who used it",
+        .columns = {{.key = "level", .words = "level", .digits = 2},
+                    {.key = "answers", .words = "answers"},
+                    {.key = "people", .words = "people"},
+                    {.key = "share", .words = "share"},
+                    {.key = "interval_95", .words = "interval"}}};
     for (const ConfidenceLevel& one : part.levels) {
         table.rows.push_back({one.level, one.n, cell_of(one.share.people), cell_of(one.share.mean),
                               cell_of(one.share.interval)});

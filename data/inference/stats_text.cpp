@@ -25,21 +25,20 @@ std::string title_text(const StatsReport& report) {
         text += fmt::format("\n  Answers name one of {} shapes: chance is {:.3f}",
                             table.alternatives, 1.0 / static_cast<double>(table.alternatives));
     }
-    return text +
-           fmt::format(
-               ".\n  Intervals are of 95 %. Nothing here pools the trials of several people: "
-               "the person is the unit. Seed {}.\n",
-               report.options.seed);
+    return text + fmt::format(
+                      ".\n  Intervals are of 95 %. Nothing here pools the trials of several "
+                      "people: the person is the unit. Seed {}.\n",
+                      report.options.seed);
 }
 
 std::string excluded_text(const StatsReport& report) {
     const auto& account = report.table.left_out;
     std::string text = account ? left_out_text(*account) : std::string();
     if (report.excluded.empty()) {
-        return text + (account ? "  Rules and marks leave nothing out: with and without these it "
-                                 "is the same.\n"
-                               : "  Nothing is excluded: with and without exclusions it is the "
-                                 "same.\n");
+        return text +
+               (account ? "  Rules and marks leave nothing out: with and without these it is the "
+                          "same.\n"
+                        : "  Nothing is excluded: with and without exclusions it is the same.\n");
     }
     text += "  Excluded, and below left out first, then left in:\n";
     for (const ExcludedTrials& one : report.excluded) {

@@ -42,7 +42,7 @@ std::map<std::string, std::string> whys_of(const LeftOut& account) {
 }
 
 /// By the least static friction of the conditions' plans, as everywhere.
-std::string least_friction(Database& database, const TrialChoice& choice) {
+std::string least_friction(Database& database, const AnswerChoice& choice) {
     Statement row = database.prepare(
         "SELECT friction FROM plan JOIN session USING (session_id) JOIN study USING (study_id) "
         "WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY "
@@ -52,14 +52,14 @@ std::string least_friction(Database& database, const TrialChoice& choice) {
 }
 
 /// As the newest version of the protocol says.
-protocols::PrimaryTest primary_of(Database& database, const TrialChoice& choice) {
+protocols::PrimaryTest primary_of(Database& database, const AnswerChoice& choice) {
     Statement row = database.prepare(
         "SELECT protocol_toml FROM study WHERE study_name = ?1 ORDER BY study_id DESC LIMIT 1");
     row.bind(1, choice.study).step();
     return protocols::stored_protocol(row.text(0)).analysis.primary;
 }
 
-std::size_t pictures_of(Database& database, const TrialChoice& choice) {
+std::size_t pictures_of(Database& database, const AnswerChoice& choice) {
     Statement row = database.prepare(
         "SELECT coalesce(max(n), 0) FROM (SELECT count(*) AS n FROM picture JOIN session USING "
         "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND session_kind = ?2 "
@@ -84,9 +84,9 @@ NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
 
 }  // namespace
 
-TrialTable stored_trials(Database& database, const TrialChoice& asked) {
+TrialTable stored_trials(Database& database, const AnswerChoice& asked) {
     const Snapshot now(database);
-    TrialChoice choice = asked;
+    AnswerChoice choice = asked;
     std::set<std::string> studies;
     std::vector<NamedTrial> all;
     std::string before;

@@ -74,17 +74,10 @@ struct NamedTrial {
 /// kind.
 [[nodiscard]] std::string trials_csv(const TrialTable& table);
 
-/// Which trials of a database are meant.
-struct TrialChoice {
-    std::string kind = "real";  ///< real, pilot or simulated: never two of them
-    std::string study{};        ///< needed where the file has several with such answers
-    bool codes = false;         ///< people by the lab's codes, not by their numbers in exports
-};
-
 /// Answered main trials of identification and yes-no, no rule among them; trials that do not count,
 /// and those of people whom the protocol's rules leave out, say why.
 /// @throws std::invalid_argument if there are none, or of several studies: which there are
-[[nodiscard]] TrialTable stored_trials(Database& database, const TrialChoice& choice);
+[[nodiscard]] TrialTable stored_trials(Database& database, const AnswerChoice& choice);
 
 /// Makes this friction the first. @throws std::invalid_argument if there is no such friction: which
 /// there are

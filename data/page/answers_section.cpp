@@ -227,8 +227,7 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
     }
     figure.caption =
         "A thin line is a person. Coloured bars, and the black one: means over people with their "
-        "95 "
-        "% intervals (Student's, of shares on the logit; the person is the unit). Broken lines: "
+        "95 % intervals (Student's, of shares on the logit; the person is the unit). Broken lines: "
         "people whom the protocol's rules leave out, in no mean.";
     add_effects(stats, numbers, stats.applied, true, figure.results);
     if (stats.not_applied) {
@@ -265,11 +264,9 @@ void add_sensitivity(PageWriter& page, const Study& study, const PageNumbers& nu
     }
     figure.caption = fmt::format(
         "Yes is right for {}. d': how well they are distinguished from the others; c: above 0 "
-        "rather no. "
-        "Log-linear correction (Hautus 1995), of the least answers of a person under a friction. A "
-        "thin line is a person; bars: means over people with 95 % intervals. Their tests stand "
-        "with "
-        "the effect of friction above.",
+        "rather no. Log-linear correction (Hautus 1995), of the least answers of a person under a "
+        "friction. A thin line is a person; bars: means over people with 95 % intervals. Their "
+        "tests stand with the effect of friction above.",
         fmt::join(stats.options.signals, ", "));
     page.figure(figure);
 }

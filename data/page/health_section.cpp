@@ -46,8 +46,7 @@ std::string audit_sql() {
         "USING (participant_code) JOIN trial USING (trial_id)\nWHERE study_name = {{study}} AND "
         "exploration.session_kind = {{kind}} AND exploration.phase = 'main' AND "
         "exploration.counts AND NOT left_out\nGROUP BY person, exploration.friction ORDER BY "
-        "person, "
-        "exploration.friction",
+        "person, exploration.friction",
         columns);
 }
 
@@ -138,11 +137,10 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
     }
     figure.caption =
         "Differences within person with 90 % intervals; broken lines: bounds chosen beforehand. "
-        "The "
-        "same: the interval lies between them (two one-sided tests of 5 %, Schuirmann 1987; blue). "
-        "Differs: the 95 % interval does not hold no difference (vermillion). Else more people are "
-        "needed (grey). What the hand does may follow from friction. Answers that count, "
-        "exclusions applied.";
+        "The same: the interval lies between them (two one-sided tests of 5 %, Schuirmann 1987; "
+        "blue). Differs: the 95 % interval does not hold no difference (vermillion). Else more "
+        "people are needed (grey). What the hand does may follow from friction. Answers that "
+        "count, exclusions applied.";
     figure.results.push_back({.table = audit_table(*numbers.audit),
                               .command = numbers.audit_words,
                               .caption = "Each quantity, its 90 % interval and its bound"});

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "engine/base/parsed.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
-#include "data/csv/csv_text.hpp"
 #include "data/page/tick_text.hpp"
 #include "data/plot/svg_figure.hpp"
 #include "data/plot/svg_text.hpp"
@@ -85,8 +83,7 @@ std::string panel_html(const Panel& panel,
     const std::size_t body = drawn.find("<g class=\"panel\">");
     const std::string name = panel.title.empty() ? title : title + ": " + panel.title;
     std::string out = fmt::format(
-        "<svg viewBox=\"{}\" aria-label=\"{}. The table below has its numbers.\" "
-        "role=\"img\">\n{}",
+        "<svg viewBox=\"{}\" aria-label=\"{}. The table below has its numbers.\" role=\"img\">\n{}",
         size, html_text(name), drawn.substr(body));
     if (!mark.empty()) {
         out.insert(out.rfind("</svg>"),
@@ -201,8 +198,8 @@ std::string PageWriter::sources(std::string_view id,
                            counted(rows.cells.size(), "row"), table);
     }
     return out + fmt::format(
-                     "<details class=\"sql\"><summary>SQL</summary>\n<pre tabindex=\"0\"><code>{}"
-                     "</code></pre></details>\n"
+                     "<details class=\"sql\"><summary>SQL</summary>\n<pre "
+                     "tabindex=\"0\"><code>{}</code></pre></details>\n"
                      "<a class=\"csv\" download=\"{}.csv\" href=\"{}\">CSV</a>\n</div>\n",
                      html_text(rows.sql), html_text(name), data_address("text/csv", rows.csv));
 }
@@ -227,8 +224,7 @@ void PageWriter::figure(const PageFigure& figure) {
     const std::string& kind = study_->options().kind;
     const std::string mark = kind == "real" ? "" : kind + " data";
     body_ += fmt::format(
-        "<figure id=\"{0}\" aria-labelledby=\"{0}-h\">\n<h3 id=\"{0}-h\">Figure {1}. "
-        "{2}</h3>\n",
+        "<figure id=\"{0}\" aria-labelledby=\"{0}-h\">\n<h3 id=\"{0}-h\">Figure {1}. {2}</h3>\n",
         figure.id, kFigureNumber, html_text(figure.title));
     body_ += figure.html;
     if (!figure.panels.empty()) {
@@ -291,8 +287,8 @@ std::string PageWriter::page(const PageFrame& frame) const {
             "Nothing here is a result.</p>\n";
     } else if (!real) {
         out +=
-            "<p class=\"warning\" role=\"note\"><strong>Pilot data.</strong> Sessions to try "
-            "the study: no result follows from them.</p>\n";
+            "<p class=\"warning\" role=\"note\"><strong>Pilot data.</strong> Sessions to try the "
+            "study: no result follows from them.</p>\n";
     }
     out += fmt::format(
         "</header>\n<nav aria-label=\"Contents\">\n<ol>\n{}</ol>\n</nav>\n<main>\n{}{}</main>\n"

@@ -3,8 +3,6 @@
 #include <iterator>
 #include <map>
 
-#include <fmt/format.h>
-
 #include "data/page/sections.hpp"
 
 namespace palpate::data {

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -207,13 +206,12 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
                             ? "CAUTION: this page takes them as one."
                             : "They are kept apart: this page is of " + study.name() + " alone."));
     }
-    PageFigure flow{
-        .id = "flow",
-        .title = "From planned trials to analysed answers",
-        .caption =
-            "Each box less what stands beside it gives the next. Rules are those of the "
-            "protocol, written before anybody ran.",
-        .data = study.ask(kFlow)};
+    PageFigure flow{.id = "flow",
+                    .title = "From planned trials to analysed answers",
+                    .caption =
+                        "Each box less what stands beside it gives the next. Rules are those of "
+                        "the protocol, written before anybody ran.",
+                    .data = study.ask(kFlow)};
     flow.html = flow_html(study, flow.data);
     if (numbers.stats) {
         flow.results.push_back(both_ways(numbers));
@@ -232,13 +230,12 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
     }
     page.html(fmt::format("<p class=\"account\" data-left-out=\"{}\">{}</p>\n",
                           html_text(json_text(left_out_json(study.left_out()))), account));
-    page.paragraph(
-        study.options().codes
-            ? "People are called by the laboratory's codes, as was asked for: this page is not for "
-              "strangers."
-            : "People are numbered for this page, from 1; the column subject is their name in "
-              "exports and in palpate stats. Numbers are no codes of the laboratory, and follow "
-              "neither their order nor that of the sessions.");
+    page.paragraph(study.options().codes
+                       ? "People are called by the laboratory's codes, as was asked for: this page "
+                         "is not for strangers."
+                       : "People are numbered for this page, from 1; the column subject is their "
+                         "name in exports and in palpate stats. Numbers are no codes of the "
+                         "laboratory, and follow neither their order nor that of the sessions.");
 }
 
 }  // namespace palpate::data

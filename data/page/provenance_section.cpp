@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -115,20 +114,16 @@ std::string design_text(const protocols::Protocol& protocol) {
 void add_tests(PageWriter& page, const StatsOptions& options) {
     page.paragraph(fmt::format(
         "The unit of all tests is the person; nothing pools the trials of several people. The "
-        "effect of friction is the difference within person, with Student's paired t and its "
-        "95 "
-        "% interval, the exact sign-flip test (Fisher 1935), Wilcoxon's signed ranks (1945, "
-        "exact, ties kept) and the JZS Bayes factor (Rouder et al. 2009, Cauchy prior of scale "
-        "{:.4f}). Means of shares have intervals by Student's t on the logit of the mean. A "
-        "logistic mixed model with random intercepts and slopes follows, by Laplace's "
-        "approximation and by adaptive Gauss-Hermite quadrature ({} nodes a side); the p of "
-        "its "
-        "likelihood ratio is also that of {} samples of the fitted null. d' is that of an "
-        "unbiased observer (Green & Swets 1966); transmitted information is Miller and "
-        "Madow's, "
-        "against {} permutations; confidence is judged by the area under the type 2 ROC "
-        "(Galvin "
-        "et al. 2003). Random numbers begin with seed {}.",
+        "effect of friction is the difference within person, with Student's paired t and its 95 % "
+        "interval, the exact sign-flip test (Fisher 1935), Wilcoxon's signed ranks (1945, exact, "
+        "ties kept) and the JZS Bayes factor (Rouder et al. 2009, Cauchy prior of scale {:.4f}). "
+        "Means of shares have intervals by Student's t on the logit of the mean. A logistic mixed "
+        "model with random intercepts and slopes follows, by Laplace's approximation and by "
+        "adaptive Gauss-Hermite quadrature ({} nodes a side); the p of its likelihood ratio is "
+        "also that of {} samples of the fitted null. d' is that of an unbiased observer (Green & "
+        "Swets 1966); transmitted information is Miller and Madow's, against {} permutations; "
+        "confidence is judged by the area under the type 2 ROC (Galvin et al. 2003). Random "
+        "numbers begin with seed {}.",
         options.prior_scale, options.nodes, options.simulations, options.permutations,
         options.seed));
 }
@@ -145,19 +140,18 @@ void add_provenance(PageWriter& page, const Study& study) {
                 ? 1U
                 : 0U;
     }
-    page.paragraph(fmt::format(
-        "Each attempt, event and end of a session carries a seal: a hash over all that came "
-        "before. In {} of {} the newest seal is stored beside the row that made it, and "
-        "nothing that ended is without one. This is a look, no proof: palpate verify {} computes "
-        "every seal, plan and force again. A seal in the lab book that is the same shows that "
-        "nothing before it was changed.",
-        good, counted(seals.cells.size(), "session"), study.file()));
+    page.paragraph(
+        fmt::format("Each attempt, event and end of a session carries a seal: a hash over all that "
+                    "came before. In {} of {} the newest seal is stored beside the row that made "
+                    "it, and nothing that ended is without one. This is a look, no proof: palpate "
+                    "verify {} computes every seal, plan and force again. A seal in the lab book "
+                    "that is the same shows that nothing before it was changed.",
+                    good, counted(seals.cells.size(), "session"), study.file()));
     page.table("sessions", "Newest seals", "One row a session.", seals);
-    page.table(
-        "made", "Made with",
-        "Versions and hashes of the sessions' programs and calibrations. What tells a machine "
-        "is in the file alone.",
-        study.ask(kMade));
+    page.table("made", "Made with",
+               "Versions and hashes of the sessions' programs and calibrations. What tells a "
+               "machine is in the file alone.",
+               study.ask(kMade));
 }
 
 void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers) {
@@ -170,18 +164,18 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     }
     page.paragraph(fmt::format(
         "{} explored objects that they could not see through a handle with {} degrees of freedom; "
-        "the contact force was rendered at {:g} kHz on the exact {} with a stiffness of {:g} "
-        "N/m and limited to {:g} N. Objects were {}; friction was {}. {} {}",
+        "the contact force was rendered at {:g} kHz on the exact {} with a stiffness of {:g} N/m "
+        "and limited to {:g} N. Objects were {}; friction was {}. {} {}",
         study.options().kind == "simulated" ? "Simulated hands" : "Participants",
         protocol.surface ? "three" : "two", apparatus.rate_hz / 1000.0,
         protocol.surface ? "surfaces" : "curves", apparatus.stiffness, apparatus.force_limit,
         objects_text(protocol), list_of(frictions), task_text(protocol), design_text(protocol)));
-    page.paragraph(fmt::format(
-        "Attempts in which the force went off, or which fell short of the protocol's rules for a "
-        "trial, were run again later in the session. People were left out by rules in the "
-        "protocol, written before anybody ran; each result is given with and without these "
-        "exclusions. {} had a session.",
-        counted(study.people(), "person", "people")));
+    page.paragraph(
+        fmt::format("Attempts in which the force went off, or which fell short of the protocol's "
+                    "rules for a trial, were run again later in the session. People were left out "
+                    "by rules in the protocol, written before anybody ran; each result is given "
+                    "with and without these exclusions. {} had a session.",
+                    counted(study.people(), "person", "people")));
     if (numbers.stats) {
         add_tests(page, numbers.stats->options);
     }
@@ -193,22 +187,21 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
             numbers.fit->options.bootstrap));
     }
     if (numbers.audit) {
-        page.paragraph(fmt::format(
-            "Conditions of friction were compared in start pose, lateness, saturation, stale "
-            "readings, gaps of the masking noise, times, strokes, force and speed by two one-sided "
-            "tests of 5 % (Schuirmann 1987), with bounds of {:g} mm, a ratio of {:g} and a share "
-            "of "
-            "{:g}.",
-            1e3 * numbers.bounds.place_m, numbers.bounds.ratio, numbers.bounds.share));
+        page.paragraph(
+            fmt::format("Conditions of friction were compared in start pose, lateness, saturation, "
+                        "stale readings, gaps of the masking noise, times, strokes, force and "
+                        "speed by two one-sided tests of 5 % (Schuirmann 1987), with bounds of "
+                        "{:g} mm, a ratio of {:g} and a share of {:g}.",
+                        1e3 * numbers.bounds.place_m, numbers.bounds.ratio, numbers.bounds.share));
     }
-    page.html(fmt::format(
-        "<p>All numbers can be had again from the file: each figure's SQL with <code>palpate sql "
-        "{0}{2} --csv</code>, the tests with <code>{1}</code>.</p>\n",
-        html_text(study.file()),
-        html_text(numbers.stats ? numbers.stats_words
-                  : numbers.fit ? numbers.fit_words
-                                : numbers.audit_words),
-        study.seen()));
+    page.html(
+        fmt::format("<p>All numbers can be had again from the file: each figure's SQL with "
+                    "<code>palpate sql {0}{2} --csv</code>, the tests with <code>{1}</code>.</p>\n",
+                    html_text(study.file()),
+                    html_text(numbers.stats ? numbers.stats_words
+                              : numbers.fit ? numbers.fit_words
+                                            : numbers.audit_words),
+                    study.seen()));
 }
 
 }  // namespace palpate::data

@@ -85,16 +85,15 @@ void add_means(PageWriter& page,
                       .title = "Mean level by friction, within person",
                       .width = 264.0,
                       .data = study.ask(kMeans)};
-    Results results{.table = {.columns = {{.key = "felt"},
-                                          {.key = "what"},
-                                          {.key = "people"},
-                                          {.key = "mean"},
-                                          {.key = "interval_95"},
-                                          {.key = "sign_flip_p"}}},
-                    .command = fmt::format("palpate summary {}", study.file()),
-                    .caption =
-                        "Means over people and differences within person, with 95 % "
-                        "intervals"};
+    Results results{
+        .table = {.columns = {{.key = "felt"},
+                              {.key = "what"},
+                              {.key = "people"},
+                              {.key = "mean"},
+                              {.key = "interval_95"},
+                              {.key = "sign_flip_p"}}},
+        .command = fmt::format("palpate summary {}", study.file()),
+        .caption = "Means over people and differences within person, with 95 % intervals"};
     for (const std::string& object : felt) {
         PairedPanel pairs = pairs_of(figure.data, "mean_level", frictions, Scale::numbers, object);
         pairs.title = object;

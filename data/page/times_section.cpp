@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -98,8 +97,7 @@ void add_response_times(PageWriter& page, const Study& study, bool tested) {
     }
     figure.caption = fmt::format(
         "A thin line is a person, a broken one whom the protocol's rules leave out; bars: means "
-        "over people with 95 % "
-        "intervals, of logarithms.{}",
+        "over people with 95 % intervals, of logarithms.{}",
         tested ? " Their tests stand with the effect of friction above." : "");
     page.figure(figure);
 
@@ -160,8 +158,8 @@ void add_calibration(PageWriter& page, const Study& study, const PageNumbers& nu
     panel.series.push_back(std::move(dots));
     figure.panels.push_back(std::move(panel));
     figure.caption =
-        "Means over the people who used the level, 95 % intervals over people. Where "
-        "only one did, or all had the same share, there is none.";
+        "Means over the people who used the level, 95 % intervals over people. Where only one did, "
+        "or all had the same share, there is none.";
     if (numbers.stats) {
         figure.results.push_back(tests_of(
             numbers, "Does confidence know? Each person's number, then over people", false));
@@ -180,8 +178,7 @@ void add_confidence(PageWriter& page, const Study& study, const PageNumbers& num
     figure.panels.push_back(paired_panel(pairs));
     figure.caption =
         "A thin line is a person, a broken one whom the protocol's rules leave out; bars: means "
-        "over people with 95 % "
-        "intervals. Levels are taken as numbers with equal steps.";
+        "over people with 95 % intervals. Levels are taken as numbers with equal steps.";
     page.figure(figure);
     add_calibration(page, study, numbers);
 }

@@ -1,7 +1,6 @@
 #include "data/plot/svg_figure.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>

@@ -114,11 +114,10 @@ std::string PanelPlan::band(const Band& shaded, const Rect& plot) const {
         back.insert(0, fmt::format("L{} {}", px(low.x), px(low.y)));
     }
     finish();
-    return path.empty() ? ""
-                        : fmt::format(
-                              "<path class=\"band\" d=\"{}\" fill=\"{}\" "
-                              "fill-opacity=\"0.18\"/>\n",
-                              path, colour(shaded.ink, 7));
+    return path.empty()
+             ? ""
+             : fmt::format("<path class=\"band\" d=\"{}\" fill=\"{}\" fill-opacity=\"0.18\"/>\n",
+                           path, colour(shaded.ink, 7));
 }
 
 std::string PanelPlan::arrows(const Rect& plot) const {
@@ -141,8 +140,8 @@ std::string PanelPlan::arrows(const Rect& plot) const {
         const Point neck{to.x - head * ux, to.y - head * uy};
         const std::string_view ink = colour(arrow.ink, 6);
         out += fmt::format(
-            "<path class=\"arrow\" d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\"1.4\"/>"
-            "<path d=\"M{} {}L{} {}L{} {}z\" fill=\"{}\"/>\n",
+            "<path class=\"arrow\" d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\"1.4\"/><path "
+            "d=\"M{} {}L{} {}L{} {}z\" fill=\"{}\"/>\n",
             px(from.x), px(from.y), px(neck.x), px(neck.y), ink, px(to.x), px(to.y),
             px(neck.x - 0.45 * head * uy), px(neck.y + 0.45 * head * ux),
             px(neck.x + 0.45 * head * uy), px(neck.y - 0.45 * head * ux), ink);
@@ -256,10 +255,10 @@ std::string PanelPlan::markers(const Rect& plot) const {
         const double s = 1.0 - kRing / gap;
         const double width = std::max(2.0 * kRing, text_width(marker.label, 10.0) + 6.0);
         out += fmt::format(
-            "<path d=\"M{0} {1}L{2} {3}\" stroke=\"#000000\" stroke-width=\"0.8\"/>"
-            "<circle class=\"marker\" cx=\"{0}\" cy=\"{1}\" r=\"2.6\" fill=\"#000000\"/>"
-            "<rect x=\"{4}\" y=\"{5}\" width=\"{6}\" height=\"{7}\" rx=\"{8}\" fill=\"#ffffff\" "
-            "stroke=\"#000000\" stroke-width=\"0.9\"/>\n",
+            "<path d=\"M{0} {1}L{2} {3}\" stroke=\"#000000\" stroke-width=\"0.8\"/><circle "
+            "class=\"marker\" cx=\"{0}\" cy=\"{1}\" r=\"2.6\" fill=\"#000000\"/><rect x=\"{4}\" "
+            "y=\"{5}\" width=\"{6}\" height=\"{7}\" rx=\"{8}\" fill=\"#ffffff\" stroke=\"#000000\" "
+            "stroke-width=\"0.9\"/>\n",
             px(dot.x), px(dot.y), px(dot.x + s * (best.x - dot.x)),
             px(dot.y + s * (best.y - dot.y)), px(best.x - width / 2.0), px(best.y - kRing),
             px(width), px(2.0 * kRing), px(kRing));

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "protocols/session/trial_meter.hpp"
-#include "data/schema/manual.hpp"
 #include "data/schema/views.hpp"
 #include "data/trace/columns.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <cstdint>
 
 #include <fmt/format.h>
 #include <sqlite3.h>

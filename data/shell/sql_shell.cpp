@@ -35,8 +35,7 @@ constexpr std::string_view kHelp =
     "p),\n"
     "geometric_mean(x), stddev_samp(x), share(x), mutual_information(stimulus, response [, n]),\n"
     "mutual_information_miller_madow(stimulus, response [, n]); where a row is a person, their 95 "
-    "% "
-    "interval:\n"
+    "% interval:\n"
     "people_share_low(share), people_share_high, people_mean_low(x), people_mean_high.\n";
 
 struct Finalize {

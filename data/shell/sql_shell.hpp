@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdio>
-#include <string>
 #include <string_view>
 
 #include "data/shell/row_printer.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,5 +18,18 @@ namespace palpate::data {
 /// stored beside an answer took in those that were marked after it.
 /// @throws std::exception if the session, its protocol or an answer is not what a rule takes
 [[nodiscard]] protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session);
+
+/// A run of a session as palpate procedure reads it.
+struct ExportedRun {
+    std::string
+        procedure;  ///< a procedure file: the protocol's rule, and where the run's stream begins
+    std::string responses;  ///< CSV: stimulus,response, in the order of the answers
+};
+
+/// Answers that were marked later are left out: what is replayed is the rule as it stands at the
+/// end.
+/// @param run  from 0
+/// @throws StoreError if there is no such session or run
+[[nodiscard]] ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run);
 
 }  // namespace palpate::data

@@ -1,9 +1,6 @@
 #include "data/store/chain.hpp"
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -46,8 +46,7 @@ void destroy_session(Database& database,
     database
         .prepare(
             "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = "
-            "NULL, "
-            "newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, "
+            "NULL, newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, "
             "withdrawn_reason = ?2 WHERE session_id = ?1")
         .bind(1, session)
         .bind(2, reason)

@@ -22,10 +22,9 @@ std::int64_t version_of(const Connection& file) {
 std::string copied(const Connection& file, std::int64_t version) {
     std::string copy = fmt::format("{}.schema-{}.sqlite", file.file, version);
     if (std::filesystem::exists(copy)) {
-        throw StoreError(
-            fmt::format("{}: a copy is made before its schema changes, and {} is there "
-                        "already; move it away",
-                        file.file, copy));
+        throw StoreError(fmt::format(
+            "{}: a copy is made before its schema changes, and {} is there already; move it away",
+            file.file, copy));
     }
     Statement(file, "VACUUM INTO ?1").bind(1, std::string_view(copy)).run();
     return copy;
@@ -53,10 +52,9 @@ void take(const Connection& file, std::span<const MigrationStep> steps) {
     }
     file.execute(std::string(views_sql()).c_str());
     if (Statement(file, "PRAGMA foreign_key_check").step()) {
-        throw StoreError(
-            fmt::format("{}: a row would be left without its owner by the new schema; the file is "
-                        "as before",
-                        file.file));
+        throw StoreError(fmt::format(
+            "{}: a row would be left without its owner by the new schema; the file is as before",
+            file.file));
     }
 }
 

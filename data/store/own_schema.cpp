@@ -257,21 +257,19 @@ std::string referring_tables(const Connection& file) {
 void refuse_schema(const Connection& file,
                    const std::vector<SchemaDifference>& differences,
                    std::string_view so) {
-    throw WrongFile(
-        fmt::format("{}: its schema is not as this palpate makes it, and {}: {}; drop what was "
-                    "added, take a copy "
-                    "made before, or choose another file name. palpate verify says what differs",
-                    file.file, so, names_of(differences)));
+    throw WrongFile(fmt::format(
+        "{}: its schema is not as this palpate makes it, and {}: {}; drop what was added, take a "
+        "copy made before, or choose another file name. palpate verify says what differs",
+        file.file, so, names_of(differences)));
 }
 
 void remark_schema(const Connection& file, const std::vector<SchemaDifference>& differences) {
     const bool views = std::ranges::any_of(
         differences, [](const SchemaDifference& one) { return one.of == Of::view; });
-    remark(
-        fmt::format("{}: its schema is not as this palpate makes it: {}; {}palpate verify says "
-                    "what differs",
-                    file.file, names_of(differences),
-                    views ? "palpate's own views are used, and none of the file; " : ""));
+    remark(fmt::format(
+        "{}: its schema is not as this palpate makes it: {}; {}palpate verify says what differs",
+        file.file, names_of(differences),
+        views ? "palpate's own views are used, and none of the file; " : ""));
 }
 
 void make_own_views(const Connection& file) {

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/clock.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
@@ -175,8 +174,7 @@ std::vector<NoteBreak> note_breaks(Database& database) {
     Statement row = database.prepare(
         "SELECT DISTINCT participant_code, key, stored, value FROM (SELECT participant_code, key, "
         "value, coalesce(noted_utc, at_utc) AS word_utc, iif(key = 'handedness', CAST(handedness "
-        "AS "
-        "TEXT), iif(consent, 'yes', 'no')) AS stored, iif(key = 'handedness', handedness_utc, "
+        "AS TEXT), iif(consent, 'yes', 'no')) AS stored, iif(key = 'handedness', handedness_utc, "
         "consent_utc) AS stored_utc, row_number() OVER (PARTITION BY session_id, key ORDER BY "
         "event_id DESC) AS back FROM event JOIN session USING (session_id) JOIN participant USING "
         "(participant_id) WHERE event_kind = 'participant' AND key IN ('handedness', 'consent') "
@@ -261,8 +259,8 @@ Markable markable(Database& database, std::int64_t trial) {
 void refuse_running(Database& database, std::int64_t trial, std::int64_t session) {
     if (SessionLock::held(database, session)) {
         throw std::invalid_argument(fmt::format(
-            "{}: the session of trial {} runs now, and would not hear of it; mark its last trial at"
-            " the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
+            "{}: the session of trial {} runs now, and would not hear of it; mark its last trial "
+            "at the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
             database.file(), trial));
     }
 }

@@ -1,6 +1,5 @@
 #include "data/store/secret.hpp"
 
-#include <array>
 #include <charconv>
 #include <optional>
 #include <stdexcept>

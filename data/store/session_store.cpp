@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "protocols/design/friction_blocks.hpp"
-#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_difference.hpp"
 #include "protocols/file/protocol_file.hpp"

@@ -8,7 +8,6 @@
 namespace palpate::data {
 namespace {
 
-using protocols::Attempt;
 using protocols::Event;
 using protocols::EventKind;
 using protocols::Outcome;

@@ -1,7 +1,6 @@
 #include "data/store/trial_device.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "data/store/stored_progress.hpp"
 

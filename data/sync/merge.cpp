@@ -11,7 +11,6 @@
 #include "data/store/chain.hpp"
 #include "data/store/destruction.hpp"
 #include "data/store/secret.hpp"
-#include "data/sync/people_merge.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
 

@@ -82,8 +82,7 @@ void PeopleMerge::number() {
         if (!is_new) {
             in_conflict_.insert(code);
             conflicts_.push_back(
-                {.what = fmt::format("participants {} and {}: both have the number "
-                                     "{} in exports",
+                {.what = fmt::format("participants {} and {}: both have the number {} in exports",
                                      there->second.first, code, said.value),
                  .first = there->second.second,
                  .second = said.file,

@@ -44,8 +44,7 @@ private:
         if (found.place == nullptr) {
             throw std::invalid_argument(
                 "palpate push needs PostgreSQL's library, libpq.so.5 of version 14 or later: "
-                "install "
-                "libpq5, and push again");
+                "install libpq5, and push again");
         }
         return found;
     }
@@ -160,11 +159,11 @@ void require_secure(PGconn* connection) {
         const bool by_name = i >= addresses.size() || addresses[i].empty();
         const std::string host = !by_name ? addresses[i] : i < hosts.size() ? hosts[i] : "";
         if (!stays_here(host) && mode != "verify-full") {
-            throw std::invalid_argument(fmt::format(
-                "{} is another machine, and with sslmode={} others can read what is sent, or "
-                "answer in "
-                "its place: give sslmode=verify-full with sslrootcert, or --insecure as well",
-                host, mode));
+            throw std::invalid_argument(
+                fmt::format("{} is another machine, and with sslmode={} others can read what is "
+                            "sent, or answer in its place: give sslmode=verify-full with "
+                            "sslrootcert, or --insecure as well",
+                            host, mode));
         }
     }
 }
@@ -185,8 +184,7 @@ void require_url(const std::string& url) {
     if (!good) {
         throw std::invalid_argument(
             "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs "
-            "other than "
-            "letters and digits as %XX");
+            "other than letters and digits as %XX");
     }
 }
 

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <set>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -96,8 +95,8 @@ private:
                        PostgresRow().text(session.uuid))
                  .empty()) {
             conflict(session,
-                     "they do not consent, and the server has it: an administrator "
-                     "deletes the rows of this session_uuid");
+                     "they do not consent, and the server has it: an administrator deletes the "
+                     "rows of this session_uuid");
         }
         return true;
     }
@@ -132,8 +131,7 @@ private:
         } catch (const PostgresError& e) {
             throw PostgresError(
                 fmt::format("{}; the schema palpate is not there or not whole: an administrator "
-                            "makes it with the SQL "
-                            "of palpate push --roles",
+                            "makes it with the SQL of palpate push --roles",
                             e.what()));
         }
     }

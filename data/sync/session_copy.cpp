@@ -1,7 +1,5 @@
 #include "data/sync/session_copy.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
@@ -32,13 +30,11 @@ void copy_owned(const SessionVersion& from,
 std::int64_t study_of(const SessionVersion& from, Database& out) {
     Statement row = from.database->prepare(
         "SELECT study_name, study_title, protocol_sha256, protocol_toml FROM study WHERE "
-        "protocol_sha256 "
-        "= ?1");
+        "protocol_sha256 = ?1");
     row.bind(1, std::string_view(from.study)).step();
     Statement add = out.prepare(
         "INSERT INTO study (study_name, study_title, protocol_sha256, protocol_toml) VALUES (?1, "
-        "?2, ?3, "
-        "?4) ON CONFLICT (protocol_sha256) DO NOTHING");
+        "?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING");
     bind_row(row, add, 1);
     add.run();
     Statement id = out.prepare("SELECT study_id FROM study WHERE protocol_sha256 = ?1");

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "data/csv/json_text.hpp"
+#include "data/statistics/over_people.hpp"
 #include "data/statistics/wilson.hpp"
 
 /// What an analysis found, made once and said as text, JSON, CSV and on the page: these cannot
@@ -83,5 +85,18 @@ struct Fields {
 
 /// A number in the fewest digits that read back to the same bits; empty for what is not finite.
 [[nodiscard]] std::string all_digits(double value);
+
+/// A number a person, over people: of those in whom it has an end.
+struct OverPeople {
+    std::string what{};
+    PeopleMean mean{};               ///< of nobody: NaN; of a logarithm where `ratio` says so
+    bool ratio = false;              ///< said as a geometric mean
+    std::optional<double> median{};  ///< of everybody, what is unbounded by its rank
+    std::optional<SignFlip> test{};  ///< of a difference or the logarithm of a ratio
+    std::vector<LeftOutPerson> left_out{};
+};
+
+/// A row a number; who is left out stands below.
+[[nodiscard]] Table over_people_table(std::string place, std::span<const OverPeople> all);
 
 }  // namespace palpate::data

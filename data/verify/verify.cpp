@@ -5,6 +5,9 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <sodium.h>
+#include <sqlite3.h>
+#include <zlib.h>
 
 #include "engine/base/text.hpp"
 #include "data/schema/catalogue.hpp"
@@ -122,6 +125,12 @@ Verification verify(Database& database) {
         });
     }
     return found;
+}
+
+std::vector<std::pair<std::string, std::string>> library_versions() {
+    return {{"sqlite", std::string(sqlite3_libversion()) + " " + sqlite3_sourceid()},
+            {"zlib", zlibVersion()},
+            {"libsodium", sodium_version_string()}};
 }
 
 }  // namespace palpate::data

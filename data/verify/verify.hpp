@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "data/store/database.hpp"
 #include "data/verify/finding.hpp"
@@ -44,5 +47,8 @@ inline constexpr std::array<std::string_view, 5> kNotChecked{
 /// What it cannot notice says kNotChecked. Whoever can write the file can also write it
 /// consistently: a seal against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);
+
+/// Of the libraries that this room alone uses, as they run: SQLite, zlib, libsodium.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> library_versions();
 
 }  // namespace palpate::data

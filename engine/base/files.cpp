@@ -6,7 +6,6 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <string>
 #include <system_error>
 #include <utility>
 
@@ -38,10 +37,9 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 namespace {
 
 [[noreturn]] void fail(const std::string& file, int error) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot be written: {}; check the folder, its rights "
-                    "and the space on the disk",
-                    file, std::generic_category().message(error)));
+    throw std::runtime_error(fmt::format(
+        "{}: cannot be written: {}; check the folder, its rights and the space on the disk", file,
+        std::generic_category().message(error)));
 }
 
 /// All of it, or errno.

@@ -190,8 +190,7 @@ std::string find_force(PulseRunner& runner,
         return {};  // which motor it is tells wrong_motors()
     }
     return "0.3 N do not move the handle: is it free, does nobody hold it, are the motors "
-           "connected and switched on, is "
-           "a switch pressed";
+           "connected and switched on, is a switch pressed";
 }
 
 /// Which motor turns which joint, and which way.
@@ -252,8 +251,8 @@ std::string prove_strength(const Calibration& machine,
     return what.empty()
              ? what
              : what + " for a handle of " + number_text(std::round(mass.x * 1e4) / 10.0) +
-                   " g: correct the amplifiers or the calibration, or weigh the handle "
-                   "and give --handle-g, then commission again";
+                   " g: correct the amplifiers or the calibration, or weigh the handle and give "
+                   "--handle-g, then commission again";
 }
 
 void fill_record(RigRecord& record,

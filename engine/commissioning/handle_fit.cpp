@@ -1,7 +1,6 @@
 #include "engine/commissioning/handle_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "engine/commissioning/nearest_numbers.hpp"

@@ -1,7 +1,6 @@
 #include "engine/commissioning/pulse_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>

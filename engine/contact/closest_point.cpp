@@ -1,7 +1,6 @@
 #include "engine/contact/closest_point.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"

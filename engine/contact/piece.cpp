@@ -1,7 +1,6 @@
 #include "engine/contact/piece.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -1,9 +1,5 @@
 #include "engine/contact/track_window.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 namespace palpate::engine {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "engine/device/calibration.hpp"
 
-#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -45,8 +44,7 @@ void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
     if (wiring.id == 0) {
         throw std::invalid_argument(
             "the device id on a Haply board is 0, which the board takes for every unused slot: "
-            "give "
-            "1 to 255");
+            "give 1 to 255");
     }
     for (const std::uint8_t port : wiring.port) {
         require_range(port, 1.0, 2.0, "port of the Haply board");

@@ -1,7 +1,5 @@
 #include "engine/device/five_bar.hpp"
 
-#include <cmath>
-
 namespace palpate::engine {
 namespace {
 

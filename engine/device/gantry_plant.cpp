@@ -1,7 +1,6 @@
 #include "engine/device/gantry_plant.hpp"
 
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include "engine/base/text.hpp"

@@ -1,7 +1,6 @@
 #include "engine/device/homing.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string>

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
@@ -16,8 +14,7 @@ double checked_chord(const Vec2& from, const Vec2& to) {
     const double chord = glm::length(to - from);
     if (!(chord > 0.0) || !std::isfinite(chord)) {
         throw std::invalid_argument(
-            "a curve needs two finite end points apart from one another; the "
-            "distance given is " +
+            "a curve needs two finite end points apart from one another; the distance given is " +
             number_text(chord) + " m");
     }
     return chord;

@@ -1,6 +1,5 @@
 #include "engine/geometry/cusps.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

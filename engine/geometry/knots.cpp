@@ -41,10 +41,9 @@ void check_clamped(const std::vector<double>& values, std::size_t p, const std::
     const std::size_t last = values.size() - 1;
     for (std::size_t i = 1; i <= p; ++i) {
         if (values[i] != values[0] || values[last - i] != values[last]) {
-            throw std::invalid_argument(name + " must repeat its first and its last value " +
-                                        std::to_string(p + 1) +
-                                        " times (degree + 1), so that the curve reaches its end "
-                                        "points");
+            throw std::invalid_argument(
+                name + " must repeat its first and its last value " + std::to_string(p + 1) +
+                " times (degree + 1), so that the curve reaches its end points");
         }
     }
     if (!(values[0] < values[last])) {

@@ -27,10 +27,9 @@ double balanced_weight(double weight, std::size_t i, int n, int step) {
 
 /// Weights that balanced() would drive out of their range.
 [[noreturn]] void refuse_weights(double least, double greatest) {
-    throw std::invalid_argument("weights go from " + number_text(least) + " to " +
-                                number_text(greatest) +
-                                ", too far apart for one curve: give a largest weight that is "
-                                "nearer to the smallest");
+    throw std::invalid_argument(
+        "weights go from " + number_text(least) + " to " + number_text(greatest) +
+        ", too far apart for one curve: give a largest weight that is nearer to the smallest");
 }
 
 template <int D>

@@ -1,6 +1,5 @@
 #include "engine/geometry/rational_bezier.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 namespace palpate::engine {
 
 /// A number as the unevaluated sum of two doubles, about 32 digits (Dekker 1971). From + - * / of

@@ -81,8 +81,8 @@ void check_apart(const SurfaceBorder& a, const SurfaceBorder& b, double same, do
     if (runs_along(a, b, 10.0 * same)) {
         throw std::invalid_argument(
             a.name() + " runs along " + b.name() +
-            ", but not from end to end at the same pace: cut the longer surface where the "
-            "other ends, and give both borders the same weights and knots");
+            ", but not from end to end at the same pace: cut the longer surface where the other "
+            "ends, and give both borders the same weights and knots");
     }
 }
 
@@ -160,16 +160,15 @@ void SurfaceObject::join_borders() {
                 continue;
             }
             if (of(a).joined || of(b).joined) {
-                throw std::invalid_argument(
-                    (of(a).joined ? a : b).name() +
-                    " has more than one neighbour: give each border at most one, so that the "
-                    "surface has one outside");
+                throw std::invalid_argument((of(a).joined ? a : b).name() +
+                                            " has more than one neighbour: give each border at "
+                                            "most one, so that the surface has one outside");
             }
             if ((a.counter_clockwise() == b.counter_clockwise()) != *reversed) {
                 throw std::invalid_argument(
                     a.name() + " and " + b.name() +
-                    " are one, but the outward normals lie on different sides of it: give the "
-                    "rows of points of one surface in the other order");
+                    " are one, but the outward normals lie on different sides of it: give the rows "
+                    "of points of one surface in the other order");
             }
             const bool pieces = same_breaks(a, b, *reversed);
             of(a) = {true, *reversed, pieces, b.side(), b.surface()};

@@ -1,7 +1,6 @@
 #include "engine/surface/surface_trim.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -188,8 +187,7 @@ std::vector<std::shared_ptr<const NurbsSurface>> trimmed(const NurbsSurface& sur
     }
     if (kept.empty()) {
         throw std::invalid_argument(
-            "the trim loops leave nothing: give an outer loop "
-            "counter-clockwise, holes clockwise");
+            "the trim loops leave nothing: give an outer loop counter-clockwise, holes clockwise");
     }
     return kept;
 }

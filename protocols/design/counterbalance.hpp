@@ -29,6 +29,11 @@ struct RowHistory {
 /// @pre rows >= 1
 [[nodiscard]] std::size_t choose_row(std::size_t rows, const RowHistory& history, Pcg32& random);
 
+/// Rows of the Williams design for n items (E. J. Williams, 1949): n rows for even n, 2n for odd n.
+/// Over all rows every item takes every place equally often, and every ordered pair of different
+/// items stands side by side equally often. n = 0 gives no rows.
+[[nodiscard]] std::vector<std::vector<std::size_t>> williams_rows(std::size_t n);
+
 /// The orders of pictures that the study uses: the rows of the Williams design for its pictured
 /// objects, each from left to right, as indices into Protocol::objects. One empty row where no
 /// pictures are shown.

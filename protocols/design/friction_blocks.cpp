@@ -1,13 +1,12 @@
 #include "protocols/design/friction_blocks.hpp"
 
-#include <algorithm>
 #include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/factorial.hpp"
-#include "protocols/design/williams.hpp"
 
 namespace palpate::protocols {
 

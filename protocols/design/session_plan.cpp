@@ -13,7 +13,6 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/friction_blocks.hpp"
-#include "protocols/design/streams.hpp"
 #include "protocols/order/eulerian_order.hpp"
 #include "protocols/order/order_sampler.hpp"
 

@@ -13,11 +13,10 @@
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "protocols/file/rules.hpp"
-#include "protocols/procedure/rule_facts.hpp"
+#include "protocols/procedure/procedure.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -197,8 +196,7 @@ private:
         if (!differ_in_curvature_alone(protocol_)) {
             add("procedure.varies",
                 "varies is \"curvature_per_m\", and an object has a form of its own, a size, a "
-                "turn or "
-                "an offset: give objects a curvature_per_m alone");
+                "turn or an offset: give objects a curvature_per_m alone");
             return;
         }
         for (const ObjectSpec& object : extreme_objects(protocol_)) {
@@ -225,8 +223,8 @@ private:
             const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
             if (base != nullptr && !(base->mu_s > 0.0)) {
                 add(fmt::format("run.{}.friction", i + 1),
-                    fmt::format("friction is \"{}\", which is {} with mu_s = {}: the rule "
-                                "varies mu_s; name one that rubs, for instance with law \"gos\"",
+                    fmt::format("friction is \"{}\", which is {} with mu_s = {}: the rule varies "
+                                "mu_s; name one that rubs, for instance with law \"gos\"",
                                 base->name, base->law, base->mu_s));
             }
         }
@@ -359,13 +357,13 @@ void check_standards(const Protocol& protocol, const Places& places, Problems& p
         if (!(least > standard)) {
             problems.add(
                 places.of("procedure." + spec.lowest_key),
-                fmt::format("the rule may choose a {} of {}, and that of the standard is {}: "
-                            "it would take a right answer for a wrong one; keep it above the "
-                            "standard, by lowest",
-                            of_mu                               ? "mu_s"
-                            : spec.varies == Varies::compliance ? "compliance"
-                                                                : "curvature",
-                            least, standard));
+                fmt::format(
+                    "the rule may choose a {} of {}, and that of the standard is {}: it would take "
+                    "a right answer for a wrong one; keep it above the standard, by lowest",
+                    of_mu                               ? "mu_s"
+                    : spec.varies == Varies::compliance ? "compliance"
+                                                        : "curvature",
+                    least, standard));
             return;
         }
     }

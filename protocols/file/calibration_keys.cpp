@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "engine/commissioning/rig_record.hpp"
-
 namespace palpate::protocols {
 namespace {
 
@@ -36,7 +34,6 @@ using engine::FiveBar;
 using engine::GantrySpec;
 using engine::HaplyWiring;
 using engine::OpenWiring;
-using engine::PantographSpec;
 using engine::StraightAxis;
 using enum Need;
 

@@ -70,9 +70,8 @@ void check(TableReader& top, CaseTable& read) {
     if (read.free_weights) {
         top.refuse("free_weights",
                    "free_weights is true: weights cannot be coordinates of the motion, because all "
-                   "of them times one "
-                   "factor are the same curve, so that this motion has no mass; delete it, weights "
-                   "stay as given");
+                   "of them times one factor are the same curve, so that this motion has no mass; "
+                   "delete it, weights stay as given");
     }
     if (!read.at_rest && !top.has("mu")) {
         top.refuse("mu",

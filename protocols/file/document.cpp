@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <optional>
-#include <string>
 #include <system_error>
 
 #include <fcntl.h>

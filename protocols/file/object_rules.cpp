@@ -9,7 +9,6 @@
 #include "engine/surface/surface_scene.hpp"
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/session_plan.hpp"
 #include "protocols/file/outline_shape.hpp"
 #include "protocols/file/rules.hpp"
 
@@ -106,13 +105,13 @@ private:
     void surfaces() {
         if (places_.has("outline")) {
             add("outline",
-                "[outline] is given beside [surface], and only objects in the plane "
-                "have one: delete one of the two");
+                "[outline] is given beside [surface], and only objects in the plane have one: "
+                "delete one of the two");
         }
         if (protocol_.procedure && protocol_.procedure->varies != Varies::mu) {
             add("procedure.varies",
-                "varies is no friction, and the objects are surfaces: give "
-                "\"mu\", or delete [surface]");
+                "varies is no friction, and the objects are surfaces: give \"mu\", or delete "
+                "[surface]");
         }
         bool sound = friction_of_surfaces();
         for (std::size_t i = 0; i < protocol_.objects.size() && sound; ++i) {
@@ -127,8 +126,8 @@ private:
             if (engine::law_named(friction.law) != nullptr) {
                 known = false;
                 add(fmt::format("friction.{}.law", i + 1),
-                    fmt::format("law is \"{}\", which surfaces do not have: give "
-                                "\"frictionless\", \"gos\" or \"coulomb\"",
+                    fmt::format("law is \"{}\", which surfaces do not have: give \"frictionless\", "
+                                "\"gos\" or \"coulomb\"",
                                 friction.law));
             }
         }
@@ -217,9 +216,9 @@ private:
         const ApparatusSpec& apparatus = protocol_.apparatus;
         if (apparatus.vertex_slew > 0.0) {
             add("apparatus.vertex_slew_mm_per_s",
-                fmt::format("{}, and vertex_slew_mm_per_s is {:g}: give 0, a vertex that yields "
-                            "needs none",
-                            what, 1e3 * apparatus.vertex_slew));
+                fmt::format(
+                    "{}, and vertex_slew_mm_per_s is {:g}: give 0, a vertex that yields needs none",
+                    what, 1e3 * apparatus.vertex_slew));
         }
         if (apparatus.damping != 0.0) {
             add("apparatus.damping_n_s_per_m",
@@ -231,9 +230,9 @@ private:
             const FrictionSpec& friction = protocol_.frictions[i];
             if (engine::law_named(friction.law) != nullptr) {
                 add(fmt::format("friction.{}.law", i + 1),
-                    fmt::format("{}, and law is \"{}\": give \"frictionless\", \"gos\" or "
-                                "\"coulomb\"",
-                                what, friction.law));
+                    fmt::format(
+                        "{}, and law is \"{}\": give \"frictionless\", \"gos\" or \"coulomb\"",
+                        what, friction.law));
             }
         }
     }
@@ -262,11 +261,9 @@ private:
         const std::string at = path(index, "curvature_per_m");
         const double chord = std::max(glm::length(vertex - a), glm::length(b - vertex));
         if (std::fabs(curvature) * chord / 2.0 >= kMaxHalfSine) {
-            add(at,
-                fmt::format(
-                    "curvature_per_m is {}, too strong for a chord of {:.1f} mm: stay below {:.1f} "
-                    "either way",
-                    curvature, 1e3 * chord, 2.0 * kMaxHalfSine / chord));
+            add(at, fmt::format("curvature_per_m is {}, too strong for a chord of {:.1f} mm: stay "
+                                "below {:.1f} either way",
+                                curvature, 1e3 * chord, 2.0 * kMaxHalfSine / chord));
             return false;
         }
         if (curvature < 0.0 && !leaves_room(-curvature)) {
@@ -295,9 +292,9 @@ private:
             return true;
         }
         add("apparatus.start_mm",
-            fmt::format("start_mm is [{}, {}], inside the object {}: give a point outside all "
-                        "objects",
-                        millimetres(start.x), millimetres(start.y), protocol_.objects[index].name));
+            fmt::format(
+                "start_mm is [{}, {}], inside the object {}: give a point outside all objects",
+                millimetres(start.x), millimetres(start.y), protocol_.objects[index].name));
         return false;
     }
 
@@ -345,9 +342,9 @@ private:
         }
         const double least = std::min(high.x - low.x, high.y - low.y);
         if (!(least >= kMinHeight)) {
-            add(placed_at(index), fmt::format("the object {} is {:.6g} mm wide or high: give at "
-                                              "least {:g}",
-                                              object.name, 1e3 * least, 1e3 * kMinHeight));
+            add(placed_at(index),
+                fmt::format("the object {} is {:.6g} mm wide or high: give at least {:g}",
+                            object.name, 1e3 * least, 1e3 * kMinHeight));
             return false;
         }
         return true;

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "protocols/file/document.hpp"
-#include "protocols/file/keys.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -139,8 +138,7 @@ std::string observer_example() {
     ObserverModel model = typical_observer();
     std::string text = fmt::format(
         "# Simulated participants, for palpate simulate and palpate power. What is left out is as "
-        "a "
-        "person without that.\nformat = {}\n",
+        "a person without that.\nformat = {}\n",
         kObserverFormat);
     for (const Part& part : parts_of(model)) {
         text += fmt::format("\n[{}]  # {}\n", part.name, part.remark);

@@ -1,7 +1,6 @@
 #include "protocols/file/procedure_file.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 

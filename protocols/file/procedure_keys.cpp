@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "protocols/file/calibration_file.hpp"
 #include "protocols/file/calibration_keys.hpp"
 #include "protocols/file/deformation_file.hpp"
 #include "protocols/file/keys.hpp"
@@ -167,11 +166,10 @@ std::vector<TableText> procedure_reference() {
         all.push_back({several ? "[[staircase]]" : fmt::format("[{}]", table.name),
                        several ? "once each; several are interleaved" : "", table.keys});
     }
-    all.push_back(
-        {"[prior]",
-         "of parameters by name, one that is left out is uniform: a list of weights, one for each "
-         "value, or { mean = ..., sd = ... } of a normal prior",
-         {}});
+    all.push_back({"[prior]",
+                   "of parameters by name, one that is left out is uniform: a list of weights, one "
+                   "for each value, or { mean = ..., sd = ... } of a normal prior",
+                   {}});
     return all;
 }
 

@@ -134,8 +134,7 @@ public:
                             shown(*text)));
         } else if (key_.form == Form::lines && !is_instruction(*text)) {
             say(fmt::format(
-                "{} is {}, {} bytes: give 1 to {} bytes of text in at most {} lines, "
-                "without tabs",
+                "{} is {}, {} bytes: give 1 to {} bytes of text in at most {} lines, without tabs",
                 key_.name, shown(*text), text->size(), kMaxInstruction, kMaxInstructionLines));
         } else {
             *out = *text;
@@ -343,10 +342,9 @@ std::vector<double> Cell::spread(const Table& table) const {
         return {};
     }
     if (by_step && std::fabs((all.to - all.from) / all.step - steps) > 1e-6) {
-        say(
-            fmt::format("{} goes from {} to {} by {}, which does not end there: give another step, "
-                        "or a count",
-                        key_.name, all.from, all.to, all.step));
+        say(fmt::format(
+            "{} goes from {} to {} by {}, which does not end there: give another step, or a count",
+            key_.name, all.from, all.to, all.step));
     }
     std::vector<double> values = evenly(all.from, all.to, static_cast<std::size_t>(steps) + 1);
     check_ends(all.from, all.to);

@@ -9,7 +9,6 @@
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 
 namespace palpate::protocols {
@@ -61,10 +60,9 @@ private:
         const std::size_t pictured = objects_of(protocol_, true).size();
         const bool asked = protocol_.response.kind == ResponseKind::identification;
         if (asked && (pictured < kMinPictures || pictured > kMaxPictures)) {
-            add("object.1",
-                fmt::format("there are {} pictured objects: give {} to {} [[object]] tables "
-                            "without pictured = false",
-                            pictured, kMinPictures, kMaxPictures));
+            add("object.1", fmt::format("there are {} pictured objects: give {} to {} [[object]] "
+                                        "tables without pictured = false",
+                                        pictured, kMinPictures, kMaxPictures));
         }
         if (protocol_.objects.size() > kMaxObjects) {
             add("object.1", fmt::format("there are {} objects: give at most {}",
@@ -93,8 +91,8 @@ private:
         }
         if (spec.law == "bristle" && 3.0 * spec.mu_d < spec.mu_s) {
             add(path("friction", index, "mu_d"),
-                fmt::format("mu_d is {}, and bonds that form at random cannot pull less than "
-                            "mu_s / 3 = {:.3g} in the mean: give at least that",
+                fmt::format("mu_d is {}, and bonds that form at random cannot pull less than mu_s "
+                            "/ 3 = {:.3g} in the mean: give at least that",
                             spec.mu_d, spec.mu_s / 3.0));
         }
         if (spec.law == "lugre_euler") {
@@ -111,9 +109,9 @@ private:
         const double load =
             speed / engine::euler_limit(stiffness, 1.0, spec.mu_d, 1.0 / apparatus.rate_hz);
         add(path("friction", index, "law"),
-            fmt::format("law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d "
-                        "F_N) > 2: at {:g} m/s below a load of {:.3g} N, and every contact "
-                        "begins with none; give \"lugre\", the same law by an exact step",
+            fmt::format("law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d F_N) > "
+                        "2: at {:g} m/s below a load of {:.3g} N, and every contact begins with "
+                        "none; give \"lugre\", the same law by an exact step",
                         speed, load));
     }
 
@@ -122,10 +120,9 @@ private:
         if (timing.explore_min >= timing.explore_timeout) {
             add(places_.has("timing.explore_min_s") ? "timing.explore_min_s"
                                                     : "timing.explore_timeout_s",
-                fmt::format(
-                    "explore_min_s is {} and explore_timeout_s is {}: nobody could answer; give a "
-                    "time-out above the minimum",
-                    timing.explore_min, timing.explore_timeout));
+                fmt::format("explore_min_s is {} and explore_timeout_s is {}: nobody could answer; "
+                            "give a time-out above the minimum",
+                            timing.explore_min, timing.explore_timeout));
         }
         if (timing.explore_prompt > timing.explore_timeout) {
             add(places_.has("timing.explore_prompt_s") ? "timing.explore_prompt_s"
@@ -172,10 +169,9 @@ private:
         const DesignSpec& design = protocol_.design;
         if (design.catch_trials > 0 && objects_of(protocol_, false).empty()) {
             add("design.catch_trials",
-                fmt::format(
-                    "catch_trials is {}, but every object is pictured: add an [[object]] with "
-                    "pictured = false, or give 0",
-                    design.catch_trials));
+                fmt::format("catch_trials is {}, but every object is pictured: add an [[object]] "
+                            "with pictured = false, or give 0",
+                            design.catch_trials));
         }
     }
 
@@ -221,9 +217,9 @@ private:
                                std::string_view why) {
             if (given != wanted) {
                 add("design." + key,
-                    fmt::format("{} is {}: order = \"first_order\" {}: give {}, or order = "
-                                "\"random\"",
-                                key, given, why, wanted));
+                    fmt::format(
+                        "{} is {}: order = \"first_order\" {}: give {}, or order = \"random\"", key,
+                        given, why, wanted));
             }
         };
         needs("repetitions", design.repetitions, conditions,
@@ -265,23 +261,22 @@ void check_response(const Protocol& protocol, const Places& places, Problems& pr
     check_labels(kind, places, problems);
     if (kind == ResponseKind::two_interval && !protocol.procedure) {
         add("kind",
-            "kind is \"two_interval\", but nothing says what the two intervals hold: add the "
-            "table [procedure], or give another kind");
+            "kind is \"two_interval\", but nothing says what the two intervals hold: add the table "
+            "[procedure], or give another kind");
     }
     if (kind != ResponseKind::identification && objects_of(protocol, true).empty()) {
         problems.add(places.of("object.1"),
-                     "every object has pictured = false: nothing is left for "
-                     "the main trials; leave it out of one");
+                     "every object has pictured = false: nothing is left for the main trials; "
+                     "leave it out of one");
     }
     if (labelled && response.question.empty()) {
         add("kind", fmt::format("kind is \"{}\", but there is no question: add the key question",
                                 word_of(kind)));
     }
     if (labelled && response.feedback != Feedback::none) {
-        add("feedback",
-            fmt::format("feedback is \"{}\", but an answer of kind \"{}\" is neither right nor "
-                        "wrong: give \"none\"",
-                        word_of(response.feedback), word_of(kind)));
+        add("feedback", fmt::format("feedback is \"{}\", but an answer of kind \"{}\" is neither "
+                                    "right nor wrong: give \"none\"",
+                                    word_of(response.feedback), word_of(kind)));
     }
 }
 

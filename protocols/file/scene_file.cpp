@@ -1,10 +1,6 @@
 #include "protocols/file/scene_file.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <memory>
-#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>

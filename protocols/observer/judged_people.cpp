@@ -11,8 +11,7 @@
 
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/session_plan.hpp"
-#include "protocols/observer/draws.hpp"
+#include "protocols/observer/person.hpp"
 
 namespace palpate::protocols {
 namespace {

@@ -1,9 +1,10 @@
 #include "protocols/observer/person.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
 #include "engine/math/elementary.hpp"
-#include "protocols/observer/draws.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -75,6 +76,27 @@ double percept_noise(const Person& person, double friction, std::size_t done) no
                                  ? 1.0
                                  : exponential(friction * engine::natural_log(person.noise_per_mu));
     return person.spec.noise * learned(person, done) * by_friction;
+}
+
+double uniform_draw(Pcg32& random) noexcept {
+    const std::uint64_t upper = random.next();
+    const std::uint64_t word = (upper << 32U) | random.next();
+    return static_cast<double>(word >> 11U) * 0x1p-53;
+}
+
+double normal_draw(Pcg32& random) noexcept {
+    for (;;) {
+        const double x = 2.0 * uniform_draw(random) - 1.0;
+        const double y = 2.0 * uniform_draw(random) - 1.0;
+        const double s = x * x + y * y;
+        if (s > 0.0 && s < 1.0) {
+            return x * std::sqrt(-2.0 * engine::natural_log(s) / s);
+        }
+    }
+}
+
+double exponential_draw(Pcg32& random) noexcept {
+    return -engine::natural_log(1.0 - uniform_draw(random));  // (0, 1]: never the logarithm of 0
 }
 
 }  // namespace palpate::protocols

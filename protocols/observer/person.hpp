@@ -3,11 +3,22 @@
 #include <cstddef>
 #include <optional>
 
+#include "engine/base/pcg32.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/curvature_cues.hpp"
 #include "protocols/protocol/observer_model.hpp"
 
 namespace palpate::protocols {
+
+/// Uniform in [0, 1): 53 bits of two words, the first the upper one.
+[[nodiscard]] double uniform_draw(Pcg32& random) noexcept;
+
+/// Standard normal, by the polar method (G. Marsaglia and T. A. Bray, 1964); its second value is
+/// not kept, so that a draw leaves no state behind.
+[[nodiscard]] double normal_draw(Pcg32& random) noexcept;
+
+/// Exponential with mean 1.
+[[nodiscard]] double exponential_draw(Pcg32& random) noexcept;
 
 /// One simulated participant.
 struct Person {

@@ -1,6 +1,5 @@
 #include "protocols/order/constrained_order.hpp"
 
-#include <algorithm>
 #include <map>
 #include <set>
 
@@ -36,9 +35,8 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
             const char* name = which == Infeasible::Factor::object ? "object" : "friction";
             return Infeasible{
                 which,
-                fmt::format("{} {} occurs {} among {}, so that it comes at least {} in a "
-                            "row somewhere; allow runs of {} or more, or 0 for no "
-                            "limit",
+                fmt::format("{} {} occurs {} among {}, so that it comes at least {} in a row "
+                            "somewhere; allow runs of {} or more, or 0 for no limit",
                             name, level + 1, counted(count, "time"), counted(others, "other trial"),
                             counted(needed, "time"), needed)};
         }
@@ -72,10 +70,10 @@ std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
                                 occurrences(trials, &Condition::object).size() == 2 &&
                                 occurrences(trials, &Condition::friction).size() == 2;
     if (both_alternate && std::set<Condition>(trials.begin(), trials.end()).size() > 2) {
-        return Infeasible{friction,
-                          "object and friction would both alternate in every trial, so that an "
-                          "object would always come with the same friction; allow runs of 2 of one "
-                          "of them"};
+        return Infeasible{
+            friction,
+            "object and friction would both alternate in every trial, so that an object would "
+            "always come with the same friction; allow runs of 2 of one of them"};
     }
     return std::nullopt;
 }

@@ -1,7 +1,6 @@
 #include "protocols/order/order_sampler.hpp"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>

@@ -18,10 +18,9 @@ ConstantStimuli::ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random)
         }
     }
     if (spec.values.empty() || spec.repetitions == 0 || spec.outcomes < 2) {
-        throw std::invalid_argument(
-            fmt::format("there are {} stimuli, {} repetitions and {} outcomes: give at least 1, 1 "
-                        "and 2",
-                        spec.values.size(), spec.repetitions, spec.outcomes));
+        throw std::invalid_argument(fmt::format(
+            "there are {} stimuli, {} repetitions and {} outcomes: give at least 1, 1 and 2",
+            spec.values.size(), spec.repetitions, spec.outcomes));
     }
     if (spec.repetitions > kMaxConstantTrials / spec.values.size()) {
         throw std::invalid_argument(fmt::format(

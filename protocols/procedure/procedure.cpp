@@ -1,5 +1,10 @@
 #include "protocols/procedure/procedure.hpp"
 
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
 namespace palpate::protocols {
 
 Procedure::State Procedure::start(const ProcedureSpec& spec, Pcg32 random) {
@@ -77,6 +82,85 @@ std::optional<double> Procedure::entropy() const {
 
 std::string Procedure::state_hash() const {
     return std::visit([](const auto& s) { return s.state_hash(); }, state_);
+}
+
+namespace {
+
+RuleFacts facts(const ConstantStimuliSpec& spec) {
+    const auto [least, max] = std::minmax_element(spec.values.begin(), spec.values.end());
+    return {.trials = spec.values.size() * spec.repetitions,
+            .lowest = *least,
+            .highest = *max,
+            .outcomes = spec.outcomes,
+            .lowest_key = "constant.stimuli",
+            .highest_key = "constant.stimuli"};
+}
+
+RuleFacts facts(const std::vector<StaircaseSpec>& specs) {
+    constexpr double kChance = 0.5 + 1e-6;  // of a guess between two
+    RuleFacts all;
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        const StaircaseSpec& spec = specs[i];
+        if (spec.trials == 0 || spec.reversals != 0) {
+            throw std::invalid_argument(
+                fmt::format("the staircase {} ends {}: a session's plan is complete before its "
+                            "first trial; give trials and no reversals",
+                            spec.name, spec.reversals != 0 ? "by reversals" : "never"));
+        }
+        all.trials += spec.trials;
+        if (i == 0 || spec.lowest < all.lowest) {
+            all.lowest = spec.lowest;
+            all.lowest_key = fmt::format("staircase.{}.lowest", i + 1);
+        }
+        if (i == 0 || spec.highest > all.highest) {
+            all.highest = spec.highest;
+            all.highest_key = fmt::format("staircase.{}.highest", i + 1);
+        }
+        all.one_sided = all.one_sided || spec.down > spec.up || target(spec) > kChance;
+    }
+    return all;
+}
+
+RuleFacts facts(const QuestSpec& spec) {
+    return {.trials = spec.trials,
+            .lowest = spec.lowest,
+            .highest = spec.highest,
+            .outcomes = 2,
+            .lowest_key = "quest.lowest",
+            .highest_key = "quest.highest",
+            .one_sided = spec.gamma > 0.0};
+}
+
+RuleFacts facts(const QuestPlusSpec& spec) {
+    if (spec.entropy_bits != 0.0) {
+        throw std::invalid_argument(
+            fmt::format("entropy_bits is {}: a session's plan is complete before its first trial; "
+                        "leave it out and give trials",
+                        spec.entropy_bits));
+    }
+    if (spec.stimuli.dimensions() != 1) {
+        throw std::invalid_argument(
+            fmt::format("the rule chooses {} numbers a trial: a session varies one; give a model "
+                        "with one stimulus",
+                        spec.stimuli.dimensions()));
+    }
+    const std::vector<double>& values = spec.stimuli.axis(0).values;
+    return {.trials = spec.trials,
+            .lowest = values.front(),
+            .highest = values.back(),
+            .outcomes = spec.model.outcomes,
+            .lowest_key = "stimuli.stimulus",
+            .highest_key = "stimuli.stimulus"};
+}
+
+RuleFacts facts(const PsiSpec& spec) {
+    return facts(quest_plus_spec(spec));
+}
+
+}  // namespace
+
+RuleFacts facts_of(const ProcedureSpec& spec) {
+    return std::visit([](const auto& s) { return facts(s); }, spec);
 }
 
 }  // namespace palpate::protocols

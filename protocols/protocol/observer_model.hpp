@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-
 #include "protocols/protocol/protocol.hpp"
 
 /// Simulated participants as an observer file describes them. A value; who is drawn from it:

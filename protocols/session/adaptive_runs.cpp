@@ -7,8 +7,6 @@
 
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/factorial.hpp"
-#include "protocols/design/session_plan.hpp"
-#include "protocols/session/recorder.hpp"
 
 namespace palpate::protocols {
 

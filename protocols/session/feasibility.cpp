@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -75,10 +74,9 @@ void check_passivity(const ApparatusSpec& apparatus,
         "{:.6g} N/m{} at {:.6g} Hz {} needs {:.3g} N s/m at the handle", apparatus.stiffness,
         damper_text(apparatus.damping), apparatus.rate_hz, delay_text(traits.delay_ticks), need);
     if (!traits.damping) {
-        findings.push_back(
-            {Verdict::warn, "how much the device damps is not known, and " + asked +
-                                ": measure it and give it in the calibration, or the contact may "
-                                "buzz under a light hand"});
+        findings.push_back({Verdict::warn, "how much the device damps is not known, and " + asked +
+                                               ": measure it and give it in the calibration, or "
+                                               "the contact may buzz under a light hand"});
         return;
     }
     const double damping = *traits.damping;
@@ -148,11 +146,10 @@ void check_workspace(const Protocol& protocol,
     }
     if (!start_in_reach) {
         findings.push_back(
-            {Verdict::refuse,
-             fmt::format("the handle cannot reach the start pose {}: move apparatus.start_mm{} "
-                         "closer to the object",
-                         point_text(start_of(protocol), space),
-                         space ? " or surface.start_height_mm" : "")});
+            {Verdict::refuse, fmt::format("the handle cannot reach the start pose {}: move "
+                                          "apparatus.start_mm{} closer to the object",
+                                          point_text(start_of(protocol), space),
+                                          space ? " or surface.start_height_mm" : "")});
     }
 }
 

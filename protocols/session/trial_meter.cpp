@@ -1,7 +1,6 @@
 #include "protocols/session/trial_meter.hpp"
 
 #include <algorithm>
-#include <cstdint>
 
 #include <fmt/format.h>
 

@@ -1,36 +1,23 @@
-#include <algorithm>
-#include <stdexcept>
-#include <vector>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/analysis/summary.hpp"
-#include "data/store/adaptive_export.hpp"
+#include "data/store/adaptive_store.hpp"
 #include "data/store/people.hpp"
 #include "data/sync/merge.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/content_hash.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
+using namespace palpate::data;
+using namespace palpate::tests;
 using protocols::TrialId;
-using tests::adaptive_protocol;
-using tests::count;
-using tests::differences;
-using tests::run_simulated;
-using tests::session_spec;
-using tests::TemporaryFolder;
 
 namespace {
 

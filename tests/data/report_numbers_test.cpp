@@ -1,26 +1,18 @@
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <limits>
 
-#include "data/csv/csv.hpp"
 #include "data/plot/axis_ticks.hpp"
+#include "tests/figures/csv.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::data;
+using namespace palpate::figures;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
-
-namespace {}  // namespace
 
 TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say their value",
           "[report][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(300U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 300U);
     const double size = random.decade(-12.0, 12.0);
     const double low = size * random.in(-3.0, 3.0);
     const AxisRange range{.low = low, .high = low + size * random.in(0.01, 5.0)};
@@ -66,9 +58,7 @@ TEST_CASE("CSV numbers read back to the same bits", "[report][law]") {
         b.values.push_back(i == 3 ? std::numeric_limits<double>::quiet_NaN() : i * 0.1);
     }
     const std::vector<CsvColumn> columns{a, b};
-    const TemporaryFolder folder;
-    write_csv(folder.file("table.csv"), columns);
-    std::ifstream file(folder.file("table.csv"));
+    std::istringstream file(csv(columns));
     std::string line;
     std::getline(file, line);
     CHECK(line == "time_s,\"a, \"\"b\"\"\"");

@@ -3,12 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "data/csv/csv.hpp"
+#include "tests/figures/csv.hpp"
 
 /// One function a figure; what it shows stands in its caption.
 namespace palpate::figures {
-
-using data::CsvColumn;
 
 /// A table of what a figure shows. Numbers for words: mode 0 free, 1 stuck, 2 slip, 3 transition
 /// (engine::Mode); segments and regions count from 0 in the direction of travel.

@@ -1,7 +1,4 @@
-#include <algorithm>
-#include <string>
-
-#include "protocols/design/duration.hpp"
+#include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/new_protocol.hpp"

@@ -1,9 +1,5 @@
-#include <algorithm>
-#include <map>
-#include <set>
-
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/design/williams.hpp"
 #include "protocols/order/constrained_order.hpp"
 #include "tests/support/catch.hpp"
 

@@ -1,7 +1,4 @@
-#include <cmath>
-#include <numbers>
-
-#include "protocols/observer/draws.hpp"
+#include "protocols/observer/person.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"

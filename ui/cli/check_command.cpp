@@ -7,9 +7,9 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
-#include "protocols/design/duration.hpp"
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "data/plot/object_sheet.hpp"
@@ -18,7 +18,6 @@
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/open_apparatus.hpp"
-#include "ui/session/run_rig.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -203,8 +203,7 @@ void print_found(const engine::RigRecord& record, bool straight) {
         print_axes(record);
     } else {
         say("handle: {:.0f} g, damping {:.2g} N s/m (relied upon: {:.2g}), dry friction {:.2g} N; "
-            "of "
-            "these {:.2g} N s/m and {:.2g} N at the handle, the rest in the joints\n",
+            "of these {:.2g} N s/m and {:.2g} N at the handle, the rest in the joints\n",
             1e3 * d.handle_mass, record.damping / 0.8, record.damping, record.friction,
             d.handle_damping, d.handle_friction);
     }
@@ -288,10 +287,9 @@ void declare(CommandWords& words, CommissionOptions& options) {
     words.add("--mark", options.marks, "X_MM,Y_MM of a place besides home; twice. Left out: chosen")
         .again_for_each();
     words
-        .add(
-            "--handle-g", options.handle_g,
-            "What the handle weighs with the near halves of its links: strength is known by it; 60 "
-            "without it")
+        .add("--handle-g", options.handle_g,
+             "What the handle weighs with the near halves of its links: strength is known by it; "
+             "60 without it")
         .within(1.0, 2000.0);
     words
         .add("--moved-g", options.moved_g,

@@ -123,8 +123,7 @@ void warn_of_step(const DeformOptions& options, const protocols::DeformationCase
     if (c.step * omega > 1.0) {
         warn(
             "{}: dt_s is {} s, and the curve's slowest motion has 1/omega = {:.3g} s: what is "
-            "shown is not its "
-            "motion; give a dt_s well below that",
+            "shown is not its motion; give a dt_s well below that",
             options.file, c.step, 1.0 / omega);
     }
 }

@@ -8,7 +8,6 @@
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/run_rig.hpp"
-#include "ui/session/session_choice.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {

@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <stdexcept>
@@ -94,17 +93,16 @@ void declare(CommandWords& words, EmulatorOptions& options) {
              "delay MS on standard input changes it")
         .within(0.0, 1000.0)
         .with_default();
-    words.add(
-        "--open", options.open,
-        "An open board's firmware instead of a Haply board, for --device board:LINK. A line "
-        "motors on standard input prints what the motors give, unplug N pulls the cable of "
-        "encoder N, plug N puts it in again; on a Haply board misread makes it take the next "
-        "packet for a reset, with stranger N another program sends it N torques, turned N turns "
-        "its last encoder by N degrees, and old N makes its answers N answers old");
+    words.add("--open", options.open,
+              "An open board's firmware instead of a Haply board, for --device board:LINK. A line "
+              "motors on standard input prints what the motors give, unplug N pulls the cable of "
+              "encoder N, plug N puts it in again; on a Haply board misread makes it take the next "
+              "packet for a reset, with stranger N another program sends it N torques, turned N "
+              "turns its last encoder by N degrees, and old N makes its answers N answers old");
     words
         .add("--udp", options.udp,
-             "The open board behind this UDP port of this machine, 0 for any that is free; what "
-             "it prints stands behind --device board:")
+             "The open board behind this UDP port of this machine, 0 for any that is free; what it "
+             "prints stands behind --device board:")
         .within(0, 65535)
         .needs("--open")
         .excludes("--link");
@@ -326,10 +324,10 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
     const EmulatorOptions plain;
     if (options.handle_g != plain.handle_g || options.handle_damping != plain.handle_damping ||
         options.handle_friction != plain.handle_friction || !options.start.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "--start, --handle-g, --handle-damping and --handle-friction are of a linkage, and {} "
-            "has three axes: type friction N and weight N to it",
-            machine.name()));
+        throw std::invalid_argument(
+            fmt::format("--start, --handle-g, --handle-damping and --handle-friction are of a "
+                        "linkage, and {} has three axes: type friction N and weight N to it",
+                        machine.name()));
     }
     engine::GantryHand hand(machine, !options.free);
     if (!options.at.empty()) {
@@ -388,11 +386,10 @@ int run(const EmulatorOptions& options) {
 }  // namespace
 
 Command emulator_command() {
-    return make_command<EmulatorOptions>(
-        "haply-emulator",
-        "A Haply or an open board that is not there, on a pseudo-terminal or a UDP port, until "
-        "Ctrl-C",
-        declare, run);
+    return make_command<EmulatorOptions>("haply-emulator",
+                                         "A Haply or an open board that is not there, on a "
+                                         "pseudo-terminal or a UDP port, until Ctrl-C",
+                                         declare, run);
 }
 
 }  // namespace palpate::ui

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "protocols/file/protocol_file.hpp"
 #include "protocols/order/constrained_order.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/statement.hpp"

@@ -1,8 +1,6 @@
 #include <filesystem>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "engine/base/files.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/library/new_protocol.hpp"

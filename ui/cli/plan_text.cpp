@@ -14,7 +14,6 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/trial/presentation.hpp"
 

@@ -10,7 +10,6 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/parsed.hpp"
-#include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "data/inference/power.hpp"
@@ -51,8 +50,7 @@ void declare_studies(CommandWords& words, PowerOptions& options) {
     words
         .add("--null-studies", options.null_studies,
              "The same without an effect, for the type I error; 0: ten times --studies, with mixed "
-             "as "
-             "many")
+             "as many")
         .within(0, 10'000'000)
         .with_default();
     words

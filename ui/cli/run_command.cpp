@@ -95,10 +95,10 @@ data::RunKind kind_of(const RunOptions& options,
         return data::RunKind::simulated;
     }
     if (board.unseen) {
-        throw std::invalid_argument(fmt::format(
-            "behind --device {} is a program that this user cannot see, and it may be an emulator: "
-            "give --kind real if it leads to a board, else --kind pilot",
-            options.device));
+        throw std::invalid_argument(
+            fmt::format("behind --device {} is a program that this user cannot see, and it may be "
+                        "an emulator: give --kind real if it leads to a board, else --kind pilot",
+                        options.device));
     }
     return kind_by_hand(options, device, protocol);
 }
@@ -106,10 +106,10 @@ data::RunKind kind_of(const RunOptions& options,
 void check_device(const RunOptions& options, const RigSpec& spec) {
     const protocols::DeviceClass asked = spec.study.protocol.apparatus.device;
     if (spec.kind == data::RunKind::real && !fits(asked, spec.device.kind)) {
-        throw std::invalid_argument(fmt::format(
-            "this protocol asks for the device \"{}\", and --device is {}: use that device, or run "
-            "it with --kind pilot",
-            protocols::word_of(asked), options.device));
+        throw std::invalid_argument(
+            fmt::format("this protocol asks for the device \"{}\", and --device is {}: use that "
+                        "device, or run it with --kind pilot",
+                        protocols::word_of(asked), options.device));
     }
 }
 
@@ -181,11 +181,11 @@ void check_handedness(const Person& person, const RunOptions& options, const Rig
     const std::int64_t score = *person->notes.handedness;
     const std::int64_t towards = asked == protocols::Handedness::right ? score : -score;
     if (towards < 0) {
-        throw std::invalid_argument(fmt::format(
-            "this protocol asks for handedness \"{}\", and {} has a score of {} (-100 left to 100 "
-            "right): ask somebody else, correct the score by palpate participant, or run it with "
-            "--kind pilot",
-            word, options.participant, score));
+        throw std::invalid_argument(
+            fmt::format("this protocol asks for handedness \"{}\", and {} has a score of {} (-100 "
+                        "left to 100 right): ask somebody else, correct the score by palpate "
+                        "participant, or run it with --kind pilot",
+                        word, options.participant, score));
     }
     if (towards < kClearly) {
         warn(
@@ -208,12 +208,12 @@ void check_number(const RunOptions& options, const std::string& study) {
         last = state ? state->number : 0;
     }
     if (*options.session > last + 1) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {} has {} of {} so far, and --session is {}: give --session {}, or --elsewhere "
-            "as well if the sessions before are in another file",
-            options.database, options.participant,
-            last == 0 ? "no session" : fmt::format("sessions up to {}", last), study,
-            *options.session, last + 1));
+        throw std::invalid_argument(
+            fmt::format("{}: {} has {} of {} so far, and --session is {}: give --session {}, or "
+                        "--elsewhere as well if the sessions before are in another file",
+                        options.database, options.participant,
+                        last == 0 ? "no session" : fmt::format("sessions up to {}", last), study,
+                        *options.session, last + 1));
     }
 }
 
@@ -266,10 +266,9 @@ void declare(CommandWords& words, RunOptions& options) {
              "wakes up on time to a microsecond and costs processor time")
         .within(0.0, 0.5)
         .with_default();
-    words.add(
-        "--handle-free", options.handle_free,
-        "Says beforehand that nobody holds the handle and that it rests at home: a rig that was "
-        "commissioned is then opened without a question, and without its second mark");
+    words.add("--handle-free", options.handle_free,
+              "Says beforehand that nobody holds the handle and that it rests at home: a rig that "
+              "was commissioned is then opened without a question, and without its second mark");
     words.add("--stop-button", options.stop_button, std::string(kStopButtonWords));
     words.add("--no-sound", options.screen.no_sound,
               "No masking noise, whatever the protocol asks for; recorded with the session");

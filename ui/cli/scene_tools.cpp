@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
@@ -25,7 +24,6 @@ namespace {
 
 using engine::Vec;
 using engine::Vec2;
-using engine::Vec3;
 using protocols::is_thesis_law;
 using protocols::SceneFile;
 
@@ -80,8 +78,8 @@ private:
 constexpr std::string_view kPlaneHead =
     "t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven";
 constexpr std::string_view kSpaceHead =
-    "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n,"
-    "held,slewed,unproven";
+    "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n,held,"
+    "slewed,unproven";
 
 void add_marks(Lines& lines, const PlaneTick::Marks& marks) {
     for (const bool mark : {marks.held, marks.slewed, marks.unproven}) {
@@ -160,10 +158,9 @@ Feel surface_feel(const SceneFile& file, double period) {
 void check_even(const Trajectory& path) {
     for (Trajectory::Rows rows(path); rows.next();) {
         if (rows.tick().period != path.first_period()) {
-            throw data::CsvError(
-                fmt::format("{}:{}: a tick of {} s among ticks of {} s: the thesis' renderer needs "
-                            "even ticks",
-                            path.name(), rows.line(), rows.tick().period, path.first_period()));
+            throw data::CsvError(fmt::format(
+                "{}:{}: a tick of {} s among ticks of {} s: the thesis' renderer needs even ticks",
+                path.name(), rows.line(), rows.tick().period, path.first_period()));
         }
     }
 }

@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "engine/base/files.hpp"
 #include "protocols/design/adaptive_plan.hpp"

@@ -75,8 +75,7 @@ Sequence make_sequence(const SequenceOptions& options) {
 void print_csv(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     if (protocol.procedure) {
-        say("position,phase,block,run,comparison,object,friction,standard_friction,"
-            "break_before\n");
+        say("position,phase,block,run,comparison,object,friction,standard_friction,break_before\n");
         for (const PlannedTrial& trial : sequence.plan.trials) {
             say("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase), trial.block,
                 protocol.runs.at(trial.adaptive->run).name, trial.adaptive->comparison,

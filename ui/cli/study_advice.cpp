@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/friction/laws/law.hpp"
-#include "protocols/design/duration.hpp"
+#include "protocols/design/plan_summary.hpp"
 #include "protocols/file/keys.hpp"
 
 namespace palpate::ui {
@@ -26,10 +26,10 @@ void advise_on_plan(const protocols::Protocol& protocol,
                     std::vector<std::string>& all) {
     const Stretch stretch = longest_stretch(protocol, plan);
     if (stretch.seconds > kLongStretch) {
-        all.push_back(fmt::format(
-            "trials {} to {} take some {:.0f} minutes without a break: give [design] a smaller "
-            "break_every",
-            stretch.first + 1, stretch.first + stretch.trials, stretch.seconds / 60.0));
+        all.push_back(
+            fmt::format("trials {} to {} take some {:.0f} minutes without a break: give [design] a "
+                        "smaller break_every",
+                        stretch.first + 1, stretch.first + stretch.trials, stretch.seconds / 60.0));
     }
     if (const double all_of_it = duration_of(plan, protocol).prompted; all_of_it > kLongSession) {
         all.push_back(fmt::format("a session of {:.0f} minutes tires people: part it into several",
@@ -41,15 +41,15 @@ void advise_on_plan(const protocols::Protocol& protocol,
     };
     if (!has(protocols::Phase::practice)) {
         all.push_back(fmt::format(
-            "there is no practice: the first answers that count are given by "
-            "people who learn; give {}",
+            "there is no practice: the first answers that count are given by people who learn; "
+            "give {}",
             protocol.procedure ? "[procedure] practice_trials" : "[design] practice_repetitions"));
     }
     if (!protocol.procedure && protocol.design.order == protocols::OrderRule::random &&
         !has(protocols::Phase::catch_trial)) {
         all.push_back(
-            "there are no catch trials, so who only guesses is not distinguished from who "
-            "cannot feel it; give [design] catch_trials");
+            "there are no catch trials, so who only guesses is not distinguished from who cannot "
+            "feel it; give [design] catch_trials");
     }
 }
 
@@ -87,12 +87,11 @@ void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string
         const double max = friction.mu_s * protocol.apparatus.force_limit;
         const double stored = 0.5 * max * max / stiffness;
         if (spring && stored > protocol.safety.energy_limit) {
-            all.push_back(fmt::format(
-                "friction \"{}\": a spring of {:g} N/m along the surface gives back up to {:.2g} "
-                "J, "
-                "above energy_limit_j = {:g}, at which a trial ends: give a stiffer one, or a "
-                "higher limit",
-                friction.name, stiffness, stored, protocol.safety.energy_limit));
+            all.push_back(
+                fmt::format("friction \"{}\": a spring of {:g} N/m along the surface gives back up "
+                            "to {:.2g} J, above energy_limit_j = {:g}, at which a trial ends: give "
+                            "a stiffer one, or a higher limit",
+                            friction.name, stiffness, stored, protocol.safety.energy_limit));
         }
         const std::vector<std::string_view> does = what_it_does(law);
         if (!does.empty()) {
@@ -153,16 +152,15 @@ std::vector<std::string> advice_on(const protocols::Protocol& protocol,
     advise_on_laws(protocol, all);
     if (compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
         all.push_back(
-            "friction is compared without masking noise, and motors can be heard: give "
-            "[masking] noise = \"pink\"");
+            "friction is compared without masking noise, and motors can be heard: give [masking] "
+            "noise = \"pink\"");
     }
     advise_on_language(protocol, all);
     if (protocol.masking.noise != protocols::Noise::none &&
         protocol.masking.level_db > kCutsPeaks) {
         all.push_back(
             fmt::format("masking noise at {:g} dB is cut at full scale now and then, which sounds "
-                        "harsh: stay at "
-                        "{:g} dB or below and turn the headphones up",
+                        "harsh: stay at {:g} dB or below and turn the headphones up",
                         protocol.masking.level_db, kCutsPeaks));
     }
     return all;

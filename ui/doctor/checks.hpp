@@ -12,8 +12,8 @@
 #include "engine/geometry/vec.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/protocol/protocol.hpp"
-#include "ui/doctor/check.hpp"
 #include "ui/doctor/cyclictest.hpp"
+#include "ui/doctor/report.hpp"
 #include "ui/doctor/wake_up.hpp"
 
 /// Each looks at one thing and returns what it found. They print nothing.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -47,8 +46,8 @@ void tell_answers(Check& check, const Readings& readings, const engine::DeviceTr
     if (readings.good == kReadings && readings.fresh == 0) {
         check.status = CheckStatus::fail;
         check.remedy =
-            "its answers come so late that no reading was new: check the cable, and use a "
-            "port of the computer itself";
+            "its answers come so late that no reading was new: check the cable, and use a port of "
+            "the computer itself";
         return;
     }
     check.detail +=
@@ -158,8 +157,8 @@ void judge(Check& check,
     } else if (weakest && wanted > *weakest) {
         check.status = CheckStatus::warn;
         check.remedy = fmt::format(
-            "the protocol allows {:.1f} N: forces above {:.1f} N will be "
-            "weaker than rendered; lower the protocol's force limit",
+            "the protocol allows {:.1f} N: forces above {:.1f} N will be weaker than rendered; "
+            "lower the protocol's force limit",
             wanted, *weakest);
     }
 }
@@ -221,10 +220,9 @@ void say_margins(Check& check,
         check.numbers.emplace_back("damping_n_s_per_m", *margins.damping);
     }
     if (margins.weakest_force) {
-        check.detail += fmt::format(
-            "; up to {:.3g} N are asked for, it gives {:.3g} N or more on "
-            "every object",
-            asked.force_limit, *margins.weakest_force);
+        check.detail +=
+            fmt::format("; up to {:.3g} N are asked for, it gives {:.3g} N or more on every object",
+                        asked.force_limit, *margins.weakest_force);
         check.numbers.emplace_back("weakest_force_n", *margins.weakest_force);
     }
     if (const std::string rest = protocols::rest_text(margins); !rest.empty()) {

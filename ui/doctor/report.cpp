@@ -1,7 +1,6 @@
 #include "ui/doctor/report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 
 #include <fmt/format.h>

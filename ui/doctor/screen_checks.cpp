@@ -58,8 +58,7 @@ std::optional<SDL_AudioSpec> default_audio() {
 }
 
 constexpr const char* kNeedsScreen =
-    "participants need a screen, and run on a device refuses without one: start "
-    "both in the "
+    "participants need a screen, and run on a device refuses without one: start both in the "
     "desktop session that will show it (DISPLAY or WAYLAND_DISPLAY set)";
 
 }  // namespace
@@ -103,8 +102,8 @@ Check check_audio() {
                 .status = CheckStatus::warn,
                 .detail = "none",
                 .remedy =
-                    "masking noise will need it: connect headphones, and see that ALSA, "
-                    "PulseAudio or PipeWire runs for this user",
+                    "masking noise will need it: connect headphones, and see that ALSA, PulseAudio "
+                    "or PipeWire runs for this user",
                 .numbers = {},
                 .picture = {}};
     const Hush hush;

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -49,17 +48,16 @@ Check check_clock() {
     const auto [cost, back] = read_clock();
     const std::string source =
         first_line("/sys/devices/system/clocksource/clocksource0/current_clocksource");
-    Check check{
-        .name = "clock",
-        .detail = fmt::format("CLOCK_MONOTONIC from {}, resolution {} ns, {:.0f} ns to read, "
-                              "{} steps back in {} readings",
-                              source.empty() ? "an unknown source" : source, resolution.tv_nsec,
-                              cost, back, kReads),
-        .remedy = "",
-        .numbers = {{"resolution_ns", static_cast<double>(resolution.tv_nsec)},
-                    {"read_ns", cost},
-                    {"steps_back", back}},
-        .picture = {}};
+    Check check{.name = "clock",
+                .detail = fmt::format("CLOCK_MONOTONIC from {}, resolution {} ns, {:.0f} ns to "
+                                      "read, {} steps back in {} readings",
+                                      source.empty() ? "an unknown source" : source,
+                                      resolution.tv_nsec, cost, back, kReads),
+                .remedy = "",
+                .numbers = {{"resolution_ns", static_cast<double>(resolution.tv_nsec)},
+                            {"read_ns", cost},
+                            {"steps_back", back}},
+                .picture = {}};
     if (back > 0 || resolution.tv_sec > 0 || resolution.tv_nsec > 1000) {
         check.status = CheckStatus::fail;
         check.remedy = "times of this machine cannot be trusted: use another kernel or machine";
@@ -123,8 +121,7 @@ void judge_lateness(Check& check, const engine::LatenessHistogram& lateness, boo
         check.status = CheckStatus::fail;
         check.remedy = fmt::format(
             "more than 1 % of the ticks are late: close other programs{}, run on the machine "
-            "itself "
-            "instead of a virtual one, or lower the protocol's rate",
+            "itself instead of a virtual one, or lower the protocol's rate",
             rights);
     } else if (late > 0.0002 || lateness.missed() > 0) {
         check.status = CheckStatus::warn;
@@ -173,8 +170,8 @@ Check check_cyclictest(const JitterRun& run) {
     const double p50 = median(run.p50_ratios);
     const double p99 = median(run.p99_ratios);
     check.detail = fmt::format(
-        "our lateness as a multiple of its, median of {} rounds in turns: "
-        "{:.2f} (half of the ticks), {:.2f} (99 %)",
+        "our lateness as a multiple of its, median of {} rounds in turns: {:.2f} (half of the "
+        "ticks), {:.2f} (99 %)",
         run.p50_ratios.size(), p50, p99);
     check.numbers = {{"rounds", static_cast<double>(run.p50_ratios.size())},
                      {"p50_ratio", p50},

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -71,11 +70,10 @@ void set_prior(data::CurveSpec& spec, const std::string& text) {
                                        : name == "lapse"     ? &spec.lapse_prior
                                                              : nullptr;
     if (target == nullptr || comma == std::string::npos) {
-        throw std::invalid_argument(
-            fmt::format("--prior is \"{}\": give threshold=MEAN,SD (weibull: MEDIAN,SD of the "
-                        "logarithm), slope=MEDIAN,SD of the "
-                        "logarithm, guess=A,B or lapse=A,B of a beta density",
-                        text));
+        throw std::invalid_argument(fmt::format(
+            "--prior is \"{}\": give threshold=MEAN,SD (weibull: MEDIAN,SD of the logarithm), "
+            "slope=MEDIAN,SD of the logarithm, guess=A,B or lapse=A,B of a beta density",
+            text));
     }
     *target = data::Prior{number_of("--prior " + name, text.substr(equals + 1, comma - equals - 1)),
                           number_of("--prior " + name, text.substr(comma + 1))};
@@ -159,14 +157,13 @@ void declare(CommandWords& words, FitWords& options) {
         .among({protocols::kFamilyWords.begin(), protocols::kFamilyWords.end()})
         .with_default();
     words.add("--guess", options.guess,
-              "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, "
-              "shared: free, one for all conditions of a person, or lapse: as the lapse rate. "
-              "Without it 0; for a database lapse");
+              "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, shared: "
+              "free, one for all conditions of a person, or lapse: as the lapse rate. Without it "
+              "0; for a database lapse");
     words
         .add("--lapse", options.lapse,
              "Share of answers that are lapses: a number, free, or shared: free, one for all "
-             "conditions "
-             "of a person")
+             "conditions of a person")
         .with_default();
     words
         .add("--prior", options.priors,

@@ -28,10 +28,9 @@ void declare(CommandWords& words, MergeOptions& options) {
              "The files are all so many shards of palpate simulate, by their names; where one is "
              "missing nothing is merged")
         .within(1, 100'000);
-    words.add(
-        "--prefer", options.prefer,
-        "FILE, one of them: it is right where two files say different things of a session, or "
-        "of a participant at one time");
+    words.add("--prefer", options.prefer,
+              "FILE, one of them: it is right where two files say different things of a session, "
+              "or of a participant at one time");
 }
 
 /// @throws std::invalid_argument with the numbers of those that are not there, as sbatch takes them
@@ -47,11 +46,11 @@ void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
         }
     }
     if (!missing.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{} of {} missing, and nothing was merged: simulate {} first, with Slurm by "
-            "sbatch --array={}",
-            missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"), shards,
-            missing.size() == 1 ? "it" : "them", fmt::join(missing, ",")));
+        throw std::invalid_argument(
+            fmt::format("{} of {} missing, and nothing was merged: simulate {} first, with Slurm "
+                        "by sbatch --array={}",
+                        missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"),
+                        shards, missing.size() == 1 ? "it" : "them", fmt::join(missing, ",")));
     }
 }
 

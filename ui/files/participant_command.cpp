@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -116,9 +115,9 @@ int give_away(data::Database& database, const ParticipantOptions& options) {
             "book.\n",
             session->number, options.participant, plain(session->study), moved.number,
             options.really,
-            moved.finished ? ""
-                           : " It is not finished, and goes on only under the code under which it "
-                             "was begun.",
+            moved.finished
+                ? ""
+                : " It is not finished, and goes on only under the code under which it was begun.",
             moved.head);
     }
     return 0;
@@ -133,14 +132,12 @@ int destroy(data::Database& database, const ParticipantOptions& options) {
     const bool everything = options.destroy == "everything";
     if (!options.yes &&
         typed_after(fmt::format(
-            "{} of {}{} will be destroyed in {}. It cannot be undone. Type the "
-            "code: ",
+            "{} of {}{} will be destroyed in {}. It cannot be undone. Type the code: ",
             everything ? "Everything" : "The details", options.participant,
             everything ? fmt::format(", {} too,", counted(person->sessions, "session")) : "",
             options.database)) != options.participant) {
         throw std::runtime_error(
-            "nothing was destroyed: the code was not typed; --yes goes on "
-            "without it");
+            "nothing was destroyed: the code was not typed; --yes goes on without it");
     }
     data::destroy_participant(
         database, options.participant,

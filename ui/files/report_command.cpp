@@ -47,10 +47,9 @@ void declare_samples(CommandWords& words, ReportWords& options) {
 void declare(CommandWords& words, ReportWords& options) {
     words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
     words.add("-o,--output", options.output, "The page, as report.html").required();
-    words.add(
-        "--trial", options.trial,
-        "A page of one trial instead, by its trial_id: what the hand did, its path, every tick "
-        "to zoom into");
+    words.add("--trial", options.trial,
+              "A page of one trial instead, by its trial_id: what the hand did, its path, every "
+              "tick to zoom into");
     add_kind(words, options.kind, "Which sessions: real, pilot or simulated; never two of them")
         .excludes("--trial");
     words.add("--study", options.study, "Of a file with several studies, which")

@@ -6,7 +6,6 @@
 #include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/session_choice.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -92,10 +92,9 @@ void declare(CommandWords& words, SqlOptions& options) {
         .among({"apart", "together"});
     words.add("--attach", options.attach, "Let ATTACH read other databases too");
     words
-        .add(
-            "--steps", options.steps,
-            "Steps of SQLite, and us of the processor, after which a statement is ended; a million "
-            "rows need some ten million")
+        .add("--steps", options.steps,
+             "Steps of SQLite, and us of the processor, after which a statement is ended; a "
+             "million rows need some ten million")
         .with_default();
 }
 

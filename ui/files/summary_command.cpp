@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "data/analysis/summary.hpp"
 #include "ui/command/command.hpp"

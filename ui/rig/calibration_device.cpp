@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "ui/rig/open_device.hpp"
 

@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cmath>
 #include <exception>
-#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -17,11 +16,9 @@
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/session/trust.hpp"
-#include "ui/rig/calibration_device.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/rig/stop_lines.hpp"
 
 namespace palpate::ui {
 namespace {

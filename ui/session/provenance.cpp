@@ -13,7 +13,7 @@
 
 #include "protocols/file/document.hpp"
 #include "protocols/trial/object_hash.hpp"
-#include "data/verify/library_versions.hpp"
+#include "data/verify/verify.hpp"
 #include "ui/session/build_id.hpp"
 #include "ui/session/version.hpp"
 

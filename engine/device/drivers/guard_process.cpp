@@ -1,9 +1,7 @@
 #include "engine/device/drivers/guard_process.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <new>
 #include <stdexcept>
 #include <string>

@@ -115,8 +115,7 @@ std::string port_trouble(const std::string& path, int error) {
         case EIO:
             return "there is no device at " + path +
                    ": is the board plugged in and switched on? `ls /dev/ttyACM* /dev/ttyUSB*` "
-                   "lists "
-                   "the ports";
+                   "lists the ports";
         case EACCES:
         case EPERM:
             return "no permission to use " + path +

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
-#include <utility>
 
 #include <netdb.h>
 #include <sys/socket.h>
@@ -33,10 +32,9 @@ UdpAddress udp_address(std::string_view text) {
         host = host.substr(1, host.size() - 2);
     }
     if (host.empty() || number < 1 || number > 65535) {
-        throw std::invalid_argument(
-            std::string(text) +
-            ": give the machine and the port at which the device's program listens, as in "
-            "udp:127.0.0.1:5000");
+        throw std::invalid_argument(std::string(text) +
+                                    ": give the machine and the port at which the device's program "
+                                    "listens, as in udp:127.0.0.1:5000");
     }
     return {.host = std::string(host), .port = std::to_string(number)};
 }

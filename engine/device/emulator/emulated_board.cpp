@@ -2,7 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <ctime>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -16,7 +15,6 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
-#include "engine/device/emulator/haply_board.hpp"
 #include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 

@@ -1,7 +1,6 @@
 #include "engine/device/emulator/haply_board.hpp"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "engine/device/drivers/haply_wire.hpp"

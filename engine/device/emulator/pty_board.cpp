@@ -74,9 +74,8 @@ void PtyBoard::open() {
             const bool taken = errno == EEXIST;
             close();
             if (taken) {
-                throw std::runtime_error(link_ +
-                                         " is there already and is no link: give a name "
-                                         "that is free");
+                throw std::runtime_error(
+                    link_ + " is there already and is no link: give a name that is free");
             }
             throw std::runtime_error("the link " + link_ +
                                      " cannot be made: name a file in a folder that you may write");

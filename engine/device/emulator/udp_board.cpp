@@ -1,6 +1,5 @@
 #include "engine/device/emulator/udp_board.hpp"
 
-#include <algorithm>
 #include <array>
 #include <ctime>
 #include <stdexcept>

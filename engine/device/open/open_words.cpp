@@ -59,8 +59,8 @@ std::string OpenLine::refusal() const {
                    " ms: give watchdog_ms within that in the calibration";
         case Problem::config:
             return board +
-                   " did not take its limits as they were sent: flash the firmware that "
-                   "comes with palpate, and use a shorter cable";
+                   " did not take its limits as they were sent: flash the firmware that comes with "
+                   "palpate, and use a shorter cable";
         case Problem::clock:
             return "the clock of " + board + " runs wrong: " +
                    (bare_ ? "it must count microseconds, and no machine between may be busy"
@@ -89,8 +89,7 @@ std::string OpenLine::complaint() const {
                    " was pressed, or its wire is broken: release it when it is safe";
         case Problem::was_reset:
             return board +
-                   " was reset, or its power failed: check power, cable and the motors' "
-                   "current";
+                   " was reset, or its power failed: check power, cable and the motors' current";
         case Problem::watchdog_fired:
             return board + " has switched its motors off, since no torque came for " +
                    number_text(1e3 * wiring_.watchdog) +
