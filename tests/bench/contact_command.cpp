@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iostream>
 
 #include <unistd.h>
@@ -11,7 +10,6 @@
 #include "tests/bench/courses.hpp"
 #include "tests/bench/objects.hpp"
 #include "tests/bench/other_build.hpp"
-#include "tests/bench/own_methods.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/stability_limit.hpp"
 

@@ -1,6 +1,5 @@
 #include "tests/bench/errors.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "tests/bench/timing.hpp"

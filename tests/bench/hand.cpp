@@ -10,9 +10,7 @@
 namespace palpate::bench {
 namespace {
 
-using engine::Frame;
-using engine::RationalBezier;
-using engine::Vec2;
+using namespace palpate::engine;
 
 constexpr double kTick = 1e-3;
 constexpr double kTremor = 0.05e-3;  ///< m

@@ -12,9 +12,7 @@
 namespace palpate::bench {
 namespace {
 
-using engine::NurbsCurve;
-using engine::RationalBezier;
-using engine::Vec2;
+using namespace palpate::engine;
 using tests::NurbsData;
 
 NurbsData<2> cubic(std::vector<Vec2> points) {

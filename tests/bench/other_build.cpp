@@ -80,9 +80,8 @@ std::string OtherBuild::ask(const std::string& what, const Place& place) {
     std::string line;
     for (int c = std::getc(from_); c != '\n'; c = std::getc(from_)) {
         if (c == EOF) {
-            throw std::runtime_error(binary_ +
-                                     " gives no answer: name a palpate_bench that knows "
-                                     "contact --answer");
+            throw std::runtime_error(
+                binary_ + " gives no answer: name a palpate_bench that knows contact --answer");
         }
         line += static_cast<char>(c);
     }

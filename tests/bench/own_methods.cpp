@@ -14,8 +14,7 @@
 namespace palpate::bench {
 namespace {
 
-using engine::Jet;
-using engine::RationalBezier;
+using namespace palpate::engine;
 
 /// One evaluation of C, C' and C'', each waiting for the one before.
 struct Evaluation {

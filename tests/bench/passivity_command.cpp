@@ -74,14 +74,13 @@ int passivity_command(const std::vector<std::string>& arguments) {
     words.finish("passivity takes --csv FILE");
     std::ofstream csv = open_output(csv_name);
     if (csv.is_open()) {
-        csv << "machine,rate_hz,delay_ticks,damping_n_s_per_m,mass_kg,measured_n_per_m,"
-               "exact_n_per_m,formula_n_per_m\n";
+        csv << "machine,rate_hz,delay_ticks,damping_n_s_per_m,mass_kg,measured_n_per_m,exact_n_per_"
+               "m,formula_n_per_m\n";
     }
-    std::cout
-        << machine() << '\n'
-        << "The stiffest flat wall on which the simulated pantograph comes to rest, bisected, "
-           "against the\nexact limit of a sampled mass and damper, and against "
-           "K = b / (T (1/2 + delay)).\n";
+    std::cout << machine() << '\n'
+              << "The stiffest flat wall on which the simulated pantograph comes to rest, "
+                 "bisected, against the\nexact limit of a sampled mass and damper, and against K = "
+                 "b / (T (1/2 + delay)).\n";
     std::printf("%7s %6s %9s %7s %12s %12s %12s %11s %13s\n", "Hz", "delay", "b N s/m", "kg",
                 "measured", "exact", "formula", "to exact %", "to formula %");
     double worst_exact = 0.0;

@@ -52,8 +52,7 @@ int scaling_command(const std::vector<std::string>& arguments) {
     std::ofstream csv = open_output(csv_name);
     if (csv.is_open()) {
         csv << "machine,curves,method,build_s,ticks,ratio,ratio_low,ratio_high,warm_ns,tick_p50_ns,"
-               "tick_p99_ns,tick_p999_ns,"
-               "distance_error_max_m,miss_share\n";
+               "tick_p99_ns,tick_p999_ns,distance_error_max_m,miss_share\n";
     }
     pin_to(1);
     Stand stand;

@@ -20,8 +20,7 @@
 namespace palpate::bench {
 namespace {
 
-using engine::LatenessHistogram;
-using engine::RealtimeWish;
+using namespace palpate::engine;
 
 constexpr const char* kUsage =
     "servo takes --rounds N, --seconds S, --spin SHARE (0 to 0.5), --csv FILE";
@@ -112,8 +111,7 @@ public:
     explicit Table(std::ofstream& csv) : csv_(csv) {
         if (csv_.is_open()) {
             csv_ << "machine,part,method,rate_hz,round,ticks,p50_us,p99_us,p999_us,max_us,late,"
-                    "missed,"
-                    "processor_share\n";
+                    "missed,processor_share\n";
         }
     }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include "engine/surface/surface_scene.hpp"
 #include "tests/figures/thesis/surface_tracker.hpp"

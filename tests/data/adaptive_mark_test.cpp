@@ -1,24 +1,16 @@
-#include <set>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/people.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
+using namespace palpate::tests;
 using namespace palpate::protocols;
-using data::Access;
-using data::Database;
-using tests::count;
-using tests::differences;
 
 namespace {
 

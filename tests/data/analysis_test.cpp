@@ -1,7 +1,3 @@
-#include <cmath>
-#include <iterator>
-#include <sstream>
-
 #include "data/analysis/summary.hpp"
 #include "data/statistics/wilson.hpp"
 #include "data/store/sqlite_recorder.hpp"
@@ -10,9 +6,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 
 namespace {
@@ -101,9 +96,7 @@ TEST_CASE(
     "the matrix has every object of the plan, and no choice drops out of it, from the first trial "
     "on",
     "[analysis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{10});
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     const auto spec = tests::session_spec(tests::small_protocol(2));

@@ -1,5 +1,3 @@
-#include <functional>
-
 #include "data/store/async_recorder.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"

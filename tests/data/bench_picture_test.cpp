@@ -1,8 +1,3 @@
-#include <fstream>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "tests/bench/report.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -45,9 +40,7 @@ std::vector<Row> random_rows(tests::Random& random) {
 }  // namespace
 
 TEST_CASE("the picture of run time against error shows every row of its table", "[bench][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{30}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{30});
     const std::vector<Row> rows = random_rows(random);
     std::stringstream table;
     bench::write_csv(table, rows);

@@ -1,6 +1,3 @@
-#include <fstream>
-#include <iterator>
-
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
@@ -9,8 +6,7 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using data::Access;
-using data::Database;
+using namespace palpate::data;
 using tests::TemporaryFolder;
 
 namespace {

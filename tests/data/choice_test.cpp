@@ -1,5 +1,3 @@
-#include <array>
-#include <cmath>
 #include <cstdlib>
 
 #include <boost/math/distributions/normal.hpp>
@@ -10,11 +8,10 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
-using data::CallCounts;
-using data::ThurstoneSpec;
 using tests::Random;
 
 namespace {

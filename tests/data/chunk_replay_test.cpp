@@ -1,7 +1,4 @@
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <numeric>
 
 #include "engine/device/gantry.hpp"
 #include "engine/device/pantograph.hpp"
@@ -132,9 +129,7 @@ TEST_CASE(
     "the sizes of chunks, the order in which they are asked for and an early end change no bit",
     "[replay][trace][law]") {
     data::Database database(tests::demo_file(), data::Access::read);
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{12});
     const Recorded recorded(database, 1 + random.below(10));
     const data::Ticks ticks =
         data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;
@@ -154,9 +149,7 @@ TEST_CASE(
 TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is given",
           "[replay][trace][law]") {
     data::Database database(tests::demo_file(), data::Access::read);
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{6});
     const Recorded recorded(database, 2);
     const data::Ticks ticks =
         data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;

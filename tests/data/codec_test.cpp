@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <bit>
 
 #include "data/trace/chunk.hpp"
@@ -11,8 +10,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using tests::random_ticks;
-using tests::same_bits;
+using namespace palpate::tests;
 
 namespace {
 
@@ -34,9 +32,7 @@ data::ChunkView view_of(const data::EncodedChunk& chunk,
 
 TEST_CASE("a chunk that holds all parts comes back to the bit, every field and every NaN",
           "[trace][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     auto ticks =
         random_ticks(seed, 1 + static_cast<std::size_t>(random.below(2048)), 7 * random.below(9));
     for (engine::TickRecord& tick : ticks) {  // anything that fits
@@ -60,9 +56,7 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
 
 TEST_CASE("packed numbers come back in blocks, in the bits that the largest of each needs",
           "[trace][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{200}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{200});
     std::vector<std::uint64_t> numbers(static_cast<std::size_t>(1 + random.below(300)));
     std::size_t expected = 0;
     for (std::size_t first = 0; first < numbers.size(); first += data::kBlock) {

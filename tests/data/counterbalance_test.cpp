@@ -1,5 +1,3 @@
-#include <set>
-
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/counterbalance_query.hpp"

@@ -79,9 +79,7 @@ Acknowledged record_and_kill(const std::string& file,
 TEST_CASE(
     "kill -9 at any moment: the file is sound, nothing acknowledged is lost, the order goes on",
     "[store][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const auto spec = tests::session_spec(tests::small_protocol(3));

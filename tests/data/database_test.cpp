@@ -1,29 +1,17 @@
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <optional>
-#include <set>
-
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/analysis/summary.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
+using namespace palpate::data;
+using namespace palpate::tests;
 using tests::TemporaryFolder;
 
 TEST_CASE("a new database says whose it is, and only its owner may read it", "[store]") {
@@ -86,13 +74,12 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
           {"merge", folder.file("all.sqlite"), file},
           {"export", file, "--format", "csv", "-o", folder.file("out")}}) {
         CAPTURE(words.front());
-        const tests::Finished refused = tests::palpate_command(words);
-        CHECK(refused.code == 2);
+        const tests::Finished refused = ran(words, 2);
         CHECK_THAT(refused.error, ContainsSubstring(why));
     }
     CHECK(tests::slurp(file) == before);
     for (const std::string& name : folder.names()) {
-        CHECK_THAT(name, Catch::Matchers::StartsWith("a.sqlite"));  // SQLite's own beside it
+        CHECK_THAT(name, StartsWith("a.sqlite"));  // SQLite's own beside it
     }
 }
 
@@ -141,14 +128,12 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
         "INSERT INTO fault_tick (trial_id, tick, time_s, count_1, count_2, code_1, code_2, flags, "
         "mode, segment) VALUES (77, 0, 0, 0, 0, 0, 0, 0, 'free', 0)",
         "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES (99, "
-        "'note', "
-        "'b', 'c', 0)",
+        "'note', 'b', 'c', 0)",
         "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES (1, 'a', "
         "'b', 'c', 0)",
         "DELETE FROM study",
         "INSERT INTO study (study_name, study_title, protocol_sha256, protocol_toml) VALUES ('x', "
-        "'y', "
-        "'short', '')",
+        "'y', 'short', '')",
         "UPDATE session SET session_number = 'one'",
     };
     for (const char* sql : nonsense) {

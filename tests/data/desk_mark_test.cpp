@@ -1,8 +1,3 @@
-#include <functional>
-#include <map>
-
-#include <fmt/format.h>
-
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
@@ -15,9 +10,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using namespace palpate::protocols;
-using data::Access;
-using data::Database;
 using tests::lines;
 
 namespace {

@@ -1,9 +1,5 @@
-#include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <thread>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,9 +16,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 using namespace std::chrono_literals;
 
@@ -128,9 +123,7 @@ void wait_for_ticks(const std::string& file, std::int64_t ticks) {
 
 TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they are 120 ms old",
           "[store][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{6});
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const auto spec = tests::session_spec(tests::small_protocol());

@@ -1,7 +1,3 @@
-#include <algorithm>
-
-#include <fmt/format.h>
-
 #include "data/analysis/exclusion.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/sqlite_recorder.hpp"
@@ -128,9 +124,7 @@ TEST_CASE(
 
 TEST_CASE("the summary shows the shares of all and without those left out, by hand-made counts",
           "[exclusion][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{8});
     const TemporaryFolder folder;
     data::Database database(folder.file("e.sqlite"), data::Access::write);
     const protocols::Protocol protocol = study();

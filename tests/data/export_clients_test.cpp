@@ -1,29 +1,14 @@
-#include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <thread>
-
-#include <fmt/format.h>
 
 #include "data/export/duckdb.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::slurp;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {
@@ -68,10 +53,8 @@ struct AwkwardLab {
     }
 
     void run(const std::string& protocol, const std::string& who) {
-        const Finished done = palpate_command({"run", protocol, "--participant", who, "--db", file,
-                                               "--device", "sim", "--headless", "--speed", "0"});
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
+        ran({"run", protocol, "--participant", who, "--db", file, "--device", "sim", "--headless",
+             "--speed", "0"});
     }
 
     [[nodiscard]] std::int64_t running() const {
@@ -90,9 +73,7 @@ struct AwkwardLab {
         std::vector<std::string> command{"export", file,  "--format", format,
                                          "--kind", "all", "-o",       out.string()};
         command.insert(command.end(), words.begin(), words.end());
-        const Finished done = palpate_command(command);
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
+        ran(command);
         return out;
     }
 
@@ -104,11 +85,7 @@ private:
         std::ofstream(folder.file(name), std::ios::binary) << text;
         return folder.file(name);
     }
-    void note(const std::vector<std::string>& command) {
-        const Finished done = palpate_command(command);
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
-    }
+    void note(const std::vector<std::string>& command) { ran(command); }
 };
 
 /// What recount.py prints, by SQL from the file itself.

@@ -1,13 +1,5 @@
 #include <bit>
-#include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <limits>
-#include <set>
-
-#include <fmt/format.h>
 
 #include "data/export/export.hpp"
 #include "data/export/number_text.hpp"
@@ -22,12 +14,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using data::ExportFormat;
-using tests::slurp;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {
@@ -83,8 +71,7 @@ std::string exported_database(const TemporaryFolder& folder) {
             .prepare(
                 "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, reaction_s, "
                 "reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, "
-                "0.0, 'key', "
-                "0)")
+                "0.0, 'key', 0)")
             .bind(1, trial)
             .run();
         (void)data::mark_invalid(database, trial, "SECRET reason");

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "data/trace/columns.hpp"
@@ -9,12 +7,9 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
+using namespace palpate::tests;
 using namespace palpate::protocols;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using tests::lines;
-using tests::TemporaryFolder;
 
 namespace {
 

@@ -1,14 +1,6 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <set>
-#include <sstream>
-
 #include "tests/figures/figure_list.hpp"
 #include "tests/figures/svg_diagram.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/svg_reader.hpp"
 
 // The thesis' figures, and the laws of contact read off the tables that are written beside them.
@@ -386,8 +378,7 @@ TEST_CASE("palpate figures without its program names it and writes nothing", "[f
 TEST_CASE("palpate figures makes its folder and names every file that it wrote", "[figures]") {
     const TemporaryFolder folder;
     const std::string output = folder.file("a/b");
-    const Finished done = palpate_command({"figures", "-o", output});
-    REQUIRE(done.code == 0);
+    const Finished done = ran({"figures", "-o", output});
     std::size_t files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(output)) {
         CHECK(done.out.find(entry.path().string() + "\n") != std::string::npos);

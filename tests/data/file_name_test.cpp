@@ -1,7 +1,3 @@
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 #include <sqlite3.h>
 #include <unistd.h>
 
@@ -11,9 +7,8 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 
 namespace {

@@ -1,8 +1,3 @@
-#include <array>
-#include <cmath>
-#include <optional>
-#include <vector>
-
 #include "data/fit/fit_report.hpp"
 #include "data/fit/optimum.hpp"
 #include "tests/support/catch.hpp"
@@ -96,9 +91,7 @@ TEST_CASE(
         hold_against_grid(model, fit_curve(model));
     }
     SECTION("drawn answers") {
-        const auto seed = GENERATE(palpate::tests::seeds(60U));
-        CAPTURE(seed);
-        Random random(seed);
+        SEEDED(random, 60U);
         const CurveSpec spec{
             .family =
                 std::array{Family::weibull, Family::gumbel, Family::normal, Family::logistic}.at(

@@ -1,16 +1,12 @@
-#include <cmath>
 #include <cstdlib>
 
-#include "protocols/psychometric/exact_math.hpp"
 #include "data/fit/bootstrap.hpp"
 #include "data/fit/optimum.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::data;
-using palpate::protocols::core_inverse;
-using palpate::protocols::Family;
-using palpate::protocols::PsychometricFunction;
+using namespace palpate::protocols;
 using palpate::tests::Random;
 
 namespace {
@@ -116,9 +112,7 @@ TEST_CASE("two levels are fitted exactly by the line through both quantiles", "[
 }
 
 TEST_CASE("the gradient of the log-likelihood is the limit of its differences", "[fit][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 60U);
     const Family family = kFamilies[seed % 6];
     const Case one = some_case(family, 0.2, 0.05);
     CurveSpec spec{.family = family, .guess_free = true, .lapse_free = true};
@@ -206,9 +200,7 @@ TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with wh
 }
 
 TEST_CASE("a Weibull is the same on its three axes", "[fit][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 20U);
     const Case one = some_case(Family::weibull, 0.5, 0.02);
     const std::vector<Level> linear = answers(random, one.f, one.x, 60);
     std::vector<Level> log10 = linear;
@@ -237,9 +229,7 @@ TEST_CASE("a Weibull is the same on its three axes", "[fit][law]") {
 TEST_CASE(
     "a prior that knows all leaves its mode, one that knows nothing the maximum of likelihood",
     "[fit][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(10U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 10U);
     const Case one = some_case(Family::logistic, 0.0, 0.0);
     const std::vector<Level> levels = answers(random, one.f, one.x, 30);
     CurveSpec spec{.family = Family::logistic};

@@ -13,8 +13,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using data::Access;
-using data::Database;
+using namespace palpate::data;
 using tests::TemporaryFolder;
 
 namespace {

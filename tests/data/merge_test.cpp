@@ -1,29 +1,14 @@
-#include <algorithm>
-#include <filesystem>
-#include <map>
-
-#include <fmt/format.h>
-
 #include "data/store/people.hpp"
-#include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "data/sync/merge.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/merge_world.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using data::MergeReport;
-using tests::copy_of;
-using tests::MergeWorld;
-using tests::Random;
-using tests::Rig;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 namespace {
 
@@ -332,15 +317,13 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
           "[merge][law]") {
     const TemporaryFolder folder;
     const auto run = [&folder](const char* participant, const char* file) {
-        REQUIRE(tests::palpate_command({"run", "shape_friction_demo", "--participant", participant,
-                                        "--db", folder.file(file), "--headless"})
-                    .code == 0);
+        ran({"run", "shape_friction_demo", "--participant", participant, "--db", folder.file(file),
+             "--headless"});
     };
     run("P1", "a.sqlite");
     run("P2", "b.sqlite");
     run("P3", "b.sqlite");
-    REQUIRE(tests::palpate_command({"mark", folder.file("b.sqlite"), "12", "--invalid", "a bell"})
-                .code == 0);
+    ran({"mark", folder.file("b.sqlite"), "12", "--invalid", "a bell"});
     const std::string out = folder.file("out.sqlite");
     const auto merged =
         tests::palpate_command({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});

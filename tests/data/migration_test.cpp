@@ -1,5 +1,3 @@
-#include <filesystem>
-
 #include "data/schema/catalogue.hpp"
 #include "data/store/database.hpp"
 #include "data/store/migration.hpp"
@@ -8,10 +6,8 @@
 #include "tests/support/process.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using data::MigrationStep;
 using tests::TemporaryFolder;
 
 namespace {

@@ -1,7 +1,3 @@
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "data/inference/mixed_logit.hpp"
 #include "data/statistics/distributions.hpp"
 #include "data/statistics/over_people.hpp"

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <string>
-
 #include "protocols/protocol/protocol.hpp"
 #include "data/plot/object_sheet.hpp"
 #include "tests/support/catch.hpp"

@@ -1,7 +1,3 @@
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "data/statistics/over_people.hpp"
 #include "tests/support/catch.hpp"
 

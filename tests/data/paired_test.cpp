@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include <boost/math/distributions/non_central_t.hpp>
 
 #include "data/statistics/d_prime.hpp"

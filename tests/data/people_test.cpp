@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "engine/base/text.hpp"
@@ -6,18 +5,12 @@
 #include "data/store/people.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using tests::Finished;
-using tests::lines;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 namespace {
 
@@ -193,25 +186,21 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(unknown.code != 0);
     CHECK(palpate_command({"note", file, "text", "--participant", "P1"}).code != 0);
     CHECK(palpate_command({"mark", file, "1", "--invalid", "x"}).code != 0);
-    CHECK(palpate_command({"participant", file, "Jane Doe", "--consent", "yes"}).code == 2);
-    CHECK(palpate_command({"participant", file, "P1", "--set", "Age=3"}).code == 2);
-    CHECK(palpate_command({"participant", file, "P1", "--handedness", "101"}).code == 2);
+    ran({"participant", file, "Jane Doe", "--consent", "yes"}, 2);
+    ran({"participant", file, "P1", "--set", "Age=3"}, 2);
+    ran({"participant", file, "P1", "--handedness", "101"}, 2);
     CHECK(::access(file.c_str(), F_OK) != 0);  // nothing was made of all that
 
-    const Finished noted =
-        palpate_command({"participant", file, "P1", "--new", "--handedness", "-40", "--consent",
-                         "yes", "--set", "age=31", "--set", "x="});
-    CHECK(noted.code == 0);
+    const Finished noted = ran({"participant", file, "P1", "--new", "--handedness", "-40",
+                                "--consent", "yes", "--set", "age=31", "--set", "x="});
     CHECK_THAT(noted.out, ContainsSubstring("handedness   -40") &&
                               ContainsSubstring("consent      yes, noted 2") &&
                               ContainsSubstring("age          31"));
     CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
-    CHECK(palpate_command({"participant", file, "P2"}).code == 2);
-    const Finished slip = palpate_command({"participant", file, "P2", "--set", "age=32"});
-    CHECK(slip.code == 2);
+    ran({"participant", file, "P2"}, 2);
+    const Finished slip = ran({"participant", file, "P2", "--set", "age=32"}, 2);
     CHECK_THAT(slip.error, ContainsSubstring("nobody is called P2: --new registers them"));
-    const Finished taken = palpate_command({"participant", file, "P1", "--new", "--consent", "no"});
-    CHECK(taken.code == 2);
+    const Finished taken = ran({"participant", file, "P1", "--new", "--consent", "no"}, 2);
     CHECK_THAT(taken.error, ContainsSubstring("P1 is there already"));
     CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
     CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
@@ -236,12 +225,10 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK_THAT(
         palpate_command({"note", file, "tired", "--participant", "P1", "--study", "small"}).out,
         ContainsSubstring("session 2 of P1, study small"));
-    CHECK(palpate_command(
-              {"note", file, "early", "--participant", "P1", "--study", "small", "--session", "1"})
-              .code == 0);
+    ran({"note", file, "early", "--participant", "P1", "--study", "small", "--session", "1"});
     CHECK_THAT(palpate_command({"mark", file, "1", "--invalid", "bell rang"}).out,
                ContainsSubstring("run again when its session is resumed"));
-    CHECK(palpate_command({"mark", file, "1", "--invalid", "bell rang"}).code == 2);
+    ran({"mark", file, "1", "--invalid", "bell rang"}, 2);
     Database database(file, Access::read);
     CHECK(lines(database,
                 "SELECT session_number, event.event_kind, text FROM event JOIN session USING "
@@ -290,7 +277,7 @@ TEST_CASE("UTF-8 is distinguished from what is none, byte by byte as RFC 3629 ha
 TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    ran({"demo", "--headless", "--db", file});
     Database database(file, Access::read);
     const auto noted = [&] {
         return lines(database, "SELECT count(*) FROM event") +
@@ -303,8 +290,7 @@ TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]
          {std::vector<std::string>{"note", file, "caf\xE9", "--participant", who},
           {"mark", file, "1", "--invalid", "\xFF"},
           {"participant", file, who, "--set", "name=Ren\xE9"}}) {
-        const Finished refused = palpate_command(words);
-        CHECK(refused.code == 2);
+        const Finished refused = ran(words, 2);
         CHECK_THAT(refused.error, ContainsSubstring("UTF-8"));
     }
     CHECK(noted() == before);

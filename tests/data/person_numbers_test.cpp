@@ -1,7 +1,3 @@
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "data/inference/person_numbers.hpp"
 #include "tests/support/catch.hpp"
 

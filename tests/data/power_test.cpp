@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
@@ -104,9 +102,7 @@ TEST_CASE("without an effect each test is significant as often as it says", "[po
 }
 
 TEST_CASE("tests of power are those of stats, by another way", "[power][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, 60U);
     const Closed closed{.change = random.in(-0.2, 0.2), .spread = 0.1};
     const PowerPeople draw = closed.people(seed);
     std::vector<PowerPerson> people;

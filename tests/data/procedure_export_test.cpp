@@ -1,20 +1,9 @@
-#include <filesystem>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 TEST_CASE("palpate procedure prints the stored states of every exported run",
           "[export][adaptive][law]") {
@@ -26,10 +15,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         const auto spec = tests::session_spec(tests::adaptive_protocol(rule), who);
         REQUIRE(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     }
-    const Finished done = palpate_command(
-        {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")});
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
+    ran({"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")});
     std::size_t replayed = 0;
     for (const auto& run : std::filesystem::directory_iterator(folder.file("out"))) {
         const std::string name = run.path().filename();
@@ -37,10 +23,8 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         if (name == "README.txt") {
             continue;
         }
-        const Finished shown = palpate_command(
+        const Finished shown = ran(
             {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
-        CAPTURE(shown.error);
-        REQUIRE(shown.code == 0);
         CHECK_THAT(tests::slurp(run.path() / "CONFIG.toml"), !ContainsSubstring("P0"));
         data::Statement person = database.prepare(
             "SELECT participant_code FROM participant WHERE instr(?1, printf('subject-%010d_', "
@@ -78,9 +62,8 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
         static_cast<void>(
             data::open_session(database, tests::session_spec(tests::small_protocol())));
     }
-    const Finished refused = palpate_command(
-        {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")});
-    CHECK(refused.code == 2);
+    const Finished refused = ran(
+        {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")}, 2);
     CHECK_THAT(refused.error, ContainsSubstring("no session"));
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));
 }

@@ -1,5 +1,3 @@
-#include <set>
-
 #include "protocols/session/session.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_store.hpp"
@@ -11,9 +9,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using namespace palpate::protocols;
-using data::Access;
-using data::Database;
 using tests::count;
 
 namespace {

@@ -1,15 +1,6 @@
-#include <algorithm>
-#include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <memory>
-#include <thread>
-#include <vector>
 
 #include <arpa/inet.h>
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -17,27 +8,13 @@
 #include "data/store/database.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/push.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/push_world.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using data::Postgres;
-using data::PushReport;
-using tests::a_database;
-using tests::a_server;
-using tests::content;
-using tests::Finished;
-using tests::new_database;
-using tests::palpate_command;
-using tests::PostgresServer;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 TEST_CASE("a damaged session does not reach the server", "[push][law]") {
     const auto server = a_server();
@@ -94,9 +71,8 @@ TEST_CASE(
     std::vector<std::string> files;
     for (const char* who : {"P01", "P02", "P03"}) {
         files.push_back(folder.file(fmt::format("{}.sqlite", who)));
-        REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", who, "--db",
-                                 files.back(), "--device", "sim", "--headless", "--speed", "0"})
-                    .code == 0);
+        ran({"run", "shape_friction_demo", "--participant", who, "--db", files.back(), "--device",
+             "sim", "--headless", "--speed", "0"});
     }
     const std::string one = new_database(*server, "one");
     for (const std::string& file : files) {
@@ -164,28 +140,25 @@ TEST_CASE(
                            PostgresServer::kPassword, host, server->port(), words);
     };
     const std::string full = "sslmode=verify-full&sslrootcert=" + folder.file("rig.crt");
-    const Finished good = palpate_command({"push", file, "--to", url("rig.test", full)});
-    CAPTURE(good.error);
-    CHECK(good.code == 0);
+    ran({"push", file, "--to", url("rig.test", full)});
     for (const std::string& wrong :
          {url("other.test", full),
           url("rig.test", "sslmode=verify-full&sslrootcert=" + folder.file("other.crt")),
           url("rig.test", "sslmode=verify-full&sslrootcert=" + folder.file("none.crt")),
           url("rig.test", "sslmode=disable")}) {
         CAPTURE(wrong);
-        const Finished refused = palpate_command({"push", file, "--to", wrong});
-        CHECK(refused.code == 1);
+        const Finished refused = ran({"push", file, "--to", wrong}, 1);
         CHECK_THAT(refused.error, ContainsSubstring("rig.test") || ContainsSubstring("other.test"));
         CHECK_THAT(refused.error, !ContainsSubstring(PostgresServer::kPassword));
         CHECK(std::count(refused.error.begin(), refused.error.end(), '\n') == 1);
     }
     // Where the place of an address is empty, libpq goes by the name.
-    const Finished elsewhere = palpate_command(
-        {"push", file, "--to",
-         fmt::format("postgresql://postgres:{}@192.0.2.2:5432,localhost:{}/postgres?"
-                     "hostaddr=,127.0.0.1",
-                     PostgresServer::kPassword, server->port())});
-    CHECK(elsewhere.code == 2);
+    const Finished elsewhere =
+        ran({"push", file, "--to",
+             fmt::format("postgresql://postgres:{}@192.0.2.2:5432,localhost:{}/postgres?"
+                         "hostaddr=,127.0.0.1",
+                         PostgresServer::kPassword, server->port())},
+            2);
     CHECK_THAT(elsewhere.error, ContainsSubstring("192.0.2.2 is another machine"));
     // What libpq takes from elsewhere it takes here: service file, password file, variables.
     const std::string service = folder.file("service.conf");
@@ -253,7 +226,7 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
              "--\" (a)"})
             .wait();
     REQUIRE(lab.code == 0);
-    REQUIRE(palpate_command({"participant", file, "demo", "--consent", "no"}).code == 0);
+    ran({"participant", file, "demo", "--consent", "no"});
     const auto push = [&](std::vector<std::string> more) {
         more.insert(more.begin(), {"push", file, "--to", server->url()});
         return palpate_command(more);
@@ -277,9 +250,8 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
     CHECK(again.code == 1);
     CHECK_THAT(again.error, ContainsSubstring("the server has it: an administrator"));
     // Another machine: nothing is sent to it, not even the question whether it is there.
-    const Finished beyond = palpate_command(
-        {"push", file, "--to", "postgresql://rig:word@192.0.2.1/lab?sslmode=require"});
-    CHECK(beyond.code == 2);
+    const Finished beyond =
+        ran({"push", file, "--to", "postgresql://rig:word@192.0.2.1/lab?sslmode=require"}, 2);
     CHECK_THAT(beyond.error, ContainsSubstring("192.0.2.1 is another machine") &&
                                  ContainsSubstring("--insecure"));
 }
@@ -294,9 +266,7 @@ TEST_CASE("what is repaired after a push reaches the server as events, and nothi
     const std::string file = a_database(folder);
     const auto does = [&](std::vector<std::string> words) {
         words.insert(words.begin() + 1, file);
-        const Finished done = palpate_command(words);
-        CAPTURE(words, done.out, done.error);
-        REQUIRE(done.code == 0);
+        ran(words);
     };
     const auto push = [&] {
         return palpate_command({"push", file, "--to", server->url()});

@@ -1,35 +1,17 @@
-#include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <thread>
-
-#include <fmt/format.h>
 
 #include "data/store/chain.hpp"
 #include "data/store/database.hpp"
 #include "data/store/people.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/push.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/push_world.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using data::Postgres;
-using data::PushReport;
-using tests::a_database;
-using tests::a_server;
-using tests::content;
-using tests::Finished;
-using tests::new_database;
-using tests::palpate_command;
-using tests::PostgresServer;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 namespace {
 
@@ -150,8 +132,7 @@ TEST_CASE(
         "CREATE FUNCTION fail() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN IF (SELECT count(*) "
         "FROM"
         " palpate.trace_chunk) >= TG_ARGV[0]::int THEN RAISE EXCEPTION 'enough'; END IF; RETURN "
-        "NEW;"
-        " END $$");
+        "NEW; END $$");
     for (const int chunks : {0, 1, 4, 8, 15}) {
         CAPTURE(chunks);
         admin.run(
@@ -198,8 +179,7 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
             database.execute(change);
             chain_again(database);
         }
-        const Finished push = palpate_command({"push", other, "--to", server->url()});
-        CHECK(push.code == 1);
+        const Finished push = ran({"push", other, "--to", server->url()}, 1);
         CHECK_THAT(push.error, ContainsSubstring("conflict: "));
         CHECK(content(server->url()) == before);
         std::filesystem::remove(other + "-wal");
@@ -240,8 +220,7 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
 
     const std::string empty = new_database(*server, "empty");
     std::string nobody = server->url("empty", "reader");
-    const Finished refused = palpate_command({"push", file, "--to", nobody});
-    CHECK(refused.code == 1);
+    const Finished refused = ran({"push", file, "--to", nobody}, 1);
     CHECK_THAT(refused.error, ContainsSubstring("--roles"));
     nobody.replace(nobody.find("reader:") + 7, 3, "NOT");
     for (const std::string& url :

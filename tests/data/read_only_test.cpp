@@ -1,6 +1,3 @@
-#include <filesystem>
-#include <string>
-
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,9 +11,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 
 namespace {

@@ -1,5 +1,3 @@
-#include <span>
-
 #include "data/store/async_recorder.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
@@ -8,9 +6,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 
 namespace {

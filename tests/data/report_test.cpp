@@ -1,7 +1,4 @@
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "data/plot/svg_figure.hpp"
 #include "data/plot/svg_text.hpp"
@@ -12,7 +9,6 @@
 
 using namespace palpate::data;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -85,9 +81,7 @@ Figure one_panel(std::vector<double> x, std::vector<double> y) {
 
 TEST_CASE("every figure is well-formed, the same twice, and its data lie inside its axes",
           "[report][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(120U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 120U);
     const Figure figure = random_figure(random);
     const std::string text = svg(figure);
     CHECK(text == svg(Figure(figure)));

@@ -1,21 +1,8 @@
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
-#include <fmt/format.h>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::slurp;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {
@@ -25,11 +12,9 @@ struct ExportSummary {
     explicit ExportSummary(const std::string& format) {
         file = folder.file("demo.sqlite");
         out = folder.path() / "out";
-        REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
-        const Finished done = palpate_command({"export", file, "--format", format, "--kind",
-                                               "simulated", "--traces", "-o", out.string()});
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
+        ran({"demo", "--headless", "--db", file});
+        ran({"export", file, "--format", format, "--kind", "simulated", "--traces", "-o",
+             out.string()});
     }
     TemporaryFolder folder;
     std::string file;
@@ -210,7 +195,7 @@ TEST_CASE("Parquet without DuckDB is one sentence with the remedy, and nothing i
           "[export]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    ran({"demo", "--headless", "--db", file});
     const Finished done = Process({tests::palpate_program(), "export", file, "--format", "parquet",
                                    "--kind", "simulated", "-o", folder.file("out")},
                                   {"PALPATE_DUCKDB=/none/libduckdb.so"})

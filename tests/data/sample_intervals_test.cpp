@@ -1,18 +1,12 @@
-#include <fstream>
-#include <iterator>
-
 #include "data/extension/sample_module.hpp"
 #include "data/trace/chunk.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/sample_rows.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using tests::rows_of;
-using tests::SampleRow;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -54,9 +48,7 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(tests::palpate_command(
-                {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"})
-                .code == 0);
+    ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
     data::Database database(file, data::Access::read);
     REQUIRE(data::add_extension(database.handle()) == 0);
     // What the rule chose is what the intervals differ by, and nothing that the protocol has.

@@ -1,17 +1,10 @@
-#include <filesystem>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sample_rows.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::demo_file;
-using tests::Opened;
-using tests::plan_of;
-using tests::rows_of;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <filesystem>
-
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -8,14 +5,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::demo_file;
-using tests::error_of;
-using tests::Opened;
-using tests::plan_of;
-using tests::rows_of;
-using tests::SampleRow;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 /// A study with trials of arbitrary bits, `sizes` ticks each.

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <set>
-
 #include <sqlite3.h>
 
 #include "protocols/session/trial_meter.hpp"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <functional>
-
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/session_store.hpp"
@@ -10,9 +7,8 @@
 #include "tests/support/process.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using namespace palpate::protocols;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 
 namespace {

@@ -6,13 +6,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
-using tests::count;
-using tests::session_spec;
-using tests::small_protocol;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 namespace {
 
@@ -102,11 +97,10 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
 
     auto changed = small_protocol();
     changed.apparatus.stiffness = 500.0;
-    CHECK_THROWS_WITH(
-        data::open_session(database, session_spec(changed)),
-        ContainsSubstring("another version of the protocol (apparatus stiffness_n_per_m 1000 "
-                          "there, 500 here); ") &&
-            ContainsSubstring("--session"));
+    CHECK_THROWS_WITH(data::open_session(database, session_spec(changed)),
+                      ContainsSubstring("another version of the protocol (apparatus "
+                                        "stiffness_n_per_m 1000 there, 500 here); ") &&
+                          ContainsSubstring("--session"));
     auto seeded = spec;
     seeded.seed = 8;
     seeded.plan = protocols::make_plan(seeded.protocol, seeded.protocol_hash, seeded.key, 8);

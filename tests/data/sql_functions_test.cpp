@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include <fmt/format.h>
-
 #include "data/extension/sample_module.hpp"
 #include "data/statistics/d_prime.hpp"
 #include "data/statistics/information.hpp"

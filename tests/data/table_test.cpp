@@ -1,6 +1,3 @@
-#include <limits>
-#include <sstream>
-
 #include <nlohmann/json.hpp>
 
 #include "data/tables/table.hpp"

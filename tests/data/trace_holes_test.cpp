@@ -6,9 +6,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::data;
 using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
 using tests::TemporaryFolder;
 
 namespace {

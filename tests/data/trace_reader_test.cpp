@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <sstream>
-
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

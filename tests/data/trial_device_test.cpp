@@ -3,16 +3,12 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using data::DeviceProgress;
-using data::TrialDevice;
-using protocols::Event;
-using protocols::EventKind;
+using namespace palpate::data;
+using namespace palpate::protocols;
 
 TEST_CASE("a trial's device is the last one that was meant before it, or the session's first",
           "[store][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{50});
     const TrialDevice first{.name = "first", .calibration = "0"};
     DeviceProgress device{.begun = first};
     std::vector<Event> events;

@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/support/catch.hpp"

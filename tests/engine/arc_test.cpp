@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <limits>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/geometry/outline.hpp"
 #include "tests/support/arc_oracle.hpp"
@@ -8,9 +5,7 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using Catch::Matchers::ContainsSubstring;
-using palpate::tests::ArcOracle;
-using palpate::tests::Random;
+using namespace palpate::tests;
 
 TEST_CASE("every point of a rational quadratic arc lies on its circle, with the circle's curvature",
           "[geometry]") {

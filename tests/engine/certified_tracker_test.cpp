@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/geometry/arc.hpp"
 #include "engine/math/elementary.hpp"
@@ -11,9 +8,8 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using palpate::tests::NurbsData;
-using palpate::tests::Random;
 
 namespace {
 
@@ -62,9 +58,7 @@ private:
 }  // namespace
 
 TEST_CASE("certified tracking gives the global closest point on every tick", "[contact][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 60U);
     const double size = random.decade(-4.0, 2.0);
     const Outline chain = random_chain(random, size);
     const CertifiedTracker tracker(chain);
@@ -131,9 +125,7 @@ TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its p
 }
 
 TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[rendering][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 20U);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
     const Scene scene(outline, {.friction = friction});
@@ -158,9 +150,7 @@ TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[ren
 
 TEST_CASE("a damper takes energy from a moving hand and never pulls or leaves the cone",
           "[rendering][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(30U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 30U);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
     const Scene scene(outline, {.damping = 0.4, .friction = friction});

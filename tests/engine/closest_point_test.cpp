@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <array>
-
 #include "engine/contact/closest_point.hpp"
 #include "engine/geometry/arc.hpp"
 #include "stimuli/two_curve.hpp"
@@ -9,9 +6,8 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using palpate::tests::ArcOracle;
-using palpate::tests::Random;
 
 TEST_CASE("the closest point of an arc is the one of its circle, to rounding", "[contact]") {
     double worst = 0.0;

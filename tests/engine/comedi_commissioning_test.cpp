@@ -1,7 +1,3 @@
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/device/emulator/free_handle.hpp"
 #include "tests/support/catch.hpp"
@@ -9,7 +5,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 

@@ -1,7 +1,4 @@
 #include <cerrno>
-#include <cmath>
-#include <limits>
-#include <memory>
 
 #include "engine/device/drivers/comedi_card.hpp"
 #include "engine/device/drivers/comedi_device.hpp"
@@ -10,13 +7,7 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using Catch::Matchers::ContainsSubstring;
-using palpate::tests::at_zero;
-using palpate::tests::daq_calibration;
-using palpate::tests::DaqBench;
-using palpate::tests::plug;
-using palpate::tests::Random;
-using palpate::tests::volts_of;
+using namespace palpate::tests;
 
 namespace {
 
@@ -46,9 +37,7 @@ Vec2 somewhere(Random& random) {
 
 TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both directions",
           "[device][comedi][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     Calibration how = daq_calibration();
     how.comedi->counter_clockwise = {random.coin(), random.coin()};
     DaqBench bench;
@@ -89,9 +78,7 @@ TEST_CASE("without a home the counters' own values count, as signed numbers", "[
 
 TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half a code",
           "[device][comedi][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{300});
     const Calibration how = daq_calibration();
     DaqBench bench;
     const bool narrow = random.coin();  // 2 V: the card limits before the motor
@@ -170,9 +157,7 @@ TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts
 
 TEST_CASE("zero volts is the last thing written, whichever call fails and however it ends",
           "[device][comedi][fault][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{300});
     const Calibration how = daq_calibration();
     DaqBench bench;
     auto device = plug(bench, how);

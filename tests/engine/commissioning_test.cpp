@@ -1,6 +1,3 @@
-#include <cmath>
-#include <map>
-
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "engine/device/simulated_pantograph.hpp"
@@ -12,7 +9,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -82,8 +78,8 @@ TEST_CASE("every wrong connection of two encoders is found and named, and no mot
 }
 
 TEST_CASE(
-    "every wrong connection of two motors is found and named, by 0.3 N at most, and the right "
-    "one passes with its numbers",
+    "every wrong connection of two motors is found and named, by 0.3 N at most, and the right one "
+    "passes with its numbers",
     "[commissioning][law]") {
     const PlantModel plant = plant_of("gen3");
     for (const Connection& motors : all_connections()) {
@@ -141,8 +137,7 @@ PlantModel some_plant(unsigned seed) {
 
 TEST_CASE(
     "right machines of many kinds pass, their friction in joints or at the handle found to a "
-    "tenth, "
-    "and the same twice as strong or half do not",
+    "tenth, and the same twice as strong or half do not",
     "[commissioning][law]") {
     const auto seed = GENERATE(palpate::tests::seeds(8U));
     CAPTURE(seed);

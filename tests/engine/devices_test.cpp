@@ -1,5 +1,4 @@
 #include <atomic>
-#include <thread>
 
 #include "engine/device/pointer_device.hpp"
 #include "engine/device/replay_device.hpp"

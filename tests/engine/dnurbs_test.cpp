@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "engine/deformation/dnurbs.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
@@ -10,7 +6,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <functional>
-
 #include "engine/friction/laws/law.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/law_cases.hpp"
@@ -29,9 +26,7 @@ double finely(double z, double travel, int steps, const std::function<double(dou
 
 TEST_CASE("Dahl's law is its differential equation, solved finely, for every exponent",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(30U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 30U);
     tests::LawCase c = tests::random_law_case(law_named("dahl"), random);
     c.spec.exponent = seed % 3 == 0 ? 1.0 : random.in(1.0, 3.0);
     tests::move_about(c, random, 200);
@@ -67,9 +62,7 @@ TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[fr
 }
 
 TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 40U);
     tests::LawCase c = tests::random_law_case(law_named("lugre"), random);
     tests::move_about(c, random, 200);
     double z = 0.0;
@@ -120,9 +113,7 @@ TEST_CASE("an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, 
 
 TEST_CASE("Hayward and Armstrong's law is its differential equation, solved finely",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 20U);
     tests::LawCase c = tests::random_law_case(law_named("hayward_armstrong"), random);
     tests::move_about(c, random, 150);
     double z = 0.0;
@@ -144,9 +135,7 @@ TEST_CASE("Hayward and Armstrong's law is its differential equation, solved fine
 
 TEST_CASE("Hayward and Armstrong's law holds for good below its share, and is Dahl's without one",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 20U);
     const Friction friction{.mu_s = 0.5, .mu_d = 0.5};
     const FrictionLaw holds({.traits = law_named("hayward_armstrong"), .stick_share = 0.7},
                             friction, 1000.0, tests::kLawTick);

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "engine/math/elementary.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

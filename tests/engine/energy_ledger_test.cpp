@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <vector>
-
 #include "engine/device/replay_device.hpp"
 #include "engine/geometry/arc.hpp"
 #include "engine/realtime/tick_loop.hpp"
@@ -17,9 +14,7 @@ using palpate::tests::Random;
 
 TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever hand and friction",
           "[rendering][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 60U);
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const double mu_d = random.in(0.0, 1.0);
     const Scene scene(outline, {.friction = {.mu_s = mu_d + random.in(0.0, 0.5),

@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <deque>
 
 #include "engine/rendering/scene.hpp"
@@ -11,9 +9,8 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using palpate::tests::Random;
-using palpate::tests::random_hand;
 
 namespace {
 
@@ -76,9 +73,7 @@ Honest honest(Random& random, bool vertex_slew) {
 
 TEST_CASE("a sampled spring with friction, cut and ramped, never raises the energy observer",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{150}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{150});
     const auto [scene, limits] = honest(random, false);
     ContactState contact;
     SafetyState state;
@@ -98,9 +93,7 @@ TEST_CASE("a sampled spring with friction, cut and ramped, never raises the ener
 TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
     // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse
     // counts.
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{150}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{150});
     auto [scene, limits] = honest(random, true);
     limits.slew = 2000.0 * limits.period;
     limits.delay_ticks = random.coin() ? 0.0 : random.in(0.0, 3.0);

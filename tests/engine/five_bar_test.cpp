@@ -1,6 +1,3 @@
-#include <cmath>
-#include <numbers>
-
 #include "engine/device/five_bar.hpp"
 #include "engine/math/elementary.hpp"
 #include "tests/support/catch.hpp"

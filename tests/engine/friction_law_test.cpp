@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
@@ -10,10 +7,8 @@
 #include "tests/support/hands.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using palpate::tests::ArcOracle;
-using palpate::tests::Random;
-using palpate::tests::random_hand;
 
 namespace {
 
@@ -36,9 +31,7 @@ Friction random_friction(Random& random) {
 
 TEST_CASE("friction stays inside the cone: |F_T| <= mu F_N and mu <= mu_s on every tick",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const Friction friction = random_friction(random);
     const Scene scene(stimuli::make_outline({.curvature = random.in(-12.0, 12.0)}),
                       {.stiffness = random.in(50.0, 3000.0),
@@ -61,9 +54,7 @@ TEST_CASE("friction stays inside the cone: |F_T| <= mu F_N and mu <= mu_s on eve
 // normal: in the triangle c, h, GO the law of sines gives sin(angle at h) = R sin(atan mu) / |h -
 // c|.
 TEST_CASE("a slipping god-object rests where the law of sines puts it", "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const double kappa = random.in(2.0, 12.0);
     const double mu = random.in(0.05, 0.9);
     const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
@@ -96,9 +87,7 @@ TEST_CASE("a slipping god-object rests where the law of sines puts it", "[fricti
 
 TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
     const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
     const double k = random.in(100.0, 2000.0);

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/friction/laws/law.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/law_cases.hpp"
@@ -23,9 +21,7 @@ struct Anchored {
 }  // namespace
 
 TEST_CASE("the maps of velocity are their formulas", "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 40U);
     for (const LawTraits* kind :
          {law_named("coulomb_sign"), law_named("viscous"), law_named("stribeck")}) {
         tests::LawCase c = tests::random_law_case(kind, random);
@@ -49,9 +45,7 @@ TEST_CASE("the maps of velocity are their formulas", "[friction][law]") {
 
 TEST_CASE("stiction and Karnopp's law are a spring from where HIP stuck, and Coulomb's law else",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 40U);
     for (const LawTraits* kind : {law_named("stiction"), law_named("karnopp")}) {
         tests::LawCase c = tests::random_law_case(kind, random);
         tests::move_about(c, random);
@@ -100,9 +94,7 @@ TEST_CASE("coming to rest keeps the force, to within the travel of the tick", "[
 
 TEST_CASE("the reset integrator and the friction cone are anchors that HIP drags along",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 40U);
     for (const LawTraits* kind : {law_named("reset_integrator"), law_named("friction_cone")}) {
         tests::LawCase c = tests::random_law_case(kind, random);
         c.spec.bristle_damping = 0.0;

@@ -1,8 +1,5 @@
-#include <cmath>
-
 #include "engine/device/gantry.hpp"
 #include "engine/device/machine.hpp"
-#include "engine/math/elementary.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -31,9 +28,7 @@ Calibration any_gantry(Random& random) {
 
 TEST_CASE("three straight axes stand at home + r q, to 50 nm, within their ends and nowhere else",
           "[gantry][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(100U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 100U);
     const Calibration calibration = any_gantry(random);
     const Machine machine(calibration);
     const auto& axes = calibration.gantry->axes;
@@ -66,9 +61,7 @@ TEST_CASE(
     "torques are r F, a force that is too strong keeps its direction, and one up to the weakest is "
     "given",
     "[gantry][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(100U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 100U);
     const Calibration calibration = any_gantry(random);
     const Machine machine(calibration);
     const auto& axes = calibration.gantry->axes;

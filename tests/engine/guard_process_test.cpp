@@ -1,5 +1,4 @@
 #include <csignal>
-#include <fstream>
 
 #include <fcntl.h>
 #include <sys/wait.h>

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <limits>
-
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/emulator/haply_board.hpp"

@@ -1,13 +1,9 @@
-#include <cmath>
-#include <vector>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("whatever answers take, every tick has a new reading, as old as the device says",
           "[haply][law]") {
@@ -62,9 +58,7 @@ TEST_CASE("answers that take too long for a force are refused, at first and afte
 }
 
 TEST_CASE("each reading is as old as it says, however the board's answers come", "[haply][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(12U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 12U);
     HaplyBench bench;
     bench.board.set_faults({.delay = seed % 2 == 0 ? 0.3e-3 : 2.1e-3});
     bench.open();

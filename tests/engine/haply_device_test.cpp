@@ -1,13 +1,9 @@
-#include <cmath>
-#include <limits>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("HIP is where the handle is, to half a count, for every machine and place",
           "[haply][law]") {

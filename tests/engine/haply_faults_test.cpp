@@ -1,14 +1,9 @@
-#include <cmath>
-#include <limits>
-
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
     HaplyBench bench;
@@ -50,9 +45,7 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
 
 TEST_CASE("an answer on its way at a rest is never taken for another: no garbage, no old reading",
           "[haply][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 60U);
     HaplyBench bench;
     bench.open();
     const double delay = random.in(0.0, 9e-3);

@@ -17,7 +17,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 // Over a real pseudo-terminal, with the board in a process of its own.
 

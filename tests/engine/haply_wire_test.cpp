@@ -1,7 +1,4 @@
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <sstream>
 
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"

@@ -1,13 +1,9 @@
-#include <cmath>
-#include <limits>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoever saw it first",
           "[haply][law]") {

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/device/homing.hpp"
 #include "engine/device/pantograph.hpp"
 #include "tests/support/catch.hpp"

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "engine/rendering/scene.hpp"
@@ -9,9 +7,8 @@
 #include "tests/support/hands.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using tests::Random;
-using tests::random_hand;
 
 namespace {
 

@@ -1,11 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numeric>
-#include <string>
-#include <vector>
-
 #include "engine/contact/closest_point.hpp"
 #include "engine/geometry/nurbs_curve.hpp"
 #include "tests/support/catch.hpp"

@@ -1,7 +1,3 @@
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-
 #include "engine/geometry/nurbs_curve.hpp"
 #include "engine/geometry/outline.hpp"
 #include "tests/support/catch.hpp"
@@ -9,7 +5,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -41,9 +36,7 @@ double worst_error(const NurbsData<D>& data, double size) {
 
 TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definition says",
           "[geometry][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(150U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 150U);
     const double size = random.decade(-6.0, 3.0);
     const double decades = seed % 3U == 0U ? 0.0 : 3.0;
     // Curve points of rational spans are quotients of sums of positive terms: 2 p + a few

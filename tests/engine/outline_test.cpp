@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/geometry/outline.hpp"
 #include "stimuli/two_curve.hpp"

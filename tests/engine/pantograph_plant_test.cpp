@@ -1,7 +1,3 @@
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
 #include "engine/device/pantograph_plant.hpp"
@@ -9,6 +5,7 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
+using namespace palpate::tests;
 using palpate::tests::Random;
 
 namespace {
@@ -330,14 +327,13 @@ TEST_CASE("whatever is commanded, the plant stays finite and within its torque l
 TEST_CASE("a plant that cannot be is refused with its number", "[plant]") {
     PlantModel model;
     model.inertia.y = 0.0;
-    CHECK_THROWS_WITH(PantographPlant(model), Catch::Matchers::ContainsSubstring("inertia"));
+    CHECK_THROWS_WITH(PantographPlant(model), ContainsSubstring("inertia"));
     model = {};
     model.coulomb.x = std::nan("");
-    CHECK_THROWS_WITH(PantographPlant(model), Catch::Matchers::ContainsSubstring("nan"));
+    CHECK_THROWS_WITH(PantographPlant(model), ContainsSubstring("nan"));
     model = {};
     model.machine.linkage.free_1 = -0.07;
-    CHECK_THROWS_WITH(PantographPlant(model),
-                      Catch::Matchers::ContainsSubstring("free link 1 is -0.07"));
+    CHECK_THROWS_WITH(PantographPlant(model), ContainsSubstring("free link 1 is -0.07"));
 }
 
 TEST_CASE("friction at the handle stops it as a mass on a plate is stopped", "[plant][law]") {

@@ -1,8 +1,4 @@
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
-#include <vector>
 
 #include "engine/device/many_hips.hpp"
 #include "engine/device/pantograph.hpp"

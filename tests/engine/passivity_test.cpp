@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/safety/passivity.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/counted_wall.hpp"

@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <numeric>
-#include <string>
-#include <vector>
-
 #include "engine/base/pcg32.hpp"
 #include "tests/support/catch.hpp"
 
@@ -39,10 +33,9 @@ TEST_CASE("PCG32 draws, flips, rolls and deals as pcg-c does", "[random]") {
         cards += std::string("hcds").at(card % 4);
         cards += ' ';
     }
-    CHECK(
-        cards ==
-        "Qd Ks 6d 3s 3d 4c 3h Td Kc 5c Jh Kd Jd As 4s 4h Ad Th Ac Jc 7s Qs 2s 7h Kh 2d 6c Ah 4d Qh "
-        "9h 6s 5s 2c 9c Ts 8d 9s 3c 8c Js 5d 2h 6h 7d 8s 9d 5h 8h Qc 7c Tc ");
+    CHECK(cards ==
+          "Qd Ks 6d 3s 3d 4c 3h Td Kc 5c Jh Kd Jd As 4s 4h Ad Th Ac Jc 7s Qs 2s 7h Kh 2d 6c Ah 4d "
+          "Qh 9h 6s 5s 2c 9c Ts 8d 9s 3c 8c Js 5d 2h 6h 7d 8s 9d 5h 8h Qc 7c Tc ");
 }
 
 TEST_CASE("a bounded draw is below its bound, and every value comes", "[random][law]") {

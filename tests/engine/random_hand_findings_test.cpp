@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/geometry/arc.hpp"
 #include "engine/geometry/cusps.hpp"

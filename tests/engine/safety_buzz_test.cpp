@@ -1,14 +1,10 @@
-#include <cmath>
-#include <numbers>
-
 #include "engine/safety/buzz_watch.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_wall.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::PressedWall;
-using palpate::tests::Random;
+using namespace palpate::tests;
 
 namespace {
 
@@ -39,9 +35,7 @@ PressedWall light_hand(double stiffness) {
 
 TEST_CASE("a swing that is quick and wide enough buzzes within seven periods, a slower one never",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{200}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{200});
     const double phase = random.in(0.0, 6.28);
     const double period = 1e-3 / (1 + random.below(4));
     const double step = random.decade(-7.0, -4.6);
@@ -63,9 +57,7 @@ TEST_CASE("tremor and taps of a hand are no buzz", "[safety]") {
 
 TEST_CASE("a stiff wall under a light hand on a light handle is ended within half a second",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     PressedWall wall = light_hand(1000.0);
     if (seed > 0) {  // the bench's own case, and what is near it
         wall.handle = random.in(0.035, 0.055);
@@ -80,9 +72,7 @@ TEST_CASE("a stiff wall under a light hand on a light handle is ended within hal
 }
 
 TEST_CASE("a press at 200 N/m never buzzes, however the handle is held", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     PressedWall wall = light_hand(200.0);
     if (seed > 0) {
         wall.handle = random.in(0.05, 0.3);
@@ -97,9 +87,7 @@ TEST_CASE("a press at 200 N/m never buzzes, however the handle is held", "[safet
 }
 
 TEST_CASE("a wall that is damped enough rings when it is struck, and is let be", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     PressedWall wall = light_hand(1000.0);
     wall.handle = random.in(0.05, 0.3);
     wall.hand_b = random.in(2.5, 8.0);  // K T (1/2 + d) is 1.5 N s/m

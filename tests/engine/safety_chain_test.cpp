@@ -1,7 +1,3 @@
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -10,9 +6,7 @@ using namespace palpate::engine;
 using palpate::tests::Random;
 
 TEST_CASE("no command is stronger than the limit, and its direction is kept", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.max_force = random.in(0.5, 10.0), .ramp_step = 1.0};
     SafetyState gate;
     for (int i = 0; i < 200; ++i) {
@@ -50,9 +44,7 @@ TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safe
 }
 
 TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{50});
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 0.1)};
     SafetyState state;
@@ -65,9 +57,7 @@ TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]"
 
 TEST_CASE("a command changes no faster than the slew limit, within the force limit",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 1.0),
                               .slew = random.in(0.05, 3.0)};
@@ -132,9 +122,7 @@ TEST_CASE("what device or scene report switches off in the same tick, with that 
 }
 
 TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
     SafetyState state;
     Trip first = Trip::none;
@@ -242,9 +230,7 @@ TEST_CASE("where no new reading comes there is no force until one does, and then
 
 TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{400}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{400});
     const auto perhaps = [&](double value) {
         return random.coin() ? value : std::numeric_limits<double>::infinity();
     };

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "engine/device/pantograph.hpp"
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
@@ -9,8 +5,7 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
-using palpate::tests::random_hand;
+using namespace palpate::tests;
 
 namespace {
 
@@ -46,9 +41,7 @@ Vec2 on_arc(const Vec2& middle, double radius, double from, double to, double t)
 }  // namespace
 
 TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const Pantograph device = coarse();
     const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
     SafetyState state;
@@ -63,9 +56,7 @@ TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safet
 }
 
 TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const Pantograph device = coarse();
     const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
     const double radius = random.in(0.05, 0.2);  // 90 mm would be a free link's circle
@@ -134,9 +125,7 @@ TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck en
 
 TEST_CASE("encoders that all stand still under a force end it within 0.3 s, whatever the force",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     const int axes = random.coin() ? 2 : 3;
     const SafetyLimits limits{
         .ramp_step = random.decade(-3.0, 0.0), .watch_encoders = true, .axes = axes};
@@ -162,9 +151,7 @@ TEST_CASE("encoders that all stand still under a force end it within 0.3 s, what
 
 TEST_CASE("a hand that rests within a count keeps its force, which eases until it moves one",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const Pantograph device = coarse();
     const SafetyLimits limits{.ramp_step = random.decade(-2.3, 0.0), .watch_encoders = true};
     SafetyState state;

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/safety/motor_heat.hpp"
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
@@ -27,9 +25,7 @@ TEST_CASE("motors trip when the first-order model says so", "[safety][law]") {
 }
 
 TEST_CASE("a load that the motors can bear for ever never trips", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{50});
     const SafetyLimits limits{.ramp_step = 1.0, .heat_step = random.decade(-4.0, 3.0)};
     SafetyState state;
     for (int k = 0; k < 20000; ++k) {

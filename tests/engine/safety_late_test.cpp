@@ -1,6 +1,3 @@
-#include <cmath>
-#include <vector>
-
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -66,9 +63,7 @@ TEST_CASE("a tick that is late by k periods counts as k, and catching up counts 
 
 TEST_CASE("late ticks among the last hundred trip at the share allowed, not before",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const SafetyLimits limits{.ramp_step = 1.0, .late_share = 1 + random.below(60)};
     const double rate = random.in(0.0, 1.0);
     SafetyState state;
@@ -102,9 +97,7 @@ TEST_CASE("a wake-up of any lateness is some periods between none and the window
 
 TEST_CASE("readings that became older than the stiffness allows trip when the mean says so",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const double period = random.coin() ? 1e-3 : 2.5e-4;
     const double behind = 1.0 + random.below(5);
     const double spare = behind * random.in(0.05, 1.2);
@@ -129,9 +122,7 @@ TEST_CASE("readings that became older than the stiffness allows trip when the me
 }
 
 TEST_CASE("answers that a busy machine keeps back now and then are no delay", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{20});
     const SafetyLimits limits{.ramp_step = 1.0, .spare_delay = 0.5};
     SafetyState state;
     for (int round = 0; round < 40; ++round) {

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <numbers>
-
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -33,9 +30,7 @@ int trips_at(const SafetyLimits& limits, double speed, double angle, double coun
 
 TEST_CASE("a hand above the speed limit trips within the window, and one below it never",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{
         .period = 1e-3 / (1 + random.below(10)), .ramp_step = 1.0, .speed = random.in(0.3, 2.0)};
     const double count = random.in(1e-6, 1e-4);
@@ -58,9 +53,7 @@ TEST_CASE("a count of 0.1 mm a tick trips no speed limit of 0.05 m/s", "[safety]
 }
 
 TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.ramp_step = 1.0, .jump = random.in(0.001, 0.02)};
     SafetyState state;
     Vec2 hip = random.point(-0.05, 0.05);
@@ -80,9 +73,7 @@ TEST_CASE("a jump between two fresh readings trips at once", "[safety][law]") {
 }
 
 TEST_CASE("old readings and late ticks give the hand the time it really had", "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{200}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{200});
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.0015};
     const double speed = 0.95;  // below both limits at any moment
     SafetyState state;
@@ -105,9 +96,7 @@ TEST_CASE("old readings and late ticks give the hand the time it really had", "[
 
 TEST_CASE("a trial that begins with an old reading takes its way from the first fresh one",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.01};
     SafetyState state;
     const Vec2 before = random.point(-0.05, 0.05);  // where the hand was read before the rest

@@ -7,9 +7,7 @@ using palpate::tests::Random;
 
 TEST_CASE("a screen without a sign of life for longer than allowed switches off, not before",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     const SafetyLimits limits{.ramp_step = 1.0, .screen_silence = random.in(0.05, 1.0)};
     SafetyState state;
     for (int k = 0; k < 50; ++k) {
@@ -28,9 +26,7 @@ TEST_CASE("a screen without a sign of life for longer than allowed switches off,
 
 TEST_CASE("the force ends with its time by the servo's own count, and a ramp out may end after it",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{20});
     const double period = random.coin() ? 1e-3 : 2.5e-4;
     const int ticks = 20 + random.below(400);
     const SafetyLimits limits{

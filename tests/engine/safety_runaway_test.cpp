@@ -1,13 +1,10 @@
-#include <cmath>
-
 #include "engine/safety/runaway_watch.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_wall.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::PressedWall;
-using palpate::tests::Random;
+using namespace palpate::tests;
 
 namespace {
 
@@ -48,9 +45,7 @@ PressedWall pressed(const Machine& machine, const Vec2& side, double hand, doubl
 
 TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is full",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     // Of a light hand to one that just gives way: 200 N/m pull against it.
     const double hand = seed == 0 ? 60.0 : random.in(50.0, 180.0);
     const double press = random.in(0.008, 0.012);
@@ -64,9 +59,7 @@ TEST_CASE("motors that pull the wrong way end the force within 50 ms once it is 
 
 TEST_CASE("a reversed or swapped motor is found on one side of an object at least",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     const double hand = seed == 0 ? 60.0 : random.in(50.0, 120.0);
     for (const Machine& machine : {kFirst, kSecond, kSwapped}) {
         int found = 0;
@@ -80,9 +73,7 @@ TEST_CASE("a reversed or swapped motor is found on one side of an object at leas
 
 TEST_CASE("on a right machine no hand that keeps its pace trips it, however hard it presses",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     PressedWall wall = pressed(Machine{Vec2{1.0, 0.0}, Vec2{0.0, 1.0}}, {0.0, 1.0},
                                random.in(60.0, 600.0), random.in(0.0, 0.04));
     wall.approach = random.in(0.02, 0.4);
@@ -112,9 +103,7 @@ bool trips(double came, double on, double at, bool full = true) {
 
 TEST_CASE("what is faster than it came, by the share and the speed that count, is a runaway",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     const double came = random.in(0.03, 0.5);
     const double count = 0.0002 / kRunawayStretch;  // of either end, m/s
     const double least = std::fmax(kRunawaySpeed, kRunawayShare * came) + 2.5 * count;

@@ -1,6 +1,3 @@
-#include <cmath>
-#include <limits>
-
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -129,9 +126,7 @@ TEST_CASE(
 
 TEST_CASE("a force in space keeps its direction at the limit, and a slew takes the straight way",
           "[safety][space][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(100U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 100U);
     const SafetyLimits limits{.max_force = 5.0, .ramp_step = 1.0, .slew = random.in(0.05, 20.0)};
     SafetyState state;
     Vec3 last{};

@@ -1,5 +1,4 @@
 #include <cstring>
-#include <limits>
 
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
@@ -9,11 +8,8 @@
 #include "tests/support/hands.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using Catch::Matchers::ContainsSubstring;
-using palpate::tests::ArcOracle;
-using palpate::tests::Random;
-using palpate::tests::random_hand;
 
 namespace {
 

@@ -1,6 +1,3 @@
-#include <chrono>
-#include <thread>
-
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"

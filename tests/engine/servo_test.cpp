@@ -1,5 +1,4 @@
 #include <cstring>
-#include <thread>
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"

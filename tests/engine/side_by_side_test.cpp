@@ -1,6 +1,4 @@
 #include <atomic>
-#include <stdexcept>
-#include <vector>
 
 #include "engine/base/side_by_side.hpp"
 #include "tests/support/catch.hpp"
@@ -10,9 +8,7 @@ using namespace palpate;
 
 TEST_CASE("each task is done once before anybody has waited for it, with any number of cores",
           "[side-by-side][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     const auto cores = static_cast<std::size_t>(1 + random.below(4));
     const auto count = static_cast<std::size_t>(1 + random.below(60));
     std::vector<std::atomic<int>> done(count);

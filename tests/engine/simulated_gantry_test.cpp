@@ -1,6 +1,4 @@
-#include <cmath>
 #include <cstring>
-#include <random>
 
 #include "engine/device/simulated_gantry.hpp"
 #include "tests/support/catch.hpp"

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/device/simulated_pantograph.hpp"
 #include "tests/support/catch.hpp"
 

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/deformation/dnurbs.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

@@ -1,7 +1,3 @@
-#include <array>
-#include <cmath>
-#include <limits>
-
 #include "engine/deformation/dnurbs.hpp"
 #include "engine/device/replay_device.hpp"
 #include "engine/geometry/arc.hpp"
@@ -122,9 +118,7 @@ Contact pressed(const Scene& scene, ContactState& state, const Vec2& from, const
 TEST_CASE(
     "a soft contact at rest gives way by 1 / K and the curve's own compliance, in any direction",
     "[soft][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 20U);
     const double k = random.decade(2.3, 4.0);
     const double c = random.decade(-5.0, -2.7);
     const auto outline = arcs(random.in(-10.0, 20.0));
@@ -216,9 +210,7 @@ TEST_CASE("while the hand rests, spring and curves together only lose energy, al
 }
 
 TEST_CASE("a soft object that is let go comes back to its rest, and feels as new", "[soft][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(10U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 10U);
     SceneSpec spec = soft_spec(random);
     spec.period = 1e-3;
     const Scene scene(arcs(5.0), spec);

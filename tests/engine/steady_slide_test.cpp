@@ -1,12 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <numbers>
-#include <sstream>
-#include <vector>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/support/catch.hpp"

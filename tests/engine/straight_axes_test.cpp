@@ -1,10 +1,4 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdlib>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/short_form.hpp"
@@ -15,7 +9,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 // Three straight axes are proved: by an independent simulation of each axis, on a virtual clock.
 
@@ -100,9 +93,7 @@ bool says(const std::string& text, const std::string& part) {
 
 TEST_CASE("right axes of many kinds pass with their numbers, by pulses that end by themselves",
           "[commissioning][gantry][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(12U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 12U);
     Axes axes{};
     for (AxisDynamics& axis : axes) {
         axis.mass = random.decade(-1.2, -0.1);
@@ -187,11 +178,9 @@ TEST_CASE("every wrong motor of three is found and named, by 1 N at most",
             CHECK(says(done.refused, motor + " moves axis " + kAxisName[motors.axis[i]] +
                                          (factor < 0.0 ? " backward: swap" : ": swap")) ==
                   (!same && factor != 0.0));
-            CHECK(says(done.refused, motor +
-                                         " is reversed: turn its two wires round, or write "
-                                         "motor_" +
-                                         kAxisName[i] + " = \"backward\"") ==
-                  (same && factor < 0.0));
+            CHECK(says(done.refused,
+                       motor + " is reversed: turn its two wires round, or write motor_" +
+                           kAxisName[i] + " = \"backward\"") == (same && factor < 0.0));
             CHECK(says(done.refused, motor + " gives ") == (!turned && std::fabs(factor) != 1.0));
         }
     }

@@ -1,9 +1,3 @@
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <numbers>
-#include <stdexcept>
-
 #include "engine/surface/surface_closest.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
@@ -12,7 +6,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -30,9 +23,7 @@ Vec3 random_point(Random& random, double size) {
 
 TEST_CASE("the closest point of any surface is the one an independent search finds",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(35U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 35U);
     const double size = seed % 5U == 4U ? random.decade(-4.0, 3.0) : 0.1;
     const SurfaceData data =
         random_surface(random, size, seed % 3U == 0U ? 0.0 : 1.0, 5, seed % 2U == 0U);
@@ -58,9 +49,7 @@ TEST_CASE("the closest point of any surface is the one an independent search fin
 
 TEST_CASE("closest points of a ball, a ring and a tube are those of their formulas",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 6U);
     const double r = 0.03;
     const SurfaceFeet ball = feet_of(sphere(r));
     const SurfaceFeet ring = feet_of(torus(0.06, 0.02));
@@ -139,9 +128,7 @@ TEST_CASE("poles are found from every side", "[contact][surface]") {
 
 TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a search",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(16U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 16U);
     const SurfaceData data = bicubic_8x8(random, seed % 2U == 0U ? 0.0 : 0.7, 0.01 + 0.002 * seed);
     const SurfaceFeet feet = feet_of(data);
     const std::size_t ticks = 4000;
@@ -165,9 +152,7 @@ TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a
 
 TEST_CASE("tracking over rings, folds, teleports and far away is global too",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(30U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 30U);
     const SurfaceFeet feet = feet_of(seed % 3U == 0U   ? torus(0.06, 0.02)
                                      : seed % 3U == 1U ? random_surface(random, 0.1, 0.5, 4, false)
                                                        : random_surface(random, 0.1, 0.0, 4, true));
@@ -190,9 +175,7 @@ TEST_CASE("tracking over rings, folds, teleports and far away is global too",
 
 TEST_CASE("above a hollow, through and beyond its centres of curvature, the answer is global",
           "[contact][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 6U);
     // z = (x^2 / R + y^2 / r) / 2: beyond z = R the lowest point splits into two, left and right.
     const double big = 0.01;
     const double small = seed % 2U == 0U ? 0.03 : 0.011;

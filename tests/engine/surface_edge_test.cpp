@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "engine/geometry/arc.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
@@ -60,9 +57,7 @@ Ridge some_ridge(Random& random) {
 TEST_CASE(
     "over a convex edge a surface is felt as its outline in the plane, with vertex slew and damper",
     "[scene][surface][edge][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{24}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{24});
     const Ridge ridge = some_ridge(random);
     SceneSpec spec{.friction = seed % 3U == 0U ? Friction{} : some_friction(seed)};
     spec.slew = seed % 4U == 3U ? Slew{} : Slew{random.in(0.05, 0.4), random.in(0.001, 0.005)};
@@ -127,9 +122,7 @@ TEST_CASE("a convex edge is felt alike at 1 and at 10 kHz with vertex slew",
 
 TEST_CASE("in the fan of an edge the god-object goes along with the hand",
           "[scene][surface][edge][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{8});
     const Ridge ridge{0.0, random.in(0.5, 2.0)};
     const double mu = seed % 2U == 0U ? 0.0 : random.in(0.1, 0.4);
     const SurfaceScene scene = ridge.space(

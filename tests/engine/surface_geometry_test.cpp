@@ -1,14 +1,9 @@
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-
 #include "engine/surface/nurbs_surface.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -33,9 +28,7 @@ double length(const Long3& a) {
 
 TEST_CASE("a surface of any degree, spacing and weights is what its definition says",
           "[geometry][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(120U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 120U);
     const double size = random.decade(-6.0, 3.0);
     const SurfaceData data = random_surface(random, size, seed % 3U == 0U ? 0.0 : 3.0);
     const NurbsSurface surface = make_surface(data);

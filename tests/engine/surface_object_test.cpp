@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 #include "tests/support/surface_hands.hpp"
@@ -90,9 +86,7 @@ TEST_CASE("the closest point of several surfaces is the nearest of all of theirs
 
 TEST_CASE("from a box of six sides distance, closest point and side are the closed forms",
           "[surface][object][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{10});
     const Vec3 half{random.in(0.01, 0.05), random.in(0.01, 0.05), random.in(0.01, 0.05)};
     const SurfaceFeet feet(std::make_shared<const SurfaceObject>(made(box_sides(half, random))));
     for (int k = 0; k < 400; ++k) {
@@ -114,9 +108,7 @@ TEST_CASE("from a box of six sides distance, closest point and side are the clos
 TEST_CASE("from below a valley a hand meets the surface, in the crease and beside it",
           "[surface][object][law]") {
     // Through a rising crease HIP comes from nowhere nearer to a side than to the crease.
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{20});
     const double left = random.in(0.2, 2.0);
     const double right = random.in(0.2, 2.0);
     const SurfaceScene scene =

@@ -1,7 +1,4 @@
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <stdexcept>
 
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
@@ -10,7 +7,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("without friction a ball pushes back by K times the depth, straight out",
           "[scene][surface][law]") {

@@ -1,9 +1,4 @@
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <memory>
-#include <random>
-#include <vector>
 
 #include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/servo.hpp"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "engine/surface/surface_closest.hpp"
 #include "tests/figures/thesis/surface_tracker.hpp"
 #include "tests/support/catch.hpp"
@@ -26,9 +23,7 @@ TEST_CASE(
     "outside of a box the thesis' tracker comes to rest on its closest point, over edges and "
     "corners",
     "[thesis][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{8});
     const Vec3 half{random.in(0.02, 0.04), random.in(0.02, 0.04), random.in(0.02, 0.04)};
     const auto box = object_of(box_sides(half, random));
     const TrackerSpec spec{.kind = seed % 2U == 0U ? TrackerKind::feedback : TrackerKind::newton,
@@ -54,9 +49,7 @@ TEST_CASE(
     "over joined surfaces the thesis' tracker lags behind a hand by what its gain says, and "
     "Newton's hardly",
     "[thesis][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{6});
     const SurfaceData whole = bicubic_8x8(random, 0.0);
     const auto four = object_of(quarters(whole, 2.4, 2.7, random));
     const SurfaceFeet feet(four);

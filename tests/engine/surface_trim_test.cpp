@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "engine/surface/surface_trim.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
@@ -83,9 +79,7 @@ TEST_CASE("what trims leave is felt as the same pieces cut by hand",
 
 TEST_CASE("over a hole the closest point is on its border, or on the rest of the surface",
           "[surface][trim][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{6});
     const SurfaceData whole = bicubic_8x8(random, 0.5, 0.02);
     const double lo_u = random.in(0.5, 2.0);
     const double hi_v = random.in(3.0, 4.5);

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_scenes.hpp"
 

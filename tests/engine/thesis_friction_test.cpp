@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/thesis_objects.hpp"

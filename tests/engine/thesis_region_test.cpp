@@ -1,6 +1,3 @@
-#include <array>
-#include <cmath>
-
 #include "tests/figures/thesis/region_switch.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -9,7 +6,6 @@
 using namespace palpate::engine;
 using namespace palpate::figures;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -46,9 +42,7 @@ TEST_CASE("outside a convex vertex nearest features give the thesis' borders, th
     const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
-    const auto seed = GENERATE(palpate::tests::seeds(300U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 300U);
     const double angle =
         random.in(-1.2, 1.2);  // from the first normal, clockwise, all of it outside
     const Vec2 hip = random.in(0.001, 0.03) * Vec2{std::sin(angle), std::cos(angle)};
@@ -70,9 +64,7 @@ TEST_CASE("inside a convex vertex nearest features meet on the bisector, end nor
     const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
-    const auto seed = GENERATE(palpate::tests::seeds(300U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 300U);
     const double angle = random.in(-0.5, 0.5);  // from the bisector, > 0 towards the second edge
     const double mid = kRoof / 2.0;
     const Vec2 hip = -random.in(0.001, 0.02) * Vec2{std::sin(mid - angle), std::cos(mid - angle)};
@@ -88,9 +80,7 @@ TEST_CASE("inside a convex vertex nearest features meet on the bisector, end nor
 
 TEST_CASE("inside and outside at vertices are those of the half-planes, convex and concave",
           "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(300U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 300U);
     const double turn = random.in(-1.5, 1.5);
     const auto chain = roof(turn);
     const RegionSwitch regions(chain, false, RegionRule::nearest_feature);

@@ -1,7 +1,4 @@
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <vector>
 
 #include "tests/figures/thesis/thesis_scene.hpp"
 #include "tests/support/allocations.hpp"
@@ -12,7 +9,6 @@
 using namespace palpate::engine;
 using namespace palpate::figures;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -103,9 +99,7 @@ TEST_CASE("no contact, no force: and a stuck GO rests but for its seating", "[th
 }
 
 TEST_CASE("finite in, finite out, for every law, tracker and region rule", "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(12U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 12U);
     for (const ThesisLaw law : kLaws) {
         for (const TrackerKind kind :
              {TrackerKind::feedback, TrackerKind::feed_forward, TrackerKind::feedback_linearised,

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "tests/figures/thesis/curve_tracker.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/thesis_objects.hpp"

@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-
 #include "tests/figures/thesis/curve_tracker.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
@@ -14,7 +8,6 @@
 using namespace palpate::engine;
 using namespace palpate::figures;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -87,9 +80,7 @@ TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[the
 TEST_CASE(
     "the sampled stability limit of the feedback tracker is 2 over T times the second derivative",
     "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 60U);
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
     const Jet<2> jet = curve.at(u);
@@ -112,9 +103,7 @@ TEST_CASE("beyond the centre of curvature no gain is stable", "[thesis]") {
 
 TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gauss-Newton step",
           "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(200U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 200U);
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
     const Jet<2> jet = curve.at(u);
@@ -136,9 +125,7 @@ TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gau
 }
 
 TEST_CASE("the linearised law of gain 1 over T is one Newton step", "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(200U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 200U);
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
     const Vec2 hip = curve.at(u).point + random.point(-0.003, 0.003);
@@ -199,9 +186,7 @@ TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "
 
 TEST_CASE("trackers turn any finite input into finite output, and take nothing from the heap",
           "[thesis][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 60U);
     const NurbsData<2> data = random_nurbs<2>(random, 0.1, 1.0);
     const NurbsCurve<2> curve(data.degree, data.knots, data.points, data.weights);
     for (const TrackerKind kind : kKinds) {

@@ -1,8 +1,4 @@
 #include <cstring>
-#include <limits>
-#include <random>
-#include <stdexcept>
-#include <thread>
 
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"

@@ -1,9 +1,4 @@
-#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <random>
-#include <thread>
-#include <vector>
 
 #include "engine/realtime/adaptive_spin.hpp"
 #include "engine/realtime/deadline_grid.hpp"
@@ -159,10 +154,9 @@ TEST_CASE("a histogram describes itself in a line", "[servo]") {
     }
     histogram.add(2'345'678, true);
     histogram.add_missed(2);
-    CHECK(
-        describe(histogram) ==
-        "100 ticks, late by 0.0 us (half of them), 0.0 us (99 %), 2.3 ms (worst); 1 more than half "
-        "a period late, 2 missed");
+    CHECK(describe(histogram) ==
+          "100 ticks, late by 0.0 us (half of them), 0.0 us (99 %), 2.3 ms (worst); 1 more than "
+          "half a period late, 2 missed");
 }
 
 TEST_CASE("the latest value is never torn and never goes back, with two readers at full speed",

@@ -16,8 +16,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Mode;
-using engine::Vec2;
+using namespace palpate::engine;
 
 constexpr double kCornerAt = 0.93;       // u on the first curve where HIP goes in
 constexpr double kCornerAbove = 0.003;   // m

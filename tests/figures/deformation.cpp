@@ -89,19 +89,18 @@ Panel panel_of(const Load& load, const Deformed& shown) {
 }  // namespace
 
 MadeFigure make_deformation() {
-    Figure figure{.id = "fig_4_4_1",
-                  .title = "Figure 4.4.1: a B-spline curve under a force",
-                  .columns = 2,
-                  .share_x = false,
-                  .caption = fmt::format("Equilibrium of a dynamic NURBS curve (cubic, equal "
-                                         "weights, tension {:g} N/m, rigidity "
-                                         "{:g} N/m, both per unit of u) under a force of {:g} N in "
-                                         "(a) and {:.2g} N in (b) to (d). "
-                                         "Held are both ends in (a), the right one in (b) and (c), "
-                                         "the left one in (d): with nothing "
-                                         "held, as in the thesis, no force has an equilibrium.",
-                                         kAlpha, kBeta, 1.0, 0.3 * std::sqrt(2.0)),
-                  .width = 980.0};
+    Figure figure{
+        .id = "fig_4_4_1",
+        .title = "Figure 4.4.1: a B-spline curve under a force",
+        .columns = 2,
+        .share_x = false,
+        .caption = fmt::format(
+            "Equilibrium of a dynamic NURBS curve (cubic, equal weights, tension {:g} N/m, "
+            "rigidity {:g} N/m, both per unit of u) under a force of {:g} N in (a) and {:.2g} N in "
+            "(b) to (d). Held are both ends in (a), the right one in (b) and (c), the left one in "
+            "(d): with nothing held, as in the thesis, no force has an equilibrium.",
+            kAlpha, kBeta, 1.0, 0.3 * std::sqrt(2.0)),
+        .width = 980.0};
     MadeFigure made;
     for (const Load& load : loads()) {
         const Deformed shown = deformed(load);

@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "tests/figures/make.hpp"
-
 namespace palpate::figures {
 namespace {
 

@@ -14,9 +14,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Frame;
-using engine::Mode;
-using engine::Vec2;
+using namespace palpate::engine;
 
 constexpr double kAbove = 0.005;     // m outside, to begin with and to end
 constexpr double kDepth = 0.005;     // m, of the first slide

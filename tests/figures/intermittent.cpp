@@ -13,8 +13,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Mode;
-using engine::Vec2;
+using namespace palpate::engine;
 
 constexpr double kTouchStiffness = 100.0;  // N/m
 constexpr double kTouchSeconds = 6.0;      // of the run

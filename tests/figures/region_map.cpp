@@ -1,7 +1,6 @@
 #include "tests/figures/region_map.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <set>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -19,8 +18,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Mode;
-using engine::TickRecord;
+using namespace palpate::engine;
 
 constexpr double kTransition = 0.095;  // s: how long the thesis' transition takes
 /// tau_slip for it: mu counts as relaxed (Mode::slip) when 1/1000 of mu_s - mu_d is left.

@@ -13,9 +13,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::NurbsSurface;
-using engine::Vec2;
-using engine::Vec3;
+using namespace palpate::engine;
 
 constexpr int kLines = 13;               // of the net, each way
 constexpr int kSamples = 60;             // a line

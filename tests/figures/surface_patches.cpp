@@ -16,10 +16,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Mode;
-using engine::NurbsSurface;
-using engine::Vec2;
-using engine::Vec3;
+using namespace palpate::engine;
 
 using Patches = std::vector<std::shared_ptr<const NurbsSurface>>;
 

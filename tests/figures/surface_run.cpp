@@ -12,9 +12,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Mode;
-using engine::NurbsSurface;
-using engine::Vec3;
+using namespace palpate::engine;
 
 constexpr double kOutside = 0.006;   // m outside, to begin with
 constexpr double kDepth = 0.005;     // m, of the first slide

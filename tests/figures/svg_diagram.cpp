@@ -12,16 +12,7 @@
 namespace palpate::figures {
 namespace {
 
-using data::Anchor;
-using data::colour;
-using data::kLine;
-using data::kTextSize;
-using data::kTitleSize;
-using data::px;
-using data::svg_text;
-using data::text_width;
-using data::wrapped;
-using data::xml_escaped;
+using namespace palpate::data;
 
 constexpr double kEdge = 10.0;         // px round the whole figure
 constexpr double kCaptionLine = 16.0;  // px

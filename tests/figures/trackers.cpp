@@ -13,8 +13,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::Outline;
-using engine::Vec2;
+using namespace palpate::engine;
 
 constexpr Vec2 kFrom{-0.050, 0.038};  // m, HIP's line
 constexpr Vec2 kTo{0.050, 0.062};     // m

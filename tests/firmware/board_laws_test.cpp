@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "tests/firmware/boards.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

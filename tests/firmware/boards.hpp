@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdlib>
-#include <memory>
 
 #include "engine/device/emulator/open_board.hpp"
 #include "engine/device/open/open_wire.hpp"

@@ -8,7 +8,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 // The very binary behind a pseudo-terminal in real time, and real processes before it. Nothing is
 // asserted about time.

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <deque>
 
 #include "engine/device/drivers/board_device.hpp"

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
@@ -15,7 +11,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 // The same miswirings on both kinds of boards, by the driver that a session uses, on the board's
 // own clock.

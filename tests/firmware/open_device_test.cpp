@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/emulator/free_handle.hpp"
@@ -12,7 +10,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 // The driver of `--device board:PORT` in lockstep with the firmware: one clock, the board's.
 #if defined(PALPATE_FIRMWARE_328P)

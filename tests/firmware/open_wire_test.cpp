@@ -1,7 +1,3 @@
-#include <string>
-
-#include <fmt/format.h>
-
 #include "engine/device/open/open_wire.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -87,9 +83,8 @@ TEST_CASE("frames of three axes are longer by a number for each array, and nothi
           "00 03 10 05 03 50 C3 01 08 2C CF FF FF F9 24 01 03 E8 DA 00");
     CHECK(frame(open_torque(6, {0, 0, 0}, 3)) ==
           "00 03 10 06 01 01 01 01 01 01 01 01 01 01 01 01 03 04 90 00");
-    const auto state = read_open(
-        body_in(bytes_of("00 03 90 05 02 03 05 05 87 D6 12 07 FF FF FF FF 80 0A 01 05 90 EE FE FF "
-                         "03 DA A0 00")));
+    const auto state = read_open(body_in(bytes_of(
+        "00 03 90 05 02 03 05 05 87 D6 12 07 FF FF FF FF 80 0A 01 05 90 EE FE FF 03 DA A0 00")));
     REQUIRE(state);
     CHECK(state->report.axes == 3);
     CHECK(state->report.flags == (1U << 8U | kOpenClamped3));

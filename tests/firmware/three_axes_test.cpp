@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
@@ -12,7 +9,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 // What the open board promises of a third axis: on this machine's processor and, where simavr is
 // installed, on the chip.

@@ -1,11 +1,3 @@
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "tests/fuzz/entries.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

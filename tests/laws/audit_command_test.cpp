@@ -1,20 +1,12 @@
-#include <fstream>
-
 #include <nlohmann/json.hpp>
 
 #include "data/inference/audit.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::equivalence;
-using data::Sameness;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
     // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to
@@ -93,16 +85,16 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
             "UPDATE trial SET invalid_reason = 'bell' WHERE trial_id IN (SELECT trial_id FROM "
             "analysis_trial WHERE participant_code = 'P2' AND friction = 'on')");
     const std::string second =
-        palpate_command({"sql", file, "--csv", "-c",
-                         "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE "
-                         "participant_code = 'P2'"})
-            .out.substr(2, 14);
+        sql_csv(file,
+                "SELECT printf('sub-%010d', subject) AS s FROM participant WHERE "
+                "participant_code = 'P2'")
+            .substr(2, 14);
     CHECK_THAT(audit().out,
                ContainsSubstring("no answer with friction on, so no difference with it: " + second +
                                  "\n"));
     CHECK_THAT(line_of(audit().out, "late ticks"), ContainsSubstring("  2  "));
     const std::string page = folder.file("page.html");
-    REQUIRE(palpate_command({"report", file, "--kind", "simulated", "-o", page}).code == 0);
+    ran({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(tests::slurp(page), ContainsSubstring("There is no answer with friction on, so no "
                                                      "difference with it: " +
                                                      second + "."));
@@ -121,28 +113,25 @@ TEST_CASE("no number is made of the answers of who does not consent", "[audit][s
     const TemporaryFolder folder;
     const auto record = [&](const std::string& name, const std::vector<std::string>& codes) {
         for (const std::string& code : codes) {
-            REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                                     "--participant", code, "--db", folder.file(name), "--device",
-                                     "sim"})
-                        .code == 0);
+            ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", code,
+                 "--db", folder.file(name), "--device", "sim"});
         }
         return folder.file(name);
     };
     const std::string with = record("a.sqlite", {"A", "B", "C"});
     const std::string without = record("b.sqlite", {"A", "B"});
     const auto said = [](const std::string& command, const std::string& file) {
-        const Finished done = palpate_command({command, file, "--kind", "simulated"});
-        CAPTURE(command, done.error);
-        REQUIRE(done.code == 0);
+        CAPTURE(command);
+        const Finished done = ran({command, file, "--kind", "simulated"});
         return done.out.substr(done.out.find("comparison"));
     };
     CHECK(said("audit", with) != said("audit", without));
-    REQUIRE(palpate_command({"participant", with, "C", "--consent", "no"}).code == 0);
+    ran({"participant", with, "C", "--consent", "no"});
     CHECK(said("audit", with) == said("audit", without));
     CHECK_THAT(palpate_command({"stats", with, "--kind", "simulated"}).out,
                ContainsSubstring("All answers: 2 people, 8 answers"));
     const std::string page = folder.file("page.html");
-    REQUIRE(palpate_command({"report", with, "--kind", "simulated", "-o", page}).code == 0);
+    ran({"report", with, "--kind", "simulated", "-o", page});
     CHECK_THAT(tests::slurp(page),
                ContainsSubstring("left out: 1 does not consent") && ContainsSubstring("2 people"));
 }

@@ -1,18 +1,8 @@
-#include <filesystem>
-#include <fstream>
-
-#include <fmt/format.h>
-
 #include "protocols/library/shipped.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -47,10 +37,9 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
         CAPTURE(wrong.to);
         const TemporaryFolder folder;
         std::ofstream(folder.file("p.toml")) << edited(wrong.from, wrong.to);
-        const Finished run = palpate_command({"run", folder.file("p.toml"), "--participant", "P1",
-                                              "--db", folder.file("d.sqlite"), "--headless"});
-        CAPTURE(run.error);
-        CHECK(run.code == 2);
+        const Finished run = ran({"run", folder.file("p.toml"), "--participant", "P1", "--db",
+                                  folder.file("d.sqlite"), "--headless"},
+                                 2);
         CHECK_THAT(run.error, Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
                                                        Catch::CaseSensitive::Yes) &&
                                   ContainsSubstring(wrong.value));
@@ -81,9 +70,7 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
               {"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--kind", "maybe"},
               "maybe"}}) {
         CAPTURE(wrong.words);
-        const Finished run = palpate_command(wrong.words);
-        CAPTURE(run.error);
-        CHECK(run.code == 2);
+        const Finished run = ran(wrong.words, 2);
         CHECK_THAT(run.error + run.out, ContainsSubstring(wrong.says));
         CHECK(folder.names().empty());
     }
@@ -102,17 +89,14 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
     for (std::vector<std::string> words : commands) {
         for (const char* number : {"nan", "inf", "-nan", "1e999"}) {
             words.push_back(number);
-            const Finished end = palpate_command(words);
-            CAPTURE(words, end.error);
-            CHECK(end.code == 2);
+            ran(words, 2);
             words.pop_back();
         }
     }
     for (const char* command : {"run", "demo", "power", "sequence", "fit", "stats"}) {
         for (const std::string seed : {"-1", "", "18446744073709551616", "1.5"}) {
-            const Finished end = palpate_command({command, "--seed", seed});
-            CAPTURE(command, end.error);
-            CHECK(end.code == 2);
+            CAPTURE(command);
+            const Finished end = ran({command, "--seed", seed}, 2);
             CHECK_THAT(end.error,
                        ContainsSubstring(fmt::format("--seed: \"{}\" is no whole number from 0 to "
                                                      "18446744073709551615",
@@ -123,9 +107,7 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
         for (const std::vector<std::string>& command :
              {std::vector<std::string>{"trace", "study.sqlite", trial},
               {"mark", "study.sqlite", trial, "--invalid", "why"}}) {
-            const Finished end = palpate_command(command);
-            CAPTURE(command, end.error);
-            CHECK(end.code == 2);
+            const Finished end = ran(command, 2);
             CHECK_THAT(end.error,
                        ContainsSubstring(fmt::format("TRIAL: \"{}\" is no whole number", trial)));
         }
@@ -144,7 +126,7 @@ TEST_CASE("a replay of a file that is not there is said before anything is creat
 }
 
 TEST_CASE("help and version go to standard output with exit code 0", "[cli]") {
-    CHECK(palpate_command({"--help"}).code == 0);
+    ran({"--help"});
     CHECK_THAT(palpate_command({"--help"}).out, ContainsSubstring("run") &&
                                                     ContainsSubstring("demo") &&
                                                     ContainsSubstring("summary"));
@@ -155,13 +137,12 @@ TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     const TemporaryFolder folder;
     const std::vector<std::string> words{"run",  "shape_friction_demo",   "--participant", "P1",
                                          "--db", folder.file("d.sqlite"), "--headless"};
-    CHECK(palpate_command(words).code == 0);
-    const Finished again = palpate_command(words);
-    CHECK(again.code == 2);
+    ran(words);
+    const Finished again = ran(words, 2);
     CHECK_THAT(again.error, ContainsSubstring("--session 2"));
     std::vector<std::string> second = words;
     second.insert(second.end(), {"--session", "2"});
-    CHECK(palpate_command(second).code == 0);
+    ran(second);
 }
 
 TEST_CASE("a session number that leaves a gap is refused, unless the others are in another file",
@@ -190,9 +171,7 @@ TEST_CASE("a session number that leaves a gap is refused, unless the others are 
 TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(
-                {"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"})
-                .code == 0);
+    ran({"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"});
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"trace", file, "999"},
           {"trace", file, "1", "--interval", "2"},
@@ -202,9 +181,7 @@ TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2
           {"run", "shape_friction_demo", "--participant", "P2", "--db", folder.file("e.sqlite"),
            "--headless", "--device", "replay:" + file + ":999"}}) {
         CAPTURE(words);
-        const Finished wrong = palpate_command(words);
-        CAPTURE(wrong.error);
-        CHECK(wrong.code == 2);
+        const Finished wrong = ran(words, 2);
         CHECK(wrong.out.empty());
         CHECK_THAT(wrong.error, ContainsSubstring("7") || ContainsSubstring("999") ||
                                     ContainsSubstring("no interval 2: give 1") ||
@@ -237,7 +214,7 @@ TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli
              " FROM trial"})
             .wait();
     CHECK(answers.out == "10|complete|complete|1\n");
-    CHECK(palpate_command({"verify", file}).code == 0);
+    ran({"verify", file});
 }
 
 TEST_CASE(
@@ -248,10 +225,8 @@ TEST_CASE(
     std::ofstream(file) << "Dear participant, thank you for coming.\n";
     for (const std::string& name : {file, std::string()}) {
         CAPTURE(name);
-        const Finished run = palpate_command(
-            {"run", "shape_friction_demo", "--participant", "P1", "--db", name, "--headless"});
-        CAPTURE(run.error);
-        CHECK(run.code == 2);
+        const Finished run = ran(
+            {"run", "shape_friction_demo", "--participant", "P1", "--db", name, "--headless"}, 2);
         CHECK_THAT(run.error, ContainsSubstring(name.empty() ? "empty" : "not a palpate database"));
         CHECK(folder.names() == std::vector<std::string>{"letters.txt"});
     }
@@ -300,9 +275,7 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
              Wrong{{"export", db, "--format", "cvs", "-o", db}, "--format: \"cvs\"", "csv"},
          }) {
         CAPTURE(wrong.words);
-        const Finished run = palpate_command(wrong.words);
-        CAPTURE(run.error);
-        CHECK(run.code == 2);
+        const Finished run = ran(wrong.words, 2);
         CHECK_THAT(run.error, ContainsSubstring(wrong.says));
         if (wrong.means != nullptr) {
             CHECK_THAT(run.error,
@@ -314,7 +287,7 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
     std::ofstream(folder.file("mine.toml")) << "format = 1\n";
     CHECK_THAT(palpate_command({"check", folder.file("mien.toml")}).error,
                ContainsSubstring("did you mean mine.toml?"));
-    REQUIRE(palpate_command({"demo", "--headless", "--db", db}).code == 0);
+    ran({"demo", "--headless", "--db", db});
     CHECK_THAT(palpate_command({"sql", db, "-c", ".tabels"}).error,
                ContainsSubstring("no word .tabels: did you mean .tables?"));
     CHECK_THAT(palpate_command({"sql", db, "-c", ".columns trail"}).error,
@@ -331,9 +304,7 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
         return palpate_command(words);
     };
     const auto people = [&] {
-        return palpate_command({"sql", db, "--csv", "-c",
-                                "SELECT group_concat(participant_code) FROM participant"})
-            .out;
+        return sql_csv(db, "SELECT group_concat(participant_code) FROM participant");
     };
     REQUIRE(run({"P03"}).code == 0);
     for (const char* code : {"p03", "P3", "P-03", "P_3", "p0-03"}) {
@@ -343,8 +314,7 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
         CHECK_THAT(asked.error, ContainsSubstring(std::string("nobody is called ") + code +
                                                   ", and P03 is there") &&
                                     ContainsSubstring("--another"));
-        const Finished registered = palpate_command({"participant", db, code, "--new"});
-        CHECK(registered.code == 2);
+        const Finished registered = ran({"participant", db, code, "--new"}, 2);
         CHECK_THAT(registered.error, ContainsSubstring("P03 is there"));
         CHECK_THAT(palpate_command({"participant", db, code}).error,
                    ContainsSubstring("P03 is there"));
@@ -358,10 +328,10 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
     CHECK_THAT(people(), ContainsSubstring("\nP03\n"));
     for (const char* other : {"P04", "P30", "P031", "P13"}) {  // plainly somebody else
         CAPTURE(other);
-        CHECK(palpate_command({"participant", db, other, "--new"}).code == 0);
+        ran({"participant", db, other, "--new"});
     }
     CHECK(run({"p03", "--another"}).code == 0);
-    CHECK(palpate_command({"participant", db, "P3", "--new", "--another"}).code == 0);
+    ran({"participant", db, "P3", "--new", "--another"});
     CHECK(run({"p03", "--session", "2"}).code == 0);  // known by now
     CHECK_THAT(people(), ContainsSubstring("p03") && ContainsSubstring("P3"));
 }

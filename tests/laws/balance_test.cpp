@@ -1,20 +1,14 @@
-#include <cmath>
-
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick",
           "[study][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(
-                {"run", "shape_friction", "--participant", "P1", "--db", file, "--headless"})
-                .code == 0);
+    ran({"run", "shape_friction", "--participant", "P1", "--db", file, "--headless"});
     data::Database database(file, data::Access::read);
     auto cells = database.prepare(
         "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial WHERE "

@@ -1,21 +1,12 @@
-#include <fstream>
-
-#include <fmt/format.h>
-
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -87,10 +78,9 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
     const std::string db = folder.file("d.sqlite");
     const Words run{"run", "shape_friction_demo", "--participant", "P1",      "--db",
                     db,    "--headless",          "--operator",    "@SUM(A1)"};
-    REQUIRE(palpate_command(run).code == 0);
-    REQUIRE(palpate_command({"note", db, "=HYPERLINK(\"http://x\",\"y\")", "--participant", "P1"})
-                .code == 0);
-    REQUIRE(palpate_command({"note", db, "-5", "--participant", "P1"}).code == 0);
+    ran(run);
+    ran({"note", db, "=HYPERLINK(\"http://x\",\"y\")", "--participant", "P1"});
+    ran({"note", db, "-5", "--participant", "P1"});
     REQUIRE(
         palpate_command({"participant", db, "P1", "--set", "from=+1+1", "--set", "age=-3"}).code ==
         0);
@@ -105,9 +95,9 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
     CHECK_THAT(all, ContainsSubstring("\"'=HYPERLINK(") && ContainsSubstring("'@SUM(A1)") &&
                         ContainsSubstring("'+1+1") && ContainsSubstring(",-3"));
     CHECK(all.find("'-") == std::string::npos);
-    const Finished csv = palpate_command(
-        {"sql", db, "--csv", "-c", "SELECT text, -1 AS n FROM event WHERE event_kind = 'note'"});
-    CHECK_THAT(csv.out, ContainsSubstring("\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\",-1\n"));
+    const std::string csv =
+        sql_csv(db, "SELECT text, -1 AS n FROM event WHERE event_kind = 'note'");
+    CHECK_THAT(csv, ContainsSubstring("\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\",-1\n"));
 
     {
         data::Database database(db, data::Access::write);

@@ -1,19 +1,9 @@
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-
 #include "engine/math/elementary.hpp"
 #include "protocols/file/calibration_file.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -126,11 +116,9 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
     const std::string limit = "torque_limit_mn_m = 123";
     text.replace(text.find(limit), limit.size(), "torque_limit_mn_m = 1000000");
     std::ofstream(file) << "format = 1\n" << text;
-    const Finished end =
-        palpate_command({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                         folder.file("d.sqlite"), "--device", "sim", "--calibration", file});
-    CAPTURE(end.error);
-    CHECK(end.code == 2);
+    const Finished end = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
+                              folder.file("d.sqlite"), "--device", "sim", "--calibration", file},
+                             2);
     CHECK_THAT(end.error, ContainsSubstring(file + ":") &&
                               ContainsSubstring(": torque_limit_mn_m is 1000000: give ") &&
                               ContainsSubstring("2000"));
@@ -138,8 +126,7 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
     const std::string beyond = "torque_limit_mn_m = 1000000";
     const auto checked = [&](const std::string& from, const std::string& to) {
         std::ofstream(file) << "format = 1\n" << tests::replaced(text, from, to);
-        const Finished check = palpate_command({"check", "pilot", "--calibration", file});
-        CHECK(check.code == 2);
+        const Finished check = ran({"check", "pilot", "--calibration", file}, 2);
         CHECK_THAT(check.error, ContainsSubstring(file + ":"));
         return check.error;
     };

@@ -1,8 +1,4 @@
 #include <cstdlib>
-#include <numbers>
-#include <utility>
-
-#include <fmt/format.h>
 
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/commissioning/short_form.hpp"
@@ -19,13 +15,9 @@
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate;
+using namespace palpate::protocols;
+using namespace palpate::tests;
 using namespace palpate::engine;
-using palpate::tests::BoardCable;
-using palpate::tests::BoardLink;
-using palpate::tests::MiswiredHandle;
-using palpate::tests::Random;
-using protocols::RigTrust;
-using protocols::Trust;
 
 // A commissioned rig changes between two trials: another board, other plugs, a handle that lies
 // elsewhere, a disc that slipped. Driver, proofs and trust are palpate's own; board, handle and the

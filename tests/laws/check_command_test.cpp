@@ -1,17 +1,7 @@
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -29,15 +19,12 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
         CAPTURE(from);
         const TemporaryFolder folder;
         const std::string file = folder.file("Mine.toml");
-        CHECK(palpate_command({"new", file, "--from", from}).code == 0);
-        const Finished check = palpate_command({"check", file});
-        CAPTURE(check.out, check.error);
-        CHECK(check.code == 0);
-        CHECK_THAT(check.out, Catch::Matchers::StartsWith("mine: Mine\nprotocol "));
+        ran({"new", file, "--from", from});
+        const Finished check = ran({"check", file});
+        CHECK_THAT(check.out, StartsWith("mine: Mine\nprotocol "));
 
         const std::string before = tests::slurp(file);
-        const Finished again = palpate_command({"new", file});
-        CHECK(again.code == 2);
+        const Finished again = ran({"new", file}, 2);
         CHECK_THAT(again.error, ContainsSubstring("is there already"));
         CHECK(tests::slurp(file) == before);
         CHECK(folder.names() == std::vector<std::string>{"Mine.toml"});
@@ -46,16 +33,13 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
 
 TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
     const TemporaryFolder folder;
-    const Finished unknown = palpate_command({"new", folder.file("a.toml"), "--from", "shape"});
-    CHECK(unknown.code == 2);
+    const Finished unknown = ran({"new", folder.file("a.toml"), "--from", "shape"}, 2);
     CHECK_THAT(unknown.error, ContainsSubstring("give one of curvature_2afc, "));
-    const Finished nowhere = palpate_command({"new", folder.file("no/a.toml")});
-    CHECK(nowhere.code == 2);
+    const Finished nowhere = ran({"new", folder.file("no/a.toml")}, 2);
     CHECK_THAT(nowhere.error, ContainsSubstring("check the path"));
-    CHECK(palpate_command({"new"}).code == 2);
+    ran({"new"}, 2);
     CHECK(folder.names().empty());
-    const Finished keys = palpate_command({"new", "--keys"});
-    CHECK(keys.code == 0);
+    const Finished keys = ran({"new", "--keys"});
     CHECK_THAT(keys.out,
                ContainsSubstring("damping_n_s_per_m") && ContainsSubstring("first_order"));
 }
@@ -64,8 +48,7 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
           "[cli][law]") {
     const TemporaryFolder folder;
     const Finished check =
-        palpate_command({"check", "shape_friction", "--long", "--svg", folder.file("objects.svg")});
-    CHECK(check.code == 0);
+        ran({"check", "shape_friction", "--long", "--svg", folder.file("objects.svg")});
     // 114 trials at 36.9 s and 6 breaks of 30 s: 73.1 min, see the test of the duration.
     CHECK_THAT(check.out,
                ContainsSubstring("114 trials: 10 practice, 100 main in 1 block, 4 catch\n") &&
@@ -80,42 +63,38 @@ TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot
           "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
-    REQUIRE(palpate_command({"new", file}).code == 0);
+    ran({"new", file});
     replace(file, "damping_n_s_per_m = 0 ", "damping_n_s_per_m = 50 ");
-    const Finished damped = palpate_command({"check", file});
-    CHECK(damped.code == 1);
+    const Finished damped = ran({"check", file}, 1);
     CHECK_THAT(damped.out, ContainsSubstring("it cannot be run") &&
                                ContainsSubstring("with a damper of 50 N s/m"));
-    CHECK(palpate_command({"check", file, "--device", "mouse"}).code == 0);  // gives no force
+    ran({"check", file, "--device", "mouse"});  // gives no force
     // What check refuses, run refuses as well.
     CHECK(palpate_command(
               {"run", file, "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless"})
               .code != 0);
 
     replace(file, "blocks = 1 ", "blocks = 3 ");
-    const Finished wrong = palpate_command({"check", file});
-    CHECK(wrong.code == 2);
+    const Finished wrong = ran({"check", file}, 2);
     CHECK(wrong.out.empty());
     CHECK_THAT(wrong.error, ContainsSubstring("blocks is 3"));
-    CHECK(palpate_command({"check", folder.file("none.toml")}).code == 2);
-    CHECK(palpate_command({"check", "shape_friction", "--device", "toaster"}).code == 2);
+    ran({"check", folder.file("none.toml")}, 2);
+    ran({"check", "shape_friction", "--device", "toaster"}, 2);
 }
 
 TEST_CASE("blocks and the first-order order of a file reach the plan that is run", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
-    REQUIRE(palpate_command({"new", file}).code == 0);
+    ran({"new", file});
     replace(file, "blocks = 1 ", "blocks = 5 ");
-    const Finished blocks = palpate_command({"sequence", file, "--participant", "P1", "--csv"});
-    CHECK(blocks.code == 0);
+    const Finished blocks = ran({"sequence", file, "--participant", "P1", "--csv"});
     CHECK_THAT(blocks.out, ContainsSubstring(",main,4,"));
     CHECK_THAT(palpate_command({"check", file}).out, ContainsSubstring("main in 5 blocks"));
 
     replace(file, "blocks = 5 ", "blocks = 1 ");
     replace(file, "catch_trials = 4", "catch_trials = 0");
     replace(file, "order = \"random\"", "order = \"first_order\"");
-    const Finished check = palpate_command({"check", file, "--long"});
-    CHECK(check.code == 0);
+    const Finished check = ran({"check", file, "--long"});
     CHECK_THAT(check.out, ContainsSubstring("first-order balanced") &&
                               ContainsSubstring("111 trials: 11 practice, 100 main"));
 }
@@ -124,7 +103,7 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
           "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
-    REQUIRE(palpate_command({"new", file}).code == 0);
+    ran({"new", file});
     const Finished before = palpate_command({"check", file});
     CHECK_THAT(before.out, ContainsSubstring("rest: positions are read to within "));
     CHECK_THAT(before.out, !ContainsSubstring("without a break: give") &&
@@ -133,9 +112,7 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
     replace(file, "break_every = 20", "break_every = 0");
     replace(file, "practice_repetitions = 1", "practice_repetitions = 0");
     replace(file, "catch_trials = 4", "catch_trials = 0");
-    const Finished check = palpate_command({"check", file});
-    CAPTURE(check.out);
-    CHECK(check.code == 0);
+    const Finished check = ran({"check", file});
     // 100 trials at 36.9 s (see the test of the duration) are 61.5 minutes.
     std::size_t last = 0;
     for (const char* sentence :
@@ -161,8 +138,8 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
 TEST_CASE("a rule beside a design is answered at its place, with which to keep", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
-    REQUIRE(palpate_command({"new", file, "--from", "curvature_2afc"}).code == 0);
-    CHECK(palpate_command({"check", file}).code == 0);
+    ran({"new", file, "--from", "curvature_2afc"});
+    ran({"check", file});
     // Also where the design says no more than what it would be anyway.
     replace(file, "[design]\n", "[design]\nrepetitions = 10\ncatch_trials = 4\n");
     const std::string text = tests::slurp(file);
@@ -170,8 +147,7 @@ TEST_CASE("a rule beside a design is answered at its place, with which to keep",
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("[design]")),
                    '\n') +
         1;
-    const Finished check = palpate_command({"check", file});
-    CHECK(check.code == 2);
+    const Finished check = ran({"check", file}, 2);
     CHECK_THAT(check.error,
                ContainsSubstring("p.toml:" + std::to_string(line) +
                                  ":2: [design] says repetitions, catch_trials, and the rule of "

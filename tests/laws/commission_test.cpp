@@ -1,32 +1,16 @@
 #include <csignal>
-#include <thread>
 
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/presser.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/rig_study.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/udp_port.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::commissioned_rig;
-using tests::eventually;
-using tests::Finished;
-using tests::FreeBoard;
-using tests::operate;
-using tests::operated;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::ran_words;
-using tests::replaced;
-using tests::study_of_rig;
-using tests::TemporaryFolder;
-using tests::times;
-using tests::TypedTo;
+using namespace palpate::tests;
 
 // A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal
 // whose handle nobody holds, an operator who types, and what is left in files and on the wire.
@@ -35,9 +19,7 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
           "[commission][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("rig.toml");
-    const Finished sim = palpate_command({"commission", "-o", file});
-    CAPTURE(sim.out, sim.error);
-    REQUIRE(sim.code == 0);
+    const Finished sim = ran({"commission", "-o", file});
     CHECK_THAT(sim.out,
                ContainsSubstring("usable stiffness at 1 kHz") && ContainsSubstring("dry friction"));
     const protocols::RigFile rig = protocols::load_rig(file);
@@ -51,22 +33,18 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
     CHECK(rig.record->dynamics.damping.x == Approx(true_plant.damping.x).epsilon(0.05));
 
     // It is another rig's no more by accident.
-    const Finished another =
-        palpate_command({"commission", "--device", "haply-emulator", "-o", file});
-    CHECK(another.code == 2);
+    const Finished another = ran({"commission", "--device", "haply-emulator", "-o", file}, 2);
     CHECK_THAT(another.error, ContainsSubstring("is the record of sim, and this is haply-emulator: "
                                                 "give another file to write"));
     CHECK(protocols::load_rig(file).record->device == "sim");
 
     const std::string other = replaced(tests::slurp(file), "handle_g = ", "handle_g = 1");
     std::ofstream(file) << other;
-    const Finished changed = palpate_command({"check", "pilot", "--calibration", file});
-    CHECK(changed.code == 2);
+    const Finished changed = ran({"check", "pilot", "--calibration", file}, 2);
     CHECK_THAT(changed.error, ContainsSubstring("changed after the rig was commissioned"));
 
-    CHECK(palpate_command({"commission", "--device", "mouse", "-o", file}).code == 2);
-    const Finished heavy = palpate_command({"commission", "--handle-g", "120", "-o", file});
-    CHECK(heavy.code == 1);
+    ran({"commission", "--device", "mouse", "-o", file}, 2);
+    const Finished heavy = ran({"commission", "--handle-g", "120", "-o", file}, 1);
     CHECK_THAT(heavy.error, ContainsSubstring("motor 1 is too strong") &&
                                 ContainsSubstring("weigh the handle and give --handle-g"));
 }

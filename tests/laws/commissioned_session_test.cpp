@@ -1,24 +1,12 @@
-#include <algorithm>
-#include <memory>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/rig_study.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::commissioned_rig;
-using tests::eventually;
-using tests::Finished;
-using tests::FreeBoard;
-using tests::operate;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::times;
-using tests::TypedTo;
+using namespace palpate::tests;
 
 // Sessions on a commissioned rig, by the shipped program in a window: what is proved before anybody
 // feels a force, at the opening, after a replug and in breaks.
@@ -164,7 +152,7 @@ TEST_CASE(
     }
     const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
     CHECK(warned != open);
-    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+    ran({"verify", folder.file("d.sqlite")});
 }
 
 TEST_CASE(
@@ -245,12 +233,12 @@ TEST_CASE(
     REQUIRE(row.step());
     CHECK_THAT(
         row.text(0),
-        Catch::Matchers::StartsWith("start pose; rig check; fault device_lost; ") &&
+        StartsWith("start pose; rig check; fault device_lost; ") &&
             ContainsSubstring("reconnect anew; start pose; rig check; go on device_lost; ") &&
             ContainsSubstring("reconnect anew; start pose; rig check; go on rig check; ") &&
-            Catch::Matchers::EndsWith("fault device_silent; reconnect anew; start pose; rig check; "
-                                      "go on device_silent"));
-    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+            EndsWith("fault device_silent; reconnect anew; start pose; rig check; "
+                     "go on device_silent"));
+    ran({"verify", folder.file("d.sqlite")});
 }
 
 TEST_CASE("who is noted as not consenting is never run, and no device is touched",
@@ -259,7 +247,7 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
     const std::string device = "haply:" + folder.file("none");
     const std::string rig = commissioned_rig(folder, device);
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command({"participant", file, "P1", "--new", "--consent", "no"}).code == 0);
+    ran({"participant", file, "P1", "--new", "--consent", "no"});
     const auto run = [&](const std::string& name) {
         TypedTo program(folder, name,
                         tests::ran_words(folder, device) + " --kind real --handle-free" +
@@ -271,7 +259,7 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
     CHECK(refused.code == 2);
     CHECK_THAT(refused.error, ContainsSubstring("P1 is noted as not consenting") &&
                                   ContainsSubstring("P1 --consent yes"));
-    REQUIRE(palpate_command({"participant", file, "P1", "--consent", "yes"}).code == 0);
+    ran({"participant", file, "P1", "--consent", "yes"});
     CHECK_THAT(run("asked").error,
                !ContainsSubstring("not consenting") &&
                    ContainsSubstring(folder.file("none")));  // the device is next

@@ -1,12 +1,9 @@
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <optional>
 
 #include "engine/base/clock.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
+#include "tests/support/program.hpp"
 
 // What may go wrong around a person at the desk while a force is on, done to the program itself: a
 // real window, a board on a pseudo-terminal with a hand on it, and the torques that the board gets.
@@ -14,11 +11,7 @@
 // ever.
 
 using namespace palpate;
-using tests::eventually;
-using tests::PressedDesk;
-using tests::PressingHand;
-using tests::slurp;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -93,13 +86,11 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
     // Nobody proved this rig: a pilot on it gives 0.3 N at most, as wide as a stored step, whatever
     // is rendered (a hand that rests against such a force has 0.37 N rendered).
     const auto reads = [&](const std::string& what) {
-        return tests::palpate_command(
-                   {"sql", desk.file, "--csv", "-c",
-                    "SELECT " + what +
-                        " FROM (SELECT max(rendered_normal_n) AS "
-                        "asked, max(commanded_x_n * commanded_x_n + commanded_y_n * "
-                        "commanded_y_n) AS given FROM sample)"})
-            .out.ends_with("\n1\n");
+        return sql_csv(desk.file, "SELECT " + what +
+                                      " FROM (SELECT max(rendered_normal_n) AS "
+                                      "asked, max(commanded_x_n * commanded_x_n + commanded_y_n * "
+                                      "commanded_y_n) AS given FROM sample)")
+            .ends_with("\n1\n");
     };
     for (int attempt = 0; attempt < 12 && !reads("asked > 0.33 AND given > 0.08"); ++attempt) {
         REQUIRE(desk.feel());  // a busy machine may have ended each before the hand pressed so far

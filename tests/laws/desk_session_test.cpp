@@ -1,19 +1,10 @@
-#include <filesystem>
-#include <fstream>
-#include <thread>
-
-#include <fmt/format.h>
-
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using tests::pause;
-using tests::TemporaryFolder;
-using tests::WindowSession;
+using namespace palpate::tests;
 
 // The experimenter's desk while the shipped program runs a session in a window: what its chords
 // leave in the database, and that nothing begins without a press.
@@ -202,7 +193,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     CHECK(desk.session().ask(Desk::count("event WHERE event_kind = 'pause'")) == "4");
     CHECK(desk.session().ask("SELECT count(DISTINCT plan_position) FROM trial WHERE invalid_reason "
                              "IS NULL AND outcome = 'complete'") == "4");
-    CHECK(tests::palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+    ran({"verify", folder.file("d.sqlite")});
 }
 
 TEST_CASE("so are those between two intervals, at the confidence and in trouble",
@@ -243,7 +234,7 @@ TEST_CASE("so are those between two intervals, at the confidence and in trouble"
     desk.wait_for("event WHERE event_kind = 'pause'", 2);
 
     desk.stop();
-    CHECK(tests::palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+    ran({"verify", folder.file("d.sqlite")});
 }
 
 TEST_CASE("on a board a pause and a mark before the first trial begin no force",

@@ -1,15 +1,13 @@
-#include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
 std::string demo_hash(const std::string& file, const std::string& seed) {
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file, "--seed", seed}).code == 0);
+    ran({"demo", "--headless", "--db", file, "--seed", seed});
     data::Database database(file, data::Access::read);
     return tests::content_hash(database);
 }

@@ -1,23 +1,15 @@
 #include <csignal>
-#include <fstream>
-#include <thread>
 
 #include <sys/resource.h>
 
-#include "data/store/reader.hpp"
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/pointer_map.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
+using namespace palpate::tests;
 using engine::Vec2;
-using tests::Finished;
-using tests::TemporaryFolder;
-using tests::WindowSession;
-using tests::XHand;
 
 // The display of a session: one that a person sees, all of it in a real session, and what remains
 // when it dies.
@@ -55,16 +47,14 @@ struct Forces {
 };
 
 Forces forces_of(const std::string& file, std::int64_t trial) {
-    const Finished sql = tests::palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT max(abs(commanded_y_n)), (SELECT abs(commanded_x_n) + abs(commanded_y_n) FROM "
-         "sample "
-         "WHERE trial_id = " +
-             std::to_string(trial) +
-             " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial)});
-    CAPTURE(sql.out, sql.error);
-    REQUIRE(sql.code == 0);
-    const std::string row = sql.out.substr(sql.out.find('\n') + 1);
+    const std::string sql = sql_csv(
+        file,
+        "SELECT max(abs(commanded_y_n)), (SELECT abs(commanded_x_n) + abs(commanded_y_n) FROM "
+        "sample "
+        "WHERE trial_id = " +
+            std::to_string(trial) +
+            " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial));
+    const std::string row = sql.substr(sql.find('\n') + 1);
     return {std::stod(row), std::stod(row.substr(row.find(',') + 1))};
 }
 
@@ -204,7 +194,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     const Forces forces = forces_of(file, 1);
     CHECK(forces.largest > 0.5);
     CHECK(forces.last == 0.0);
-    CHECK(tests::palpate_command({"verify", file}).code == 0);
+    ran({"verify", file});
     WindowSession again(run, file);
     again.wait_for_text("Resuming at trial");
     again.press_at("welcome", "space");

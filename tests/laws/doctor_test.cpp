@@ -1,17 +1,11 @@
 #include <csignal>
-#include <fstream>
-#include <set>
 
 #include "engine/device/drivers/haply_wire.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -99,13 +93,10 @@ TEST_CASE("without a display the doctor fails a device that run refuses for it, 
 }
 
 TEST_CASE("wrong words to the doctor get a sentence and exit code 2", "[cli][doctor]") {
-    const Finished device = palpate_command({"doctor", "--device", "haptic"});
-    CHECK(device.code == 2);
+    const Finished device = ran({"doctor", "--device", "haptic"}, 2);
     CHECK_THAT(device.error, ContainsSubstring("haptic"));
-    const Finished seconds = palpate_command({"doctor", "--seconds", "never"});
-    CHECK(seconds.code == 2);
-    const Finished protocol = palpate_command({"doctor", "--protocol", "absent.toml"});
-    CHECK(protocol.code == 2);
+    ran({"doctor", "--seconds", "never"}, 2);
+    const Finished protocol = ran({"doctor", "--protocol", "absent.toml"}, 2);
     CHECK_THAT(protocol.error, ContainsSubstring("absent.toml"));
 }
 

@@ -1,21 +1,11 @@
-#include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
 #include <regex>
-#include <set>
-#include <sstream>
 
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace fs = std::filesystem;
 
@@ -290,7 +280,7 @@ TEST_CASE("docs/devices.md names each limit and maker the group is trusted with"
     const std::regex what(R"(idVendor\}=="(\w+)\|?(\w*)|@palpate - (\w+ \w+))");
     for (std::sregex_iterator at(given.begin(), given.end(), what), end; at != end; ++at) {
         for (std::size_t part = 1; part < 4; ++part) {
-            CHECK_THAT(said, Catch::Matchers::ContainsSubstring(at->str(part)));
+            CHECK_THAT(said, ContainsSubstring(at->str(part)));
         }
     }
 }
@@ -298,7 +288,7 @@ TEST_CASE("docs/devices.md names each limit and maker the group is trusted with"
 TEST_CASE("every query that a document shows in a shell answers", "[documents][law]") {
     const TemporaryFolder folder;
     fs::create_symlink(palpate_program(), folder.path() / "palpate");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("study.sqlite")}).code == 0);
+    ran({"demo", "--headless", "--db", folder.file("study.sqlite")});
     int queries = 0;
     for (const fs::path& page : pages()) {
         for (const std::string& line : shell_lines(page)) {
@@ -338,10 +328,9 @@ TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that 
     std::ofstream(folder.file("scene.toml")) << scene;
     std::ofstream(folder.file("way.csv")) << head << "\n0,0,0.06\n0.001,0,0.03\n0.002,0.01,0.03\n";
     for (const char* command : {"render", "closest"}) {
+        CAPTURE(command);
         const tests::Finished felt =
-            palpate_command({command, folder.file("scene.toml"), folder.file("way.csv")});
-        CAPTURE(command, felt.error);
-        CHECK(felt.code == 0);
+            ran({command, folder.file("scene.toml"), folder.file("way.csv")});
         CHECK(std::count(felt.out.begin(), felt.out.end(), '\n') == 4);
     }
 }
@@ -386,8 +375,8 @@ TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents]
         by_hand +
         "\nMade from the tables by which palpate itself reads, checks and writes these files.\n" +
         keys_of_the_program();
-    CHECK_THAT(whole, Catch::Matchers::ContainsSubstring("| `mu_s` |  |") &&
-                          Catch::Matchers::ContainsSubstring("| `damping_1_mn_m_s` | mN m s |"));
+    CHECK_THAT(whole, ContainsSubstring("| `mu_s` |  |") &&
+                          ContainsSubstring("| `damping_1_mn_m_s` | mN m s |"));
     if (std::getenv("PALPATE_WRITE_DOCS") != nullptr) {
         std::ofstream(page) << whole;
     } else {

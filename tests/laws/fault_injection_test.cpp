@@ -1,10 +1,4 @@
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"

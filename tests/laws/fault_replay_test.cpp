@@ -1,8 +1,4 @@
-#include <array>
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <vector>
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/servo.hpp"

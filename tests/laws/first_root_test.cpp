@@ -1,9 +1,3 @@
-#include <cmath>
-#include <fstream>
-#include <map>
-#include <memory>
-#include <sstream>
-
 #include "protocols/file/scene_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/slurp.hpp"

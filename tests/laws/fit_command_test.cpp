@@ -1,22 +1,8 @@
-#include <cmath>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/json_of.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -68,23 +54,9 @@ std::vector<double> numbers_of(const std::string& text) {
     return all;
 }
 
-Json fitted(std::vector<std::string> words) {
+void not_fitted(std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), "fit");
-    words.emplace_back("--json");
-    const Finished done = palpate_command(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return Json::parse(done.out);
-}
-
-void refused(const std::vector<std::string>& words, const std::string& why) {
-    std::vector<std::string> all{"fit"};
-    all.insert(all.end(), words.begin(), words.end());
-    const Finished done = palpate_command(all);
-    CAPTURE(words);
-    CHECK(done.code == 2);
-    CHECK(done.out.empty());
-    CHECK_THAT(done.error, ContainsSubstring(why));
+    refused(words, why);
 }
 
 }  // namespace
@@ -149,8 +121,7 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
                                          "--bootstrap", "200",
                                          "--svg",       folder.file("d.svg"),
                                          "--at",        "3/4"};
-    const Finished text = palpate_command(words);
-    REQUIRE(text.code == 0);
+    const Finished text = ran(words);
     CHECK(palpate_command(words).out == text.out);
     const Json all = fitted({words.begin() + 1, words.end()});
     CHECK(all["curves"].size() == 2);
@@ -190,19 +161,16 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
 TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[fit]") {
     const TemporaryFolder folder;
     write(folder.file("steep.csv"), "stimulus,n,k\n1,10,0\n2,10,0\n3,10,10\n");
-    const Finished steep = palpate_command({"fit", folder.file("steep.csv"), "--lapse", "0"});
-    CHECK(steep.code == 0);
+    const Finished steep = ran({"fit", folder.file("steep.csv"), "--lapse", "0"});
     CHECK_THAT(steep.out, ContainsSubstring("slope b") && ContainsSubstring("unbounded: ") &&
                               ContainsSubstring("no level lies on the rise") &&
                               ContainsSubstring("maximum likelihood, no priors"));
     const Finished bounded =
         palpate_command({"fit", folder.file("steep.csv"), "--lapse", "free", "--prior",
                          "lapse=2,50", "--prior", "slope=2,0.7", "--bootstrap", "50"});
-    CHECK_THAT(
-        bounded.out,
-        ContainsSubstring("MAP with priors slope b ~ lognormal: median, sd of ln (2, 0.7), lapse "
-                          "~ beta(2, 50)") &&
-            !ContainsSubstring("unbounded"));
+    CHECK_THAT(bounded.out, ContainsSubstring("MAP with priors slope b ~ lognormal: median, sd of "
+                                              "ln (2, 0.7), lapse ~ beta(2, 50)") &&
+                                !ContainsSubstring("unbounded"));
     write(folder.file("falls.csv"), "stimulus,n,k\n1,10,9\n2,10,5\n3,10,1\n");
     CHECK_THAT(palpate_command({"fit", folder.file("falls.csv")}).out,
                ContainsSubstring("the share of 1 does not grow with the stimulus") &&
@@ -214,7 +182,7 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
     const std::string csv = folder.file("d.csv");
     const auto of = [&](const std::string& text, const std::string& why) {
         write(csv, text);
-        refused({csv}, why);
+        not_fitted({csv}, why);
     };
     of("stimulus,n\n1,2\n", "d.csv:1: there is no column k");
     of("stimulus,n,k\n1,10,2\n2,10,11\n",
@@ -227,21 +195,22 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
     of("stimulus,n,k\n", "there is no row below the head");
     of("stimulus,n,k\n1,10,2\n1,10,3\n",
        "there is one stimulus with answers: give two different stimuli");
-    refused({folder.file("none.csv")}, "none.csv");
+    not_fitted({folder.file("none.csv")}, "none.csv");
     write(csv, "stimulus,n,k\n-1,10,2\n2,10,8\n");
-    refused({csv, "--function", "weibull"},
-            "a stimulus is -1: give finite numbers from 0, or another function");
-    refused({csv, "--function", "cubic"}, "cubic");
-    refused({csv, "--guess", "often"},
-            "--guess is \"often\": give a number, as 0.5 or 1/3, or free, shared or lapse");
-    refused({csv, "--lapse", "lapse"},
-            "--lapse is \"lapse\": give a number, as 0.5 or 1/3, or free or shared");
-    refused({csv, "--guess", "0.9"}, "the guess rate is 0.9: give a share from 0 to 0.7, or free");
-    refused({csv, "--lapse", "0.5"}, "the lapse rate is 0.5");
-    refused({csv, "--prior", "width=1,2"}, "--prior is \"width=1,2\": give threshold=MEAN,SD");
-    refused({csv, "--prior", "lapse=2,50"}, "give --lapse free");
-    refused({csv, "--at", "1.5"}, "--at is 1.5");
-    refused({csv, "--bootstrap", "-1"}, "--bootstrap");
+    not_fitted({csv, "--function", "weibull"},
+               "a stimulus is -1: give finite numbers from 0, or another function");
+    not_fitted({csv, "--function", "cubic"}, "cubic");
+    not_fitted({csv, "--guess", "often"},
+               "--guess is \"often\": give a number, as 0.5 or 1/3, or free, shared or lapse");
+    not_fitted({csv, "--lapse", "lapse"},
+               "--lapse is \"lapse\": give a number, as 0.5 or 1/3, or free or shared");
+    not_fitted({csv, "--guess", "0.9"},
+               "the guess rate is 0.9: give a share from 0 to 0.7, or free");
+    not_fitted({csv, "--lapse", "0.5"}, "the lapse rate is 0.5");
+    not_fitted({csv, "--prior", "width=1,2"}, "--prior is \"width=1,2\": give threshold=MEAN,SD");
+    not_fitted({csv, "--prior", "lapse=2,50"}, "give --lapse free");
+    not_fitted({csv, "--at", "1.5"}, "--at is 1.5");
+    not_fitted({csv, "--bootstrap", "-1"}, "--bootstrap");
 }
 
 TEST_CASE("palpate fit of a database fits the same answers as that of their counts",
@@ -250,17 +219,16 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     write(folder.file("p.toml"), tests::adaptive_text(tests::kQuestPlusRule));
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
-        REQUIRE(palpate_command({"run", folder.file("p.toml"), "--participant", person, "--db",
-                                 file, "--device", "sim"})
-                    .code == 0);
+        ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
+             "sim"});
     }
-    refused({file}, "has no answer of real sessions to fit: --kind chooses others");
-    const Finished counts = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT participant_code AS participant, run_name AS condition, stimulus, count(*) AS n, "
-         "sum(comparison_chosen) AS k FROM analysis_trial WHERE counts AND phase = 'main' GROUP BY "
-         "1, 2, 3"});
-    write(folder.file("d.csv"), counts.out);
+    not_fitted({file}, "has no answer of real sessions to fit: --kind chooses others");
+    const std::string counts = sql_csv(
+        file,
+        "SELECT participant_code AS participant, run_name AS condition, stimulus, count(*) AS n, "
+        "sum(comparison_chosen) AS k FROM analysis_trial WHERE counts AND phase = 'main' GROUP BY "
+        "1, 2, 3");
+    write(folder.file("d.csv"), counts);
     const std::vector<std::string> how{"--prior", "slope=0.5,1", "--bootstrap", "40"};
     std::vector<std::string> of_file{file, "--kind", "simulated", "--keep-codes"};
     // A table knows no order of runs.
@@ -281,7 +249,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     CHECK(ours["differences"] == theirs["differences"]);
     CHECK(ours["people"] == theirs["people"]);
 
-    REQUIRE(palpate_command({"participant", file, "P2", "--consent", "no"}).code == 0);
+    ran({"participant", file, "P2", "--consent", "no"});
     const Json of_one = fitted(of_file);
     REQUIRE(of_one["curves"].size() == 2);
     for (const Json& curve : of_one["curves"]) {
@@ -295,21 +263,20 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
-        REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", person, "--db",
-                                 file, "--device", "sim"})
-                    .code == 0);
+        ran({"run", "shape_friction_demo", "--participant", person, "--db", file, "--device",
+             "sim"});
     }
     const Json ours = fitted({file, "--kind", "simulated", "--keep-codes"});
     REQUIRE(ours["people"].size() == 2);
     REQUIRE(ours["items"].size() == 5);
     CHECK(ours["values"] == Json({-10.0, -5.0, 0.0, 5.0, 10.0}));
     // The same trials as a CSV, the counts by SQL: nothing of ours in between.
-    const Finished trials = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT participant_code AS subject, row_number() OVER () AS trial, planned_object AS "
-         "shape, friction, chosen_object AS response FROM analysis_trial WHERE counts AND phase = "
-         "'main'"});
-    write(folder.file("t.csv"), trials.out);
+    const std::string trials = sql_csv(
+        file,
+        "SELECT participant_code AS subject, row_number() OVER () AS trial, planned_object AS "
+        "shape, friction, chosen_object AS response FROM analysis_trial WHERE counts AND phase = "
+        "'main'");
+    write(folder.file("t.csv"), trials);
     std::vector<std::string> words{folder.file("t.csv")};
     for (std::size_t i = 0; i < 5; ++i) {
         words.emplace_back("--item");
@@ -323,19 +290,18 @@ TEST_CASE(
         CHECK(ours["people"][i]["optimisers_agree"] == true);
         CHECK(ours["people"][i]["participant"] == theirs["people"][i]["participant"]);
     }
-    const Finished unnamed = palpate_command({"fit", file, "--kind", "simulated"});
-    CHECK(unnamed.code == 0);
+    const Finished unnamed = ran({"fit", file, "--kind", "simulated"});
     CHECK(unnamed.out.find("P1") == std::string::npos);
-    refused({file, "--kind", "simulated", "--guess", "0.2"},
-            "holds identifications: --function, --guess");
-    refused({file, "--kind", "simulated", "--function", "weibull"}, "holds identifications");
-    refused({folder.file("t.csv")}, "has no value to be ordered by: give --item");
-    refused({folder.file("t.csv"), "--item", "flat"}, "--item is \"flat\": give NAME=VALUE");
+    not_fitted({file, "--kind", "simulated", "--guess", "0.2"},
+               "holds identifications: --function, --guess");
+    not_fitted({file, "--kind", "simulated", "--function", "weibull"}, "holds identifications");
+    not_fitted({folder.file("t.csv")}, "has no value to be ordered by: give --item");
+    not_fitted({folder.file("t.csv"), "--item", "flat"}, "--item is \"flat\": give NAME=VALUE");
     const std::string first = ours["items"][0];
-    refused({file, "--kind", "simulated", "--item", "nosuch=1"},
-            "there is no item \"nosuch\": its items are");
-    refused({file, "--kind", "simulated", "--item", first + "=1", "--item", first + "=2"},
-            "--item " + first + " is there twice");
+    not_fitted({file, "--kind", "simulated", "--item", "nosuch=1"},
+               "there is no item \"nosuch\": its items are");
+    not_fitted({file, "--kind", "simulated", "--item", first + "=1", "--item", first + "=2"},
+               "--item " + first + " is there twice");
     CHECK(palpate_command({"fit", file, "--kind", "simulated", "--item", first + "=-12"}).code ==
           0);
 }

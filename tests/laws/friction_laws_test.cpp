@@ -1,19 +1,7 @@
-#include <cmath>
-#include <fstream>
-#include <map>
-#include <sstream>
-
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -83,10 +71,10 @@ std::string scene_of(const LawText& law, bool convex) {
     return fmt::format(
         "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = \"{}\"\n{}vertex_slew_m_per_s = "
         "0.2\nvertex_radius_m = 0.003\n"
-        "[[segment]]\nkind = \"arc\"\nfrom_m = [-0.04, 0.0]\nto_m = [0.0, "
-        "0.04]\ncurvature_per_m = {}\n"
-        "[[segment]]\nkind = \"arc\"\nfrom_m = [0.0, 0.04]\nto_m = [0.04, "
-        "0.0]\ncurvature_per_m = {}\n"
+        "[[segment]]\nkind = \"arc\"\nfrom_m = [-0.04, 0.0]\nto_m = [0.0, 0.04]\ncurvature_per_m = "
+        "{}\n"
+        "[[segment]]\nkind = \"arc\"\nfrom_m = [0.0, 0.04]\nto_m = [0.04, 0.0]\ncurvature_per_m = "
+        "{}\n"
         "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n",
         law.word, law.keys, curvature, curvature);
 }
@@ -109,30 +97,23 @@ Rows rows_of(const std::string& csv) {
 }
 
 Rows asked(const std::string& file, const std::string& query) {
-    const Finished done = palpate_command({"sql", file, "--csv", "-c", query});
-    CAPTURE(query, done.error);
-    REQUIRE(done.code == 0);
-    return rows_of(done.out);
+    return rows_of(sql_csv(file, query));
 }
 
 }  // namespace
 
 TEST_CASE(
-    "every law of friction runs in a session, is replayed to the bit, and renders the same "
-    "from its path",
+    "every law of friction runs in a session, is replayed to the bit, and renders the same from "
+    "its path",
     "[friction][law]") {
     const std::size_t from = GENERATE(0U, 7U);
     const TemporaryFolder folder;
     const std::string file = folder.file("laws.toml");
     const std::string db = folder.file("laws.sqlite");
     std::ofstream(file) << protocol_of(from, from + 7);
-    const Finished run =
-        palpate_command({"run", file, "--participant", "P1", "--db", db, "--headless"});
-    CAPTURE(run.out, run.error);
-    REQUIRE(run.code == 0);
+    const Finished run = ran({"run", file, "--participant", "P1", "--db", db, "--headless"});
     CHECK_THAT(run.out, ContainsSubstring("14 answered, 0 of them do not count, 0 faulted"));
-    const Finished verify = palpate_command({"verify", db});
-    CHECK(verify.code == 0);
+    const Finished verify = ran({"verify", db});
     CHECK_THAT(verify.out, ContainsSubstring("ticks replayed, nothing differs"));
 
     for (std::size_t i = from; i < from + 7; ++i) {
@@ -152,10 +133,7 @@ TEST_CASE(
         }
         std::ofstream(folder.file("s.toml")) << scene_of(kWords[i], trial[0][1] == "convex");
         std::ofstream(folder.file("t.csv")) << path;
-        const Finished render = palpate_command(
-            {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
-        CAPTURE(render.error);
-        REQUIRE(render.code == 0);
+        ran({"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
         const Rows rendered = rows_of(tests::slurp(folder.file("o.csv")));
         REQUIRE(rendered.size() == ticks.size());
         std::map<std::string, int> modes;
@@ -176,28 +154,24 @@ TEST_CASE("check says which laws creep, chatter or are not passive, and refuses 
     const TemporaryFolder folder;
     const std::string file = folder.file("laws.toml");
     std::ofstream(file) << protocol_of(5, 9);
-    const Finished check = palpate_command({"check", file});
-    CHECK(check.code == 0);
-    CHECK_THAT(check.out,
-               ContainsSubstring("\"stribeck\": the law stribeck (Stribeck 1902) creeps under a "
-                                 "load that it should hold, chatters") &&
-                   ContainsSubstring("\"dahl\": the law dahl (Dahl 1968) creeps") &&
-                   ContainsSubstring("is not passive") &&
-                   !ContainsSubstring("friction \"bristle\""));
-    std::ofstream(file) << kStudy
-                        << "[[friction]]\nname = \"a\"\nlaw = \"lugre_euler\"\nmu_s = 0.7\nmu_d = "
-                           "0.5\n";
-    const Finished euler = palpate_command({"check", file});
-    CHECK(euler.code == 2);
-    CHECK_THAT(euler.error,
-               ContainsSubstring("diverges where sigma_0 |v| T / (mu_d F_N) > 2: at 1.5 m/s below "
-                                 "a load of 1.5 N") &&
-                   ContainsSubstring("give \"lugre\""));
+    const Finished check = ran({"check", file});
+    CHECK_THAT(check.out, ContainsSubstring("\"stribeck\": the law stribeck (Stribeck 1902) creeps "
+                                            "under a load that it should hold, chatters") &&
+                              ContainsSubstring("\"dahl\": the law dahl (Dahl 1968) creeps") &&
+                              ContainsSubstring("is not passive") &&
+                              !ContainsSubstring("friction \"bristle\""));
+    std::ofstream(file)
+        << kStudy << "[[friction]]\nname = \"a\"\nlaw = \"lugre_euler\"\nmu_s = 0.7\nmu_d = 0.5\n";
+    const Finished euler = ran({"check", file}, 2);
+    CHECK_THAT(
+        euler.error,
+        ContainsSubstring(
+            "diverges where sigma_0 |v| T / (mu_d F_N) > 2: at 1.5 m/s below a load of 1.5 N") &&
+            ContainsSubstring("give \"lugre\""));
     std::ofstream(file) << kStudy
                         << "[[friction]]\nname = \"a\"\nlaw = \"dahl\"\nmu_d = "
                            "0.5\ntangential_stiffness_n_per_m = 2000\n";
-    const Finished stiff = palpate_command({"check", file});
-    CHECK(stiff.code == 2);
+    const Finished stiff = ran({"check", file}, 2);
     CHECK_THAT(stiff.error, ContainsSubstring("above stiffness_n_per_m = 1000"));
     std::ofstream(file) << kStudy
                         << "[[friction]]\nname = \"a\"\nlaw = \"dahl\"\nmu_d = "
@@ -205,10 +179,9 @@ TEST_CASE("check says which laws creep, chatter or are not passive, and refuses 
     const Finished soft = palpate_command({"check", file});
     CHECK(soft.code == 0);  // (0.5 x 10 N)^2 / (2 x 100 N/m)
     CHECK_THAT(soft.out, ContainsSubstring("of 100 N/m along the surface gives back up to 0.12 J"));
-    std::ofstream(file) << kStudy
-                        << "[[friction]]\nname = \"a\"\nlaw = \"viscous\"\nmu_d = "
-                           "0.5\nviscous_n_s_per_m = 5\n";
-    const Finished damps = palpate_command({"check", file});
-    CHECK(damps.code == 1);
+    std::ofstream(file)
+        << kStudy
+        << "[[friction]]\nname = \"a\"\nlaw = \"viscous\"\nmu_d = 0.5\nviscous_n_s_per_m = 5\n";
+    const Finished damps = ran({"check", file}, 1);
     CHECK_THAT(damps.out, ContainsSubstring("with a damper of 5 N s/m"));
 }

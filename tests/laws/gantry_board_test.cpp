@@ -1,23 +1,15 @@
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
 
 #include "protocols/library/shipped.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::eventually;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::TypedTo;
-using tests::WindowSession;
+using namespace palpate::tests;
 
 // The shipped program on a board of three axes, its firmware behind a pseudo-terminal, from
 // outside.
@@ -141,9 +133,7 @@ struct Desk {
     void kill() {
         session->program().signal(SIGKILL);
         static_cast<void>(session->finish());
-        const tests::Finished verified = palpate_command({"verify", file});
-        CAPTURE(verified.out);
-        CHECK(verified.code == 0);
+        ran({"verify", file});
     }
     [[nodiscard]] bool force_ends() {
         return eventually([&] { return motors() == engine::Vec3{}; });
@@ -163,14 +153,11 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
     REQUIRE(desk.finishes());
     const std::string& file = desk.file;
     const auto row = [&](const std::string& sql) {
-        const tests::Finished asked = palpate_command({"sql", file, "--csv", "-c", sql});
-        CAPTURE(sql, asked.error);
-        REQUIRE(asked.code == 0);
-        const std::size_t head = asked.out.find('\n') + 1;
-        return asked.out.substr(head, asked.out.find_first_of("\r\n", head) - head);
+        const std::string csv = sql_csv(file, sql);
+        const std::size_t head = csv.find('\n') + 1;
+        return csv.substr(head, csv.find_first_of("\r\n", head) - head);
     };
-    const tests::Finished verify = palpate_command({"verify", file});
-    CHECK(verify.code == 0);
+    const tests::Finished verify = ran({"verify", file});
     CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
     // HIP is computed again from the counts: with another drum they say another place.
     const std::string other = desk.folder.file("other.sqlite");
@@ -179,20 +166,18 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
         .execute(
             "UPDATE session_provenance SET value = replace(value, '[gantry.axis_z]\nradius_mm = "
             "10', '[gantry.axis_z]\nradius_mm = 10.1') WHERE key = 'calibration'");
-    const tests::Finished differs = palpate_command({"verify", other});
-    CHECK(differs.code == 1);
+    const tests::Finished differs = ran({"verify", other}, 1);
     CHECK_THAT(differs.out, ContainsSubstring("trace.hip"));
     CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
               "'%[gantry.axis_z]%'") == "1");
     const std::string whole = " FROM sample JOIN trial USING (trial_id) WHERE fault_cause IS NULL";
     // HIP follows from counts: 10 mm of drum, 2400 a turn, home 40 mm up, in whole steps of 100 nm.
-    CHECK(
-        row("SELECT max(abs(hip_z_m - (0.040 + 0.010 * 6.283185307179586 / 2400 * count_3))) < "
-            "0.51e-7 AND max(abs(hip_x_m - 0.010 * 6.283185307179586 / 2400 * count_1)) < 0.51e-7 "
-            "AND min(count_3) < -1500 AND max(count_1) - min(count_1) > 500 AND max(count_2) - "
-            "min(count_2) > 500" +
-            whole) == "1");
+    CHECK(row("SELECT max(abs(hip_z_m - (0.040 + 0.010 * 6.283185307179586 / 2400 * count_3))) < "
+              "0.51e-7 AND max(abs(hip_x_m - 0.010 * 6.283185307179586 / 2400 * count_1)) < "
+              "0.51e-7 AND min(count_3) < -1500 AND max(count_1) - min(count_1) > 500 AND "
+              "max(count_2) - min(count_2) > 500" +
+              whole) == "1");
     CHECK(row("SELECT count(*) FROM trace_chunk WHERE holds LIKE '%hip%'") == "0");
     // F = K (GO - HIP) upwards, and the third motor was asked to: 0.8 codes a mN m of a drum of 10
     // mm, a tick later.
@@ -204,12 +189,9 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
               whole) == "1");
     // The recorded hands are felt again, tick by tick the same.
     const std::string again = desk.folder.file("again.sqlite");
-    const tests::Finished replay =
-        palpate_command({"run", desk.folder.file("p.toml"), "--participant", "P1", "--db", again,
-                         "--headless", "--device", "replay:" + file});
-    CAPTURE(replay.error);
-    CHECK(replay.code == 0);
-    CHECK(palpate_command({"verify", again}).code == 0);
+    ran({"run", desk.folder.file("p.toml"), "--participant", "P1", "--db", again, "--headless",
+         "--device", "replay:" + file});
+    ran({"verify", again});
 }
 
 TEST_CASE("a host that is killed with its guard leaves no force on any of three motors",
@@ -271,16 +253,15 @@ TEST_CASE(
     "[open][gantry]") {
     const TemporaryFolder folder;
     const auto refused = [&](const std::vector<std::string>& words) {
-        const tests::Finished done = palpate_command(words);
-        CHECK(done.code == 2);
+        const tests::Finished done = ran(words, 2);
         return done.error;
     };
     const std::string db = folder.file("d.sqlite");
     const std::string out = folder.file("rig.toml");
-    CHECK_THAT(refused({"run", "shape_friction", "--participant", "P1", "--db", db, "--device",
-                        "board:/dev/null", "--calibration", kGantry}),
-               ContainsSubstring("curves in a plane, and the machine of that calibration has three "
-                                 "axes"));
+    CHECK_THAT(
+        refused({"run", "shape_friction", "--participant", "P1", "--db", db, "--device",
+                 "board:/dev/null", "--calibration", kGantry}),
+        ContainsSubstring("curves in a plane, and the machine of that calibration has three axes"));
     CHECK_THAT(refused({"run", "patch_friction", "--participant", "P1", "--db", db, "--device",
                         "board:/dev/null"}),
                ContainsSubstring("board:PORT with the --calibration of a machine of three axes"));

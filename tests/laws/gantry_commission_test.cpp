@@ -1,22 +1,12 @@
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <string>
 
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::eventually;
-using tests::Finished;
-using tests::FreeBoard;
-using tests::TemporaryFolder;
-using tests::TypedTo;
+using namespace palpate::tests;
 
 // Three axes from the box to their first session, by the shipped program, seen from outside.
 
@@ -255,7 +245,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK(row.text(0) == "rig check");
     CHECK(tests::times(row.text(1), " % at ") == 6);
     CHECK(row.text(2) == "real");
-    CHECK(tests::palpate_command({"verify", db}).code == 0);
+    ran({"verify", db});
 }
 
 TEST_CASE("what moves is weighed in the words of its kind of machine, or named and refused",
@@ -264,9 +254,8 @@ TEST_CASE("what moves is weighed in the words of its kind of machine, or named a
     const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
         std::vector<std::string> all{"commission", "-o", folder.file("rig.toml")};
         all.insert(all.end(), words.begin(), words.end());
-        const Finished end = tests::palpate_command(all);
-        CAPTURE(words, end.error);
-        CHECK(end.code == 2);
+        CAPTURE(words);
+        const Finished end = ran(all, 2);
         CHECK_THAT(end.error, ContainsSubstring(why));
         CHECK(folder.names().empty());
     };

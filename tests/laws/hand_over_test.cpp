@@ -1,30 +1,10 @@
-#include <filesystem>
-#include <map>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
-
-Finished succeeded(const std::vector<std::string>& words) {
-    const Finished done = palpate_command(words);
-    CAPTURE(words, done.error);
-    REQUIRE(done.code == 0);
-    return done;
-}
 
 std::vector<std::string> lines_of_text(const std::string& text) {
     std::vector<std::string> lines;
@@ -37,7 +17,7 @@ std::vector<std::string> lines_of_text(const std::string& text) {
 
 /// What SQL says, without its head.
 std::string by_sql(const std::string& file, const std::string& query) {
-    const std::string out = succeeded({"sql", file, "--csv", "-c", query}).out;
+    const std::string out = sql_csv(file, query);
     return out.substr(out.find('\n') + 1);
 }
 
@@ -51,8 +31,8 @@ std::string identified(const TemporaryFolder& folder) {
     write(folder.file("p.toml"), protocol);
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
-        (void)succeeded({"run", folder.file("p.toml"), "--participant", person, "--db", file,
-                         "--device", "sim"});
+        ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
+             "sim"});
     }
     return file;
 }
@@ -61,8 +41,8 @@ std::string graded(const TemporaryFolder& folder) {
     write(folder.file("q.toml"), tests::adaptive_text(tests::kQuestPlusRule));
     const std::string file = folder.file("q.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
-        (void)succeeded({"run", folder.file("q.toml"), "--participant", person, "--db", file,
-                         "--device", "sim"});
+        ran({"run", folder.file("q.toml"), "--participant", person, "--db", file, "--device",
+             "sim"});
     }
     return file;
 }
@@ -74,8 +54,8 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
     const TemporaryFolder folder;
     const std::string file = identified(folder);
     const std::string out = folder.file("shared");
-    (void)succeeded({"export", file, "--kind", "all", "-o", out});
-    const Finished made = succeeded({"analysis", "init", out});
+    ran({"export", file, "--kind", "all", "-o", out});
+    const Finished made = ran({"analysis", "init", out});
     CHECK_THAT(made.out, ContainsSubstring("analysis.R\n") && ContainsSubstring("analysis.py\n"));
     const std::string wanted =
         "smooth rough|concave convex|real pilot simulated|16|" +
@@ -105,13 +85,12 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
         }
         pandas = true;
         const Finished py =
-            Process(
-                {"sh", "-c",
-                 "cd '" + out + "' && " + python +
-                     " -c \"import analysis as a; print(*a.main.friction.cat.categories, "
-                     "sep=' ', end='|'); print(*a.main.planned_object.cat.categories, sep=' ', "
-                     "end='|'); print(*a.trials.session_kind.cat.categories, sep=' ', end='|'); "
-                     "print(len(a.main), int(a.main.correct.sum()), sep='|')\""})
+            Process({"sh", "-c",
+                     "cd '" + out + "' && " + python +
+                         " -c \"import analysis as a; print(*a.main.friction.cat.categories, sep=' "
+                         "', end='|'); print(*a.main.planned_object.cat.categories, sep=' ', "
+                         "end='|'); print(*a.trials.session_kind.cat.categories, sep=' ', "
+                         "end='|'); print(len(a.main), int(a.main.correct.sum()), sep='|')\""})
                 .wait();
         CAPTURE(py.error);
         REQUIRE(py.code == 0);
@@ -120,11 +99,9 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
     if (!pandas) {
         WARN("pandas is not installed: skipped");
     }
-    const Finished again = palpate_command({"analysis", "init", out});
-    CHECK(again.code == 2);
+    const Finished again = ran({"analysis", "init", out}, 2);
     CHECK_THAT(again.error, ContainsSubstring("analysis.R is there already, and stays as it is"));
-    const Finished none = palpate_command({"analysis", "init", folder.path().string()});
-    CHECK(none.code == 2);
+    const Finished none = ran({"analysis", "init", folder.path().string()}, 2);
     CHECK_THAT(none.error, ContainsSubstring("is no export: it has no columns.csv"));
 }
 
@@ -136,11 +113,11 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
     asked.replace(asked.find("id = \"four_trials\""), 18, "id = \"asked\"");
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
     write(folder.file("asked.toml"), asked);
-    (void)succeeded({"run", folder.file("asked.toml"), "--participant", "Cem", "--db", file,
-                     "--device", "sim"});
+    ran({"run", folder.file("asked.toml"), "--participant", "Cem", "--db", file, "--device",
+         "sim"});
     const std::string out = folder.file("shared");
-    (void)succeeded({"export", file, "--kind", "all", "-o", out});
-    (void)succeeded({"analysis", "init", out});
+    ran({"export", file, "--kind", "all", "-o", out});
+    ran({"analysis", "init", out});
     for (const char* run : {"Rscript analysis.R", "/usr/bin/python3 analysis.py"}) {
         CAPTURE(run);
         const bool r = std::string(run).starts_with("R");
@@ -173,14 +150,14 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         "sum(comparison_chosen), count(*) FROM analysis_trial JOIN participant USING "
         "(participant_code) WHERE counts AND phase = 'main' GROUP BY 1, 3, 4, 5 ORDER BY 1, 3, 4, "
         "5");
-    (void)succeeded({"export", file, "--as", "quickpsy", "--kind", "all", "-o", folder.file("q")});
+    ran({"export", file, "--as", "quickpsy", "--kind", "all", "-o", folder.file("q")});
     const auto ours = lines_of_text(tests::slurp(folder.file("q/quickpsy.csv")));
     const auto theirs = lines_of_text(wanted);
     REQUIRE(ours.size() == theirs.size() + 1);
     CHECK(ours[0] == "participant,study,kind,condition,x,k,n");
     CHECK_THAT(tests::slurp(folder.file("q/README.txt")),
                ContainsSubstring("grouping = c('participant', 'study', 'kind', 'condition')"));
-    (void)succeeded({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
+    ran({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
     std::map<std::string, std::string> files;  // by whose they are
     for (const std::string& line : lines_of_text(tests::slurp(folder.file("p/index.csv")))) {
         files[line.substr(line.find(',') + 1)] = line.substr(0, line.find(','));
@@ -215,9 +192,9 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         CHECK_THAT(tests::slurp(folder.file(named)), !ContainsSubstring("Ada"));
     }
     const TemporaryFolder other;
-    const Finished none = palpate_command(
-        {"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o", other.file("q")});
-    CHECK(none.code == 2);
+    const Finished none = ran(
+        {"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o", other.file("q")},
+        2);
     CHECK_THAT(none.error, ContainsSubstring("no session has two-interval or yes-no answers"));
     CHECK_FALSE(std::filesystem::exists(other.file("q")));
 }
@@ -225,7 +202,7 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
 TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[export]") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
-    (void)succeeded({"export", file, "--as", "psychopy", "--kind", "all", "-o", folder.file("w")});
+    ran({"export", file, "--as", "psychopy", "--kind", "all", "-o", folder.file("w")});
     std::size_t files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("w"))) {
         const std::string name = entry.path().filename();
@@ -256,8 +233,8 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
         }
     }
     CHECK(files == 2);
-    const Finished more = palpate_command({"export", file, "--as", "psychopy", "--keep-codes",
-                                           "--kind", "all", "-o", folder.file("x")});
-    CHECK(more.code == 2);
+    const Finished more = ran({"export", file, "--as", "psychopy", "--keep-codes", "--kind", "all",
+                               "-o", folder.file("x")},
+                              2);
     CHECK_THAT(more.error, ContainsSubstring("psychopy holds no more than answers"));
 }

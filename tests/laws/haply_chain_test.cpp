@@ -1,6 +1,3 @@
-#include <chrono>
-#include <thread>
-
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/pantograph_plant.hpp"
 #include "protocols/file/calibration_file.hpp"

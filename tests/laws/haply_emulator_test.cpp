@@ -1,7 +1,5 @@
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 
 #include <unistd.h>
 
@@ -11,14 +9,11 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
-using Catch::Matchers::StartsWith;
 namespace engine = palpate::engine;
 namespace protocols = palpate::protocols;
 
@@ -101,20 +96,16 @@ TEST_CASE("the doctor looks at the emulated board, and refuses answers that come
 }
 
 TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {
-    const Finished preset = palpate_command({"haply-emulator", "--preset", "gen9"});
-    CHECK(preset.code == 2);
+    const Finished preset = ran({"haply-emulator", "--preset", "gen9"}, 2);
     CHECK_THAT(preset.error, ContainsSubstring("one of haplet, 2diy_gen2, 2diy_gen3"));
-    const Finished other = palpate_command({"haply-emulator", "--preset", "mk2"});
-    CHECK(other.code == 2);
+    const Finished other = ran({"haply-emulator", "--preset", "mk2"}, 2);
     CHECK_THAT(other.error, ContainsSubstring("no Haply board"));
     const TemporaryFolder folder;
     std::ofstream(folder.file("notes")) << "mine";
-    const Finished taken = palpate_command({"haply-emulator", "--link", folder.file("notes")});
-    CHECK(taken.code == 1);
+    const Finished taken = ran({"haply-emulator", "--link", folder.file("notes")}, 1);
     CHECK_THAT(taken.error, ContainsSubstring("give a name that is free"));
     CHECK(std::filesystem::file_size(folder.file("notes")) == 4);
-    const Finished link = palpate_command({"haply-emulator", "--link", "/proc/no/such/place"});
-    CHECK(link.code == 1);
+    const Finished link = ran({"haply-emulator", "--link", "/proc/no/such/place"}, 1);
     CHECK_THAT(link.error, ContainsSubstring("name a file in a folder that you may write"));
 }
 

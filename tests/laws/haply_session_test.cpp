@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstring>
 
 #include "protocols/file/calibration_file.hpp"
@@ -11,8 +10,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using protocols::Outcome;
-using protocols::TrialId;
+using namespace palpate::protocols;
 
 // Whole sessions over an emulated board, in real time, with board and guard as processes of their
 // own. Nothing is asserted about time.

@@ -1,27 +1,15 @@
-#include <chrono>
-#include <filesystem>
-#include <string>
-#include <vector>
-
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "data/store/database.hpp"
 #include "data/store/secret.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/lab_files.hpp"
 #include "tests/support/page_reader.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Catch::Matchers::StartsWith;
-using tests::Finished;
-using tests::lab_sqlite;
-using tests::LabFiles;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -63,9 +51,8 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
                                    {"participant", file, "demo", "--consent", "no"},
                                    {"participant", file, "P09", "--new"},
                                    {"merge", file, files.clean}}) {
-            const Finished done = palpate_command(words);
-            CAPTURE(at.sql, words.front(), done.out, done.error);
-            CHECK(done.code == 2);
+            CAPTURE(at.sql, words.front());
+            const Finished done = ran(words, 2);
             CHECK_THAT(done.error, ContainsSubstring(at.name) &&
                                        ContainsSubstring("nothing is written into it"));
         }
@@ -83,9 +70,8 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     const std::string edited = files.with(kAllRight);
     for (std::size_t i = 0; i < asked(edited).size(); ++i) {
         const Finished right = palpate_command(asked(files.clean)[i]);
-        Finished done = palpate_command(asked(edited)[i]);
-        CAPTURE(asked(edited)[i].front(), done.error);
-        CHECK(done.code == 0);
+        CAPTURE(asked(edited)[i].front());
+        Finished done = ran(asked(edited)[i]);
         for (std::size_t at = 0; (at = done.out.find(edited, at)) != std::string::npos;) {
             done.out.replace(at, edited.size(), files.clean);
         }
@@ -94,8 +80,7 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
         CHECK_THAT(done.error, StartsWith("palpate: ") && ContainsSubstring("view analysis_trial"));
     }
     const Finished shared =
-        palpate_command({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
-    CHECK(shared.code == 0);
+        ran({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
     CHECK(tests::count_of(shared.error, "view analysis_trial") == 1);  // said once
     const std::string endless = files.with(kEndless);
     for (const Words& words :
@@ -141,28 +126,22 @@ TEST_CASE("what a lab added to a file is theirs, and never in the way", "[store]
         "CREATE INDEX by_outcome ON trial (outcome) ;CREATE INDEX \"by-o\" ON response (trial_id);"
         "CREATE VIEW theirs AS SELECT * FROM my_notes;"
         "CREATE TRIGGER u AFTER INSERT ON my_notes BEGIN SELECT 1; END");
-    const Finished ran = palpate_command(files.run(file, "P02"));
-    CAPTURE(ran.out, ran.error);
-    CHECK(ran.code == 0);
-    CHECK(ran.error.find("schema") == std::string::npos);
-    CHECK(palpate_command({"mark", file, "2", "--invalid", "bell"}).code == 0);
+    const Finished next = ran(files.run(file, "P02"));
+    CHECK(next.error.find("schema") == std::string::npos);
+    ran({"mark", file, "2", "--invalid", "bell"});
     const auto verified = [](const std::string& at) {
-        const Finished done = palpate_command({"verify", at});
-        CAPTURE(done.out, done.error);
-        CHECK(done.code == 0);
+        const Finished done = ran({"verify", at});
         return done.out.substr(done.out.find('\n'));
     };
     const std::string seals = verified(file);
     const std::string merged = files.folder.file("merged.sqlite");
-    const Finished together = palpate_command({"merge", merged, file});
-    CAPTURE(together.error);
-    CHECK(together.code == 0);
+    ran({"merge", merged, file});
     CHECK(lab_sqlite(merged,
                      "SELECT count(*) FROM sqlite_schema WHERE name IN ('my_notes', 'coder')") ==
           "0\n");
     verified(merged);
     const std::string shared = files.folder.file("shared");
-    CHECK(palpate_command({"export", file, "--kind", "all", "-o", shared}).code == 0);
+    ran({"export", file, "--kind", "all", "-o", shared});
     CHECK(!std::filesystem::exists(shared + "/my_notes.csv"));
     const Finished theirs = palpate_command({"sql", file, "--csv", "-c", "SELECT * FROM theirs"});
     CHECK(theirs.out == "trial_id,remark\n1,hm\n");
@@ -175,35 +154,29 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
     const LabFiles files;
     const std::string file =
         files.with("INSERT INTO secret VALUES ('00000000000000000000000000000000')");
-    const Finished verified = palpate_command({"verify", file});
-    CHECK(verified.code == 1);
+    const Finished verified = ran({"verify", file}, 1);
     CHECK_THAT(verified.out,
                ContainsSubstring("differs  secret: stored 2 rows with which nothing"));
     for (const Words& words :
          {files.run(file, "P02"), Words{"participant", file, "P02", "--new"}}) {
-        const Finished done = palpate_command(words);
-        CAPTURE(words.front(), done.out, done.error);
-        CHECK(done.code == 1);
+        CAPTURE(words.front());
+        const Finished done = ran(words, 1);
         CHECK_THAT(done.error, ContainsSubstring("a second secret"));
     }
     const std::string cured =
         files.folder.file("cured.sqlite");  // a merge takes those that were used
-    CHECK(palpate_command({"merge", cured, file}).code == 0);
-    CHECK(palpate_command({"verify", cured}).code == 0);
+    ran({"merge", cured, file});
+    ran({"verify", cured});
     CHECK(lab_sqlite(cured, "SELECT count(*) FROM secret WHERE hex LIKE '000%'") == "0\n");
     // Those of merged files were all used, and new people are drawn with the first.
     const std::string other = files.folder.file("other.sqlite");
     for (const std::string& at : {files.clean, other}) {
-        const Finished ran = palpate_command(files.run(at, at == other ? "P01" : "P02"));
-        CAPTURE(ran.error);
-        REQUIRE(ran.code == 0);
+        ran(files.run(at, at == other ? "P01" : "P02"));
     }
     const std::string merged = files.folder.file("merged.sqlite");
-    CHECK(palpate_command({"merge", merged, other, files.clean}).code == 0);
-    CHECK(palpate_command({"participant", merged, "P03", "--new"}).code == 0);
-    const Finished whole = palpate_command({"verify", merged});
-    CAPTURE(whole.out);
-    CHECK(whole.code == 0);
+    ran({"merge", merged, other, files.clean});
+    ran({"participant", merged, "P03", "--new"});
+    const Finished whole = ran({"verify", merged});
     CHECK_THAT(whole.out,
                ContainsSubstring("Not checked, since nothing else in the file says it:") &&
                    ContainsSubstring("when consent was noted"));
@@ -220,7 +193,7 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
             "participant_code = '" +
                 code + "'");
     };
-    REQUIRE(palpate_command(files.run(file, "P01")).code == 0);
+    ran(files.run(file, "P01"));
     const std::string own = secret_of("P01");
     bool whole = true;
     SECTION("planted, with a person who was drawn with it") {
@@ -232,8 +205,8 @@ TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge
         const std::string eve = files.folder.file("eve.sqlite");
         Words words = files.run(eve, "EVE");
         words.insert(words.end(), {"--secret", zeros});
-        REQUIRE(palpate_command(words).code == 0);
-        REQUIRE(palpate_command({"merge", file, eve}).code == 0);
+        ran(words);
+        ran({"merge", file, eve});
         CHECK(secret_of("EVE") == zeros + "\n");
     }
     SECTION("in the place of the file's own") {
@@ -274,23 +247,20 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
               "has not ended after 1000000 steps"}}) {
         Words words{"sql", files.clean, "-c"};
         words.insert(words.end(), at.words.begin(), at.words.end());
-        const Finished done = palpate_command(words);
-        CAPTURE(at.words.front(), done.out, done.error);
-        CHECK(done.code == 1);
+        CAPTURE(at.words.front());
+        const Finished done = ran(words, 1);
         CHECK_THAT(done.error, ContainsSubstring(at.said));
     }
     const Finished both =
         palpate_command({"sql", files.clean, "--attach", "--csv", "-c",
                          "ATTACH '" + other + "' AS b; SELECT count(*) FROM b.trial"});
     CHECK(both.out == "count(*)\n10\n");
-    CHECK(
-        palpate_command({"sql", files.clean, "--csv", "-c", "SELECT char(9) || '=1+1' AS t"}).out ==
-        "t\n'\t=1+1\n");
-    CHECK(palpate_command({"sql", files.clean, "--csv", "-c",
-                           "SELECT printf('%s-%d-%q', 'a', 7, 'o''k') AS a, format('%d %d', 1) AS "
-                           "b, typeof(printf('')) AS c, typeof(printf('%s', NULL)) AS d"})
-              .out == "a,b,c,d\na-7-o''k,1 0,null,text\n");
-    CHECK(palpate_command({"sql", files.clean, "-c", "SELECT count(*) FROM sample"}).code == 0);
+    CHECK(sql_csv(files.clean, "SELECT char(9) || '=1+1' AS t") == "t\n'\t=1+1\n");
+    CHECK(sql_csv(files.clean,
+                  "SELECT printf('%s-%d-%q', 'a', 7, 'o''k') AS a, format('%d %d', 1) AS "
+                  "b, typeof(printf('')) AS c, typeof(printf('%s', NULL)) AS d") ==
+          "a,b,c,d\na-7-o''k,1 0,null,text\n");
+    ran({"sql", files.clean, "-c", "SELECT count(*) FROM sample"});
     tests::Process endless(
         {tests::palpate_program(), "sql", files.clean, "-c",
          "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT "
@@ -315,15 +285,13 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
     tests::write(left + "/trials.csv", "subject");
     const std::string near = shared + ".palpate-part-another";
     tests::write(near, "");
-    const Finished plain = palpate_command({"export", files.clean, "--kind", "all", "-o", shared});
-    CHECK(plain.code == 0);
+    const Finished plain = ran({"export", files.clean, "--kind", "all", "-o", shared});
     CHECK_THAT(plain.error, ContainsSubstring("aBcD12") && ContainsSubstring("it is removed"));
     CHECK(!std::filesystem::exists(left));
     CHECK(std::filesystem::exists(near));
     CHECK((rights(shared + "/trials.csv") & 0044U) != 0);
     const std::string coded = files.folder.file("coded");
-    CHECK(palpate_command({"export", files.clean, "--kind", "all", "--keep-codes", "-o", coded})
-              .code == 0);
+    ran({"export", files.clean, "--kind", "all", "--keep-codes", "-o", coded});
     CHECK(rights(coded + "/codes.csv") == 0600);
     const std::string page = files.folder.file("r.html");
     CHECK(
@@ -343,10 +311,10 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
     CHECK(linked.code == 0);
     CHECK(std::filesystem::file_size(victim) == 4);
     for (const char* code : {"--help", "-rf", "_a"}) {
-        const Finished refused = palpate_command(
-            {"run", "shape_friction_demo", std::string("--participant=") + code, "--db",
-             files.folder.file("new.sqlite"), "--headless", "--speed", "0"});
-        CHECK(refused.code == 2);
+        const Finished refused =
+            ran({"run", "shape_friction_demo", std::string("--participant=") + code, "--db",
+                 files.folder.file("new.sqlite"), "--headless", "--speed", "0"},
+                2);
         CHECK_THAT(refused.error, ContainsSubstring("the first a letter or digit"));
     }
 }

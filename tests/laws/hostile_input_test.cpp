@@ -1,7 +1,3 @@
-#include <cmath>
-#include <fstream>
-
-#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -9,17 +5,12 @@
 
 #include "protocols/library/shipped.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
+using namespace palpate::tests;
 using Catch::Matchers::Matches;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::write;
 
 namespace {
 
@@ -78,8 +69,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
     const std::string place = way == 5 ? "6" : "1";
     for (const Words& words : readers(file, folder.file("p.csv"))) {
         CAPTURE(words);
-        const Finished read = palpate_command(words);
-        CHECK(read.code == 2);
+        const Finished read = ran(words, 2);
         CHECK_THAT(read.error, Matches(".*p\\.toml:" + place + ":[0-9]+: more than 16 levels.*\n",
                                        Catch::CaseSensitive::Yes));
     }
@@ -91,9 +81,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
 TEST_CASE("a database whose protocol is deep or long ends no command by a signal", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
-    REQUIRE(palpate_command(
-                {"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--headless"})
-                .code == 0);
+    ran({"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--headless"});
     const std::string text = GENERATE(deep(0, 15'000), "a = '" + times(5'000'000, "x") + "'\n");
     {
         data::Database database(db, data::Access::write);
@@ -126,7 +114,7 @@ TEST_CASE("a database whose protocol is deep or long ends no command by a signal
         CHECK((done.code == 0 || done.error.size() + done.out.size() > 10));
         CHECK(done.error.size() < 1'000);
     }
-    CHECK(palpate_command({"verify", db}).code == 1);
+    ran({"verify", db}, 1);
 }
 
 TEST_CASE("what is no file is refused as a database by every command, at once", "[cli][law]") {
@@ -157,8 +145,7 @@ TEST_CASE("what is no file is refused as a database by every command, at once", 
                  {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", out,
                   "--device", "replay:" + db}}) {
             CAPTURE(words);
-            const Finished done = palpate_command(words);
-            CHECK(done.code == 2);
+            const Finished done = ran(words, 2);
             CHECK_THAT(done.error, Matches(".*: this is a (folder|pipe|socket|device), no file: .*"
                                            "\n",
                                            Catch::CaseSensitive::Yes));
@@ -171,7 +158,7 @@ TEST_CASE("what is no file is refused as a database by every command, at once", 
 TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", db}).code == 0);
+    ran({"demo", "--headless", "--db", db});
     CHECK_THAT(palpate_command({"merge", "/dev/zero", db}).error,
                ContainsSubstring("this is a device, no file"));
     for (const std::string& beside : {db + "-wal", db + "-journal", folder.file("pipe")}) {
@@ -181,12 +168,9 @@ TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait
     CHECK_THAT(palpate_command({"summary", db}).error,
                ContainsSubstring("this is a pipe, no file"));
     const std::string pipe = folder.file("pipe");
-    const Finished written =
-        palpate_command({"check", "shape_friction_demo", "--svg", folder.file("pipe")});
-    CHECK(written.code == 1);
+    const Finished written = ran({"check", "shape_friction_demo", "--svg", folder.file("pipe")}, 1);
     CHECK_THAT(written.error, ContainsSubstring("cannot be written"));
-    const Finished shown = palpate_command({"screenshots", "--font", pipe, "-o", folder.file("o")});
-    CHECK(shown.code == 2);
+    const Finished shown = ran({"screenshots", "--font", pipe, "-o", folder.file("o")}, 2);
     CHECK_THAT(shown.error, ContainsSubstring("there is no such file"));
     // What comes through a pipe is read: <(...) of a shell is one. What never ends is not.
     const Finished through =
@@ -215,15 +199,13 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
         CAPTURE(far);
         write(folder.file("q.csv"), fmt::format("x_m,y_m{0}\n0.05,{1}{2}\n{3},0.001{2}\n",
                                                 plane ? "" : ",z_m", "0.01", z, far));
-        const Finished closest = palpate_command({"closest", scene, folder.file("q.csv")});
-        CHECK(closest.code == 2);
+        const Finished closest = ran({"closest", scene, folder.file("q.csv")}, 2);
         CHECK_THAT(closest.error,
                    ContainsSubstring("q.csv:3: x_m is ") && ContainsSubstring("give metres from"));
         write(folder.file("t.csv"), fmt::format("t_s,x_m,y_m{0}\n0,0.05,0.01{1}\n0.001,0.05,{2}{1}"
                                                 "\n",
                                                 plane ? "" : ",z_m", z, far));
-        const Finished render = palpate_command({"render", scene, folder.file("t.csv")});
-        CHECK(render.code == 2);
+        const Finished render = ran({"render", scene, folder.file("t.csv")}, 2);
         CHECK_THAT(render.error, ContainsSubstring("t.csv:3: y_m is "));
     }
     // The farthest that is let in, and numbers too small to be squared, get the right answer.
@@ -231,8 +213,7 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
         CAPTURE(far);
         write(folder.file("q.csv"),
               fmt::format("x_m,y_m{}\n{},0.05{}\n", plane ? "" : ",z_m", far, z));
-        const Finished closest = palpate_command({"closest", scene, folder.file("q.csv")});
-        REQUIRE(closest.code == 0);
+        const Finished closest = ran({"closest", scene, folder.file("q.csv")});
         const double x = std::strtod(far, nullptr) > 1.0 ? 0.1 : 0.0;
         const double distance = std::hypot(std::strtod(far, nullptr) - x, plane ? 0.05 : 0.0);
         const std::string row = closest.out.substr(closest.out.find('\n') + 1);

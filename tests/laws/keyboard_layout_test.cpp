@@ -1,5 +1,3 @@
-#include <csignal>
-
 #include "tests/support/catch.hpp"
 #include "tests/support/window_session.hpp"
 

@@ -1,19 +1,8 @@
-#include <filesystem>
-#include <string>
-#include <vector>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/lab_files.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
-using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::lab_sqlite;
-using tests::LabFiles;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 using Words = std::vector<std::string>;
 
 TEST_CASE("no table, order or reference of a lab's is in the way of a command", "[store][law]") {
@@ -45,9 +34,8 @@ TEST_CASE("no table, order or reference of a lab's is in the way of a command", 
                                 {"sql", file, "-c", "SELECT count(*) FROM sample"},
                                 {"merge", merged, file},
                                 {"verify", file}}) {
-            const Finished done = palpate_command(words);
-            CAPTURE(sql, words.front(), done.out, done.error);
-            CHECK(done.code == 0);
+            CAPTURE(sql, words.front());
+            const Finished done = ran(words);
             CHECK(done.error.empty());
         }
     }

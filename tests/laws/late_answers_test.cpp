@@ -1,18 +1,12 @@
-#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <memory>
 
-#include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 
 using namespace palpate;
-using tests::eventually;
-using tests::TemporaryFolder;
-using tests::WindowSession;
+using namespace palpate::tests;
 
 // What befalls a board and its wire while a session runs, done to the shipped program: an emulator
 // that is typed to, a window, and the file.
@@ -138,7 +132,7 @@ TEST_CASE("a packet read as a reset, another program's torques and a turned angl
         REQUIRE(rig.feels());
         rig.type(befalls);
         rig.session().wait_for_screen("trouble");
-        CHECK_THAT(rig.cause(), Catch::Matchers::StartsWith("device_"));
+        CHECK_THAT(rig.cause(), StartsWith("device_"));
         CHECK(rig.ends());
         rig.type("turned 0");
     }
@@ -181,5 +175,5 @@ TEST_CASE("encoders that all stand still under a force end it, and a stopped pro
     rig.session().program().signal(SIGINT);
     CHECK(rig.ends());
     CHECK(rig.session().finish().code == 3);
-    CHECK(tests::palpate_command({"verify", rig.file()}).code == 0);
+    ran({"verify", rig.file()});
 }

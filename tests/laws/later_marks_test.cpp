@@ -1,17 +1,8 @@
-#include <filesystem>
-#include <set>
-
-#include <fmt/format.h>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -23,30 +14,21 @@ std::string head_in(const std::string& text) {
 }
 
 std::string verified_head(const std::string& file) {
-    const Finished verified = palpate_command({"verify", file});
-    CAPTURE(verified.out);
-    REQUIRE(verified.code == 0);
+    const Finished verified = ran({"verify", file});
     const std::size_t at = verified.out.find("  seal     ");
     REQUIRE(at != std::string::npos);
     return verified.out.substr(at + 11, 64);
 }
 
 std::string said(const std::vector<std::string>& words) {
-    const Finished done = palpate_command(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return done.out;
-}
-
-std::string rows(const std::string& file, const std::string& query) {
-    return said({"sql", file, "--csv", "-c", query});
+    return ran(words).out;
 }
 
 /// A finished session, and a copy of it that was marked and noted since.
 class MarkResult {
 public:
     MarkResult() {
-        REQUIRE(palpate_command({"demo", "--headless", "--db", before}).code == 0);
+        ran({"demo", "--headless", "--db", before});
         heads.push_back(verified_head(before));
         data::Database(before, data::Access::write).checkpoint();
         std::filesystem::copy_file(before, after);
@@ -99,13 +81,13 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
     CHECK(different.size() == 5);
     const std::string head = verified_head(study.after);
     CHECK(!different.contains(head));  // handedness and consent came last
-    CHECK(
-        rows(study.after,
-             "SELECT event_kind, text, operator, trial_id FROM event WHERE event_kind IN ('note', "
-             "'mark', 'participant') ORDER BY event_id") ==
-        "event_kind,text,operator,trial_id\nnote,hand rested,,\nmark,bell rang,Ada,2\n"
-        "note,left early,Bo,\nmark,sneezed,,5\nparticipant,handedness 80,Ada,\n"
-        "participant,consent yes,Ada,\n");
+    CHECK(sql_csv(
+              study.after,
+              "SELECT event_kind, text, operator, trial_id FROM event WHERE event_kind IN ('note', "
+              "'mark', 'participant') ORDER BY event_id") ==
+          "event_kind,text,operator,trial_id\nnote,hand rested,,\nmark,bell rang,Ada,2\n"
+          "note,left early,Bo,\nmark,sneezed,,5\nparticipant,handedness 80,Ada,\n"
+          "participant,consent yes,Ada,\n");
     CHECK_THAT(said({"verify", study.after, "--json"}), ContainsSubstring(head));
     struct Edit {
         const char* sql;
@@ -138,8 +120,7 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
              Edit{"UPDATE event SET event_id = event_id + 1000 WHERE text = 'hand rested'",
                   "event.seal (mark"},
              Edit{"INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES "
-                  "(1, "
-                  "'note', 'x', '', 10)",
+                  "(1, 'note', 'x', '', 10)",
                   "stored NULL"},
              Edit{"UPDATE session SET newest_seal = NULL", "session.newest_seal"},
              Edit{"UPDATE participant SET handedness = -80", "participant demo handedness"},
@@ -154,9 +135,8 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
             database.execute(edit.sql);
             database.checkpoint();
         }
-        const Finished verified = palpate_command({"verify", file});
-        CAPTURE(edit.sql, verified.out);
-        CHECK(verified.code == 1);
+        CAPTURE(edit.sql);
+        const Finished verified = ran({"verify", file}, 1);
         CHECK_THAT(verified.out, ContainsSubstring(edit.found));
     }
 }
@@ -172,15 +152,13 @@ TEST_CASE("a merge takes the file with the later marks, and calls two that diffe
         CHECK(verified_head(all) == head);
         said({"merge", all, study.before});
         CHECK(verified_head(all) == head);
-        CHECK(rows(all, "SELECT count(*), count(operator), max(at_utc) FROM event") ==
-              rows(study.after, "SELECT count(*), count(operator), max(at_utc) FROM event"));
+        CHECK(sql_csv(all, "SELECT count(*), count(operator), max(at_utc) FROM event") ==
+              sql_csv(study.after, "SELECT count(*), count(operator), max(at_utc) FROM event"));
     }
     const std::string other = study.folder.file("other.sqlite");
     std::filesystem::copy_file(study.before, other);
     said({"note", other, "another note", "--participant", "demo"});
-    const Finished merged =
-        palpate_command({"merge", study.folder.file("3.sqlite"), study.after, other});
-    CHECK(merged.code == 1);
+    const Finished merged = ran({"merge", study.folder.file("3.sqlite"), study.after, other}, 1);
     CHECK_THAT(merged.out + merged.error, ContainsSubstring("what was recorded differs"));
 }
 
@@ -192,7 +170,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
         "run", "shape_friction_demo", "--participant", "P1", "--db", file, "--device", "sim"};
     said(run);
     const std::string event = "SELECT text FROM event WHERE event_kind = 'participant'";
-    CHECK(rows(file, event) == "text\nhandedness 80\n");
+    CHECK(sql_csv(file, event) == "text\nhandedness 80\n");
     stop_after_seven(file);
     const std::string seventh = verified_head(file);
     const std::string marked = head_in(said({"mark", file, "3", "--invalid", "bell"}));
@@ -200,7 +178,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     CHECK(verified_head(file) == marked);
     said(run);
     CHECK(verified_head(file) != marked);
-    CHECK(rows(file, "SELECT count(*) FROM trial") == "count(*)\n11\n");
+    CHECK(sql_csv(file, "SELECT count(*) FROM trial") == "count(*)\n11\n");
 }
 
 TEST_CASE("a mark taken back counts again, as if it had never been made", "[verify][merge][law]") {
@@ -212,23 +190,22 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     said(run);
     stop_after_seven(file);
     const std::string trials = "SELECT * FROM analysis_trial ORDER BY trial_id";
-    const std::string before = rows(file, trials);
+    const std::string before = sql_csv(file, trials);
     said({"mark", file, "3", "--invalid", "bell"});
-    CHECK(rows(file, "SELECT counts, exclusion FROM analysis_trial WHERE trial_id = 3") ==
+    CHECK(sql_csv(file, "SELECT counts, exclusion FROM analysis_trial WHERE trial_id = 3") ==
           "counts,exclusion\n0,marked\n");
     data::Database(file, data::Access::write).checkpoint();
     std::filesystem::copy_file(file, marked);
 
     const std::string head =
         head_in(said({"mark", file, "3", "--undo", "it was trial 4", "--operator", "Ada"}));
-    CHECK(rows(file, trials) == before);
+    CHECK(sql_csv(file, trials) == before);
     CHECK(verified_head(file) == head);
-    CHECK(rows(file, "SELECT text, key, operator FROM event WHERE event_kind = 'mark'") ==
+    CHECK(sql_csv(file, "SELECT text, key, operator FROM event WHERE event_kind = 'mark'") ==
           "text,key,operator\nbell,,\nit was trial 4,undone,Ada\n");
-    const Finished twice = palpate_command({"mark", file, "3", "--undo", "again"});
-    CHECK(twice.code == 2);
+    const Finished twice = ran({"mark", file, "3", "--undo", "again"}, 2);
     CHECK_THAT(twice.error, ContainsSubstring("trial 3 counts: there is no mark to take back"));
-    CHECK(palpate_command({"mark", file, "3"}).code == 2);
+    ran({"mark", file, "3"}, 2);
     CHECK(verified_head(file) == head);
     // A later file has the mark and its undoing; an edit that only loses the mark is seen.
     const std::string all = folder.file("all.sqlite");
@@ -238,17 +215,16 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
         data::Database edited(marked, data::Access::write);
         edited.execute("UPDATE trial SET invalid_reason = NULL WHERE trial_id = 3");
     }
-    CHECK(palpate_command({"verify", marked}).code == 1);
+    ran({"verify", marked}, 1);
 
     // It is not run again; and once another answer stands in its place, a mark stays.
     said(run);
-    CHECK(rows(file, "SELECT count(*), sum(counts) FROM analysis_trial") ==
+    CHECK(sql_csv(file, "SELECT count(*), sum(counts) FROM analysis_trial") ==
           "count(*),sum(counts)\n10,10\n");
     stop_after_seven(file);
     said({"mark", file, "3", "--invalid", "bell"});
     said(run);
-    const Finished late = palpate_command({"mark", file, "3", "--undo", "no bell"});
-    CHECK(late.code == 2);
+    const Finished late = ran({"mark", file, "3", "--undo", "no bell"}, 2);
     CHECK_THAT(late.error, ContainsSubstring("took its place and counts"));
     verified_head(file);
 }
@@ -256,7 +232,7 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
 TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", "[verify][law]") {
     const TemporaryFolder folder;
     const std::string clean = folder.file("clean.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", clean}).code == 0);
+    ran({"demo", "--headless", "--db", clean});
     data::Database(clean, data::Access::write).checkpoint();
     struct Edit {
         const char* sql;
@@ -290,9 +266,7 @@ TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", 
             tests::Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.sql}).wait();
         CAPTURE(edit.sql, edited.out, edited.error);
         REQUIRE(edited.code == 0);
-        const Finished verified = palpate_command({"verify", file});
-        CAPTURE(verified.out, verified.error);
-        CHECK(verified.code == 1);
+        const Finished verified = ran({"verify", file}, 1);
         CHECK_THAT(verified.out, ContainsSubstring(edit.found));
     }
 }

@@ -1,12 +1,6 @@
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <random>
-#include <thread>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "tests/support/catch.hpp"

@@ -1,24 +1,12 @@
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <set>
 #include <tuple>
 
-#include <nlohmann/json.hpp>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/json_of.hpp"
 
 // Whom and what numbers are without: every command says the same of one file, in words and in JSON.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -30,13 +18,6 @@ std::string ask(const std::string& file, const std::string& query) {
 
 void edit(const std::string& file, const char* sql) {
     data::Database(file, data::Access::write).execute(sql);
-}
-
-Finished done(const std::vector<std::string>& words) {
-    Finished end = palpate_command(words);
-    CAPTURE(words, end.out, end.error);
-    REQUIRE(end.code == 0);
-    return end;
 }
 
 /// Two versions of a protocol with a rule of exclusion; of the first, five simulated people: A does
@@ -56,18 +37,18 @@ std::string mixed_study(const TemporaryFolder& folder) {
         if (who == "X") {
             words.emplace_back("--new-version");
         }
-        done(words);
+        ran(words);
     };
     for (const char* who : {"A", "B", "C", "D", "E", "F"}) {
         run("one.toml", who);
     }
     run("two.toml", "X");
     run("two.toml", "Y");
-    done({"participant", file, "A", "--consent", "no"});
-    done({"mark", file,
-          ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
-          "--invalid", "moved"});
-    done({"session", file, "D", "1", "--withdraw", "was asleep"});
+    ran({"participant", file, "A", "--consent", "no"});
+    ran({"mark", file,
+         ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
+         "--invalid", "moved"});
+    ran({"session", file, "D", "1", "--withdraw", "was asleep"});
     edit(file,
          "UPDATE session SET finished = 0 WHERE participant_id = (SELECT participant_id FROM "
          "participant WHERE participant_code = 'C')");
@@ -132,7 +113,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         std::vector<std::string> words{command};
         words.insert(words.end(), of.begin(), of.end());
         words.insert(words.end(), more.begin(), more.end());
-        return done(words);
+        return ran(words);
     };
     const std::vector<std::string> quick{"--permutations", "0", "--simulations", "0"};
     const Finished stats = with("stats", quick);
@@ -153,11 +134,11 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
                               ContainsSubstring("Exclusions applied: 2 people, 7 answers"));
     // Of a whole file that account is among the others.
     const Finished exported =
-        done({"export", file, "--kind", "simulated", "-o", folder.file("out")});
+        ran({"export", file, "--kind", "simulated", "-o", folder.file("out")});
     const Finished asked =
-        done({"sql", file, "--versions", "apart", "--csv", "-c", "SELECT 1 AS one"});
+        ran({"sql", file, "--versions", "apart", "--csv", "-c", "SELECT 1 AS one"});
     CHECK(asked.out == "one\n1\n");
-    for (const std::string& text : {done({"summary", file}).out, exported.out, asked.error}) {
+    for (const std::string& text : {ran({"summary", file}).out, exported.out, asked.error}) {
         CAPTURE(text);
         const std::set<std::string> all = account_in(text);
         for (const std::string& line : wanted) {
@@ -195,10 +176,10 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     };
     const std::string json_folder = folder.file("json");
     const Json made =
-        Json::parse(done({"export", file, "--kind", "simulated", "-o", json_folder, "--json"}).out);
+        Json::parse(ran({"export", file, "--kind", "simulated", "-o", json_folder, "--json"}).out);
     CHECK(made["sessions"] == 4);  // of B, C, E and X
     CHECK(of_study(made["left_out"]) == account);
-    const Json summed = of_study(Json::parse(done({"summary", file, "--json"}).out)["studies"]);
+    const Json summed = of_study(Json::parse(ran({"summary", file, "--json"}).out)["studies"]);
     const Json shown = page_account(tests::slurp(page));
     for (const char* part : {"people", "answers", "elsewhere", "study", "kind"}) {
         CAPTURE(part);
@@ -225,7 +206,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
          {std::pair{"csv", "README.txt"}, std::pair{"bids", "README"},
           std::pair{"psych-ds", "README.md"}, std::pair{"psychopy", "README.txt"}}) {
         const std::string out = folder.file(format);
-        done({"export", file, "--kind", "simulated", "--as", format, "-o", out});
+        ran({"export", file, "--kind", "simulated", "--as", format, "-o", out});
         const std::string text = tests::slurp(out + '/' + readme);
         CAPTURE(format, text);
         const std::set<std::string> all = account_in(text);
@@ -233,7 +214,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         CHECK_THAT(
             text, ContainsSubstring("sessions_finished: 1 is not") && !ContainsSubstring("asleep"));
     }
-    done({"analysis", "init", folder.file("csv")});
+    ran({"analysis", "init", folder.file("csv")});
     static_cast<void>(with(
         "stats", {"--permutations", "0", "--simulations", "0", "--emit-r", folder.file("s.R")}));
     for (const std::string& script :
@@ -256,9 +237,8 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"stats", file}, {"report", file, "-o", folder.file("f.html")}}) {
-        const Finished none = palpate_command(words);
-        CAPTURE(words.front(), none.error);
-        CHECK(none.code == 2);
+        CAPTURE(words.front());
+        const Finished none = ran(words, 2);
         CHECK_THAT(none.error, ContainsSubstring("people: 1 in the file; left out: 1 does not "
                                                  "consent; analysed: 0"));
     }
@@ -269,28 +249,25 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
           "[left-out][sql][law]") {
     const TemporaryFolder folder;
     const std::string file = mixed_study(folder);
-    const auto rows = [&](const std::string& of, const std::string& query) {
-        return done({"sql", of, "--csv", "-c", query}).out;
-    };
     const std::string who =
         "SELECT study_name, session_kind, group_concat(DISTINCT participant_code) AS who, count(*) "
         "AS n FROM main_trial GROUP BY 1, 2";
-    CHECK(rows(file, who) == "study_name,session_kind,who,n\nfour_trials,real,F,4\n");
+    CHECK(sql_csv(file, who) == "study_name,session_kind,who,n\nfour_trials,real,F,4\n");
     edit(file, "UPDATE session SET session_kind = 'simulated'");
-    CHECK(rows(file, who) ==
+    CHECK(sql_csv(file, who) ==
           "study_name,session_kind,who,n\nfour_trials,simulated,\"B,C,E,F,X,Y\",23\n");
-    CHECK(rows(file, "SELECT sum(n) AS n FROM confusion") == "n\n23\n");
+    CHECK(sql_csv(file, "SELECT sum(n) AS n FROM confusion") == "n\n23\n");
     // Another study in the same file: a row of its own. A catch trial's object is in no picture: no
     // answer is right.
-    done({"run", PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "--participant", "G", "--db",
-          file, "--headless"});
-    CHECK(rows(file, "SELECT count(DISTINCT study_name) AS n FROM main_trial") == "n\n2\n");
-    CHECK(rows(file,
-               "SELECT phase, count(*) > 0 AS n, count(correct) > 0 AS judged FROM "
-               "analysis_trial WHERE counts AND phase <> 'practice' GROUP BY 1") ==
+    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "--participant", "G", "--db",
+         file, "--headless"});
+    CHECK(sql_csv(file, "SELECT count(DISTINCT study_name) AS n FROM main_trial") == "n\n2\n");
+    CHECK(sql_csv(file,
+                  "SELECT phase, count(*) > 0 AS n, count(correct) > 0 AS judged FROM "
+                  "analysis_trial WHERE counts AND phase <> 'practice' GROUP BY 1") ==
           "phase,n,judged\ncatch,1,0\nmain,1,1\n");
     CHECK(palpate_command({"verify", file}).out.find("correct") == std::string::npos);
-    done({"export", file, "--kind", "all", "-o", folder.file("out")});
+    ran({"export", file, "--kind", "all", "-o", folder.file("out")});
     // The same places since the last break in the export as in the view.
     const std::string exported = tests::slurp(folder.file("out") + "/trials.csv");
     std::multiset<std::string> places;
@@ -313,10 +290,10 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
         places.insert(column(line, at));
     }
     std::multiset<std::string> seen;
-    std::istringstream listed(rows(file,
-                                   "SELECT trials_since_break FROM analysis_trial JOIN "
-                                   "participant USING (participant_code) WHERE consent IS NOT "
-                                   "0 AND exclusion IS NOT 'withdrawn'"));
+    std::istringstream listed(sql_csv(file,
+                                      "SELECT trials_since_break FROM analysis_trial JOIN "
+                                      "participant USING (participant_code) WHERE consent IS NOT "
+                                      "0 AND exclusion IS NOT 'withdrawn'"));
     std::getline(listed, line);
     while (std::getline(listed, line)) {
         seen.insert(line);
@@ -329,8 +306,8 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
           "[left-out][disk]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    done({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P", "--db",
-          file, "--headless"});
+    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P", "--db",
+         file, "--headless"});
     // As on a full disk: no file may grow.
     const auto piped = [](const std::string& of) {  // standard output is a file too
         return tests::Process(
@@ -351,6 +328,6 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
     }
     CHECK_THAT(piped(folder.file("b.sqlite")).out,
                ContainsSubstring("the disk is full, and reading needs 32 kB"));
-    CHECK_THAT(done({"summary", folder.file("b.sqlite")}).out,
+    CHECK_THAT(ran({"summary", folder.file("b.sqlite")}).out,
                ContainsSubstring("people: 1 in the file"));
 }

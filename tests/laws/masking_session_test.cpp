@@ -1,12 +1,8 @@
 #include <csignal>
-#include <fstream>
-#include <iterator>
 
 #include "data/store/database.hpp"
 #include "data/verify/verify.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -64,9 +60,7 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
 TEST_CASE("check says how loud the noise is and what the chosen language lacks", "[sound]") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
-    const tests::Finished said = tests::palpate_command({"check", folder.file("p.toml")});
-    CAPTURE(said.error);
-    CHECK(said.code == 0);
+    const tests::Finished said = ran({"check", folder.file("p.toml")});
     CHECK_THAT(said.out, ContainsSubstring("masking noise: pink at -40 dB re full scale"));
     CHECK_THAT(said.out,
                ContainsSubstring("[instructions.en] has no ready, [instructions.tr] has"));

@@ -1,47 +1,9 @@
-#include <cmath>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/json_of.hpp"
 
 // What an analyst's tables are like, seen from outside: the shipped program, files, what it prints.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
-using tests::write;
-
-namespace {
-
-Finished run(std::vector<std::string> words) {
-    const Finished done = palpate_command(words);
-    CAPTURE(words, done.error);
-    REQUIRE(done.code == 0);
-    return done;
-}
-
-Json json_of(std::vector<std::string> words) {
-    words.emplace_back("--json");
-    return Json::parse(run(std::move(words)).out);
-}
-
-void refused(const std::vector<std::string>& words, const std::string& why) {
-    const Finished done = palpate_command(words);
-    CAPTURE(words);
-    CHECK(done.code == 2);
-    CHECK(done.out.empty());
-    CHECK_THAT(done.error, ContainsSubstring(why));
-}
-
-}  // namespace
+using namespace palpate::tests;
 
 TEST_CASE(
     "tables with a column twice, another encoding or other separators are refused at their place",
@@ -115,10 +77,9 @@ TEST_CASE(
         Process(
             {"Rscript", "-e",
              fmt::format(
-                 "s <- readLines('{}'); invisible(parse(text = s)); cut <- "
-                 "grep('^part\\\\(|^if \\\\(any', s)[1]; setwd('{}'); invisible(eval(parse(text = "
-                 "s[seq_len(cut - 1)]))); mixed <- function(...) NULL; part(all[all$excluded == "
-                 "'', ], '/applied')",
+                 "s <- readLines('{}'); invisible(parse(text = s)); cut <- grep('^part\\\\(|^if "
+                 "\\\\(any', s)[1]; setwd('{}'); invisible(eval(parse(text = s[seq_len(cut - "
+                 "1)]))); mixed <- function(...) NULL; part(all[all$excluded == '', ], '/applied')",
                  folder.file("r.R"), folder.path().string())},
             {"LC_ALL=C"})
             .wait();
@@ -200,7 +161,7 @@ TEST_CASE("people whose JND has no end are counted and named, and the median kee
             CHECK(curve["jnd"]["profile_open"].is_null());
         }
     }
-    const std::string printed = run({"fit", folder.file("d.csv"), "--bootstrap", "60"}).out;
+    const std::string printed = ran({"fit", folder.file("d.csv"), "--bootstrap", "60"}).out;
     CHECK_THAT(printed,
                ContainsSubstring("1 person left out: D (unbounded: no level on the rise)") ||
                    ContainsSubstring("1 person left out: D (unbounded: no level lies"));
@@ -222,7 +183,7 @@ TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a 
     const std::string csv = folder.file("d.csv");
     write(csv, "stimulus,n,k\n-2,20,1\n-1,20,4\n0,20,9\n1,20,16\n2,20,19\n");
     const std::vector<std::string> words{"fit", csv, "--bootstrap", "0", "--at", "0.99"};
-    CHECK_THAT(run(words).out,
+    CHECK_THAT(ran(words).out,
                ContainsSubstring("none: a stimulus is below 0") &&
                    ContainsSubstring("x of P = 0.99   never reached: P goes from 0 to 0.98") &&
                    !ContainsSubstring("unbounded"));
@@ -230,7 +191,7 @@ TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a 
     CHECK(curve["weber_fraction"]["why"] == "none: a stimulus is below 0");
     CHECK(curve["stimulus_at"]["estimate"].is_null());
     write(csv, "stimulus,n,k\n0,20,12\n1,20,16\n2,20,19\n");
-    CHECK_THAT(run(words).out, ContainsSubstring("none: the threshold is not above 0"));
+    CHECK_THAT(ran(words).out, ContainsSubstring("none: the threshold is not above 0"));
 }
 
 TEST_CASE(
@@ -261,7 +222,7 @@ TEST_CASE(
         // A person's own d' keeps the correction of its own answers.
         const Json& cells = part["people"]["P0"]["friction"];
         CHECK(cells["off"]["d_prime"].get<double>() > cells["on"]["d_prime"].get<double>());
-        const std::string printed = run(all).out;
+        const std::string printed = ran(all).out;
         CHECK_THAT(printed, ContainsSubstring("Of 8 people the frictions have different numbers") &&
                                 !ContainsSubstring("-0.00"));
     }
@@ -274,7 +235,7 @@ TEST_CASE("palpate stats shows Brier's score in its table", "[stats]") {
           "A,3,a,off,a,1\nB,1,a,off,a,0.5\nB,2,b,off,b,0.5\n");
     // A: (0.2^2 + 0.6^2 + 0) / 3; B: 0.25.
     CHECK_THAT(
-        run({"stats", folder.file("d.csv"), "--simulations", "0"}).out,
+        ran({"stats", folder.file("d.csv"), "--simulations", "0"}).out,
         ContainsSubstring("Brier's score") && ContainsSubstring("A       1.000   0.133  0.133") &&
             ContainsSubstring("B           -  -0.500  0.250") && ContainsSubstring("mean: 0.192"));
 }
@@ -292,5 +253,5 @@ TEST_CASE(
     write(csv,
           "subject,trial,shape,friction,response\nA,1,a,off,a\nA,2,b,off,a\nB,1,a,on,b\nB,2,b,on,"
           "b\n");
-    CHECK_THAT(run(words).out, ContainsSubstring("nobody has a number under both"));
+    CHECK_THAT(ran(words).out, ContainsSubstring("nobody has a number under both"));
 }

@@ -1,22 +1,9 @@
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <vector>
-
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -37,9 +24,7 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
     REQUIRE(
         palpate_command({"run", kForms, "--participant", "P1", "--db", file, "--headless"}).code ==
         0);
-    const Finished verified = palpate_command({"verify", file});
-    CAPTURE(verified.out);
-    CHECK(verified.code == 0);
+    const Finished verified = ran({"verify", file});
     CHECK_THAT(verified.out, ContainsSubstring("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
     CHECK(one(file,
@@ -67,8 +52,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
     std::ofstream(study, std::ios::app)  // short trials: their order is what counts
         << "[timing]\nexplore_min_s = 0.1\nexplore_prompt_s = 0.2\nexplore_timeout_s = 0.3\n";
     for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
-        REQUIRE(palpate_command({"run", study, "--participant", code, "--db", file, "--headless"})
-                    .code == 0);
+        ran({"run", study, "--participant", code, "--db", file, "--headless"});
         // As if people had felt it: only they count for the next one's order.
         data::Database database(file, data::Access::write);
         database.prepare("UPDATE session SET session_kind = 'real'").run();
@@ -94,8 +78,7 @@ TEST_CASE("another outline under the same name is found by its hash", "[free_for
                 "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'")
             .run();
     }
-    const Finished verified = palpate_command({"verify", file});
-    CHECK(verified.code == 1);
+    const Finished verified = ran({"verify", file}, 1);
     CHECK_THAT(verified.out, ContainsSubstring("dome"));
 }
 
@@ -103,16 +86,13 @@ TEST_CASE("sequence and check show friction blocks and free forms",
           "[free_forms][friction_blocks]") {
     const TemporaryFolder folder;
     const std::string sheet = folder.file("o.svg");
-    const Finished check = palpate_command({"check", kForms, "--svg", sheet, "--long"});
-    CAPTURE(check.error);
-    CHECK(check.code == 0);
+    const Finished check = ran({"check", kForms, "--svg", sheet, "--long"});
     CHECK_THAT(check.out, ContainsSubstring("16 main in 4 blocks") &&
                               ContainsSubstring("(one a block)") &&
                               ContainsSubstring("frictions of the blocks: "));
     const std::string drawn = tests::slurp(sheet);
     CHECK_THAT(drawn, ContainsSubstring("free form, 80") && ContainsSubstring("dome"));
-    const Finished sequence = palpate_command({"sequence", kForms, "--participant", "P1"});
-    CHECK(sequence.code == 0);
+    const Finished sequence = ran({"sequence", kForms, "--participant", "P1"});
     CHECK_THAT(sequence.out,
                ContainsSubstring("friction blocks: row") && ContainsSubstring("of 2 of the"));
     const Finished csv = palpate_command({"sequence", kForms, "--participant", "P1", "--csv"});
@@ -126,7 +106,7 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
           "[handedness]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command({"participant", file, "L1", "--new", "--handedness=-60"}).code == 0);
+    ran({"participant", file, "L1", "--new", "--handedness=-60"});
     const Finished run =
         Process({tests::palpate_program(), "run", "shape_friction", "--participant", "L1", "--db",
                  file, "--device", "haply:/nonexistent", "--calibration",

@@ -1,25 +1,10 @@
-#include <cmath>
-#include <fstream>
-#include <map>
-#include <sstream>
-
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
 #include "tests/support/foot_oracle.hpp"
 #include "tests/support/gos_oracle.hpp"
 #include "tests/support/nurbs_oracle.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Random;
-using tests::TemporaryFolder;
-using tests::Vec2;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -95,9 +80,8 @@ curvature_per_m = {}
     std::ifstream in(folder.file("o.csv"));
     std::ostringstream text;
     text << in.rdbuf();
-    REQUIRE_THAT(text.str(),
-                 Catch::Matchers::StartsWith("t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,"
-                                             "go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven\n"));
+    REQUIRE_THAT(text.str(), StartsWith("t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,"
+                                        "go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven\n"));
     const auto csv = columns_of(text.str());
     REQUIRE(csv.at("t_s").size() == hips.size());
     double worst = 0.0;
@@ -121,9 +105,7 @@ curvature_per_m = {}
 
 TEST_CASE("palpate closest answers for separate curves like an oracle that proves its distance",
           "[cli][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, 6U);
     const TemporaryFolder folder;
     std::string scene;
     std::vector<tests::FootOracle> oracles;
@@ -196,10 +178,8 @@ to_m = [0.1, 0.0]
         CAPTURE(wrong.to);
         write(folder.file("s.toml"), replaced(good, wrong));
         write(folder.file("t.csv"), replaced(path, wrong));
-        const Finished run = palpate_command(
-            {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
-        CAPTURE(run.error);
-        CHECK(run.code == 2);
+        const Finished run = ran(
+            {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")}, 2);
         CHECK_THAT(run.error, ContainsSubstring(wrong.place) && ContainsSubstring(wrong.value));
         CHECK(folder.names() == std::vector<std::string>{"s.toml", "t.csv"});
     }
@@ -240,9 +220,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     const std::size_t begin = page.find("degree = 3", page.find("**Curves that yield**"));
     const std::string bow = page.substr(begin, page.find("dt_s", begin) - begin);
     write(folder.file("rest.toml"), bow + "static = true\n");
-    const Finished rest = palpate_command({"deform", folder.file("rest.toml")});
-    CAPTURE(rest.error);
-    REQUIRE(rest.code == 0);
+    const Finished rest = ran({"deform", folder.file("rest.toml")});
     const auto still = columns_of(rest.out);
     CHECK(still.size() == 1 + 4 * 4 + 2);
     // By hand: 3 F / (4 (3 alpha + 36 beta)) for both free points, 3/4 of it at the loaded one.
@@ -264,10 +242,8 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
                                       (std::cos(turn * t) + decay / turn * std::sin(turn * t)));
     };
     write(folder.file("motion.toml"), bow + "dt_s = 0.0001\n");
-    const Finished motion = palpate_command({"deform", folder.file("motion.toml"), "--times",
-                                             "0,0.02,0.05005,0.1", "-o", folder.file("out.csv")});
-    CAPTURE(motion.error);
-    REQUIRE(motion.code == 0);
+    const Finished motion = ran({"deform", folder.file("motion.toml"), "--times",
+                                 "0,0.02,0.05005,0.1", "-o", folder.file("out.csv")});
     const auto moved = columns_of(tests::slurp(folder.file("out.csv")));
     CHECK(number(moved, "dy1_m", 0) == 0.0);
     for (std::size_t row = 1; row < 4; ++row) {
@@ -283,9 +259,8 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
         write(folder.file("wrong.toml"), text);
         std::vector<std::string> line{"deform", folder.file("wrong.toml")};
         line.insert(line.end(), words.begin(), words.end());
-        const Finished run = palpate_command(line);
-        CAPTURE(run.error, sentence);
-        CHECK(run.code == 2);
+        CAPTURE(sentence);
+        const Finished run = ran(line, 2);
         CHECK(run.out.empty());
         CHECK_THAT(run.error, ContainsSubstring(sentence));
     };
@@ -333,10 +308,7 @@ TEST_CASE("palpate render presses a soft object to where palpate deform has it a
     }
     write(folder.file("t.csv"), path);
     const auto pressed = [&](double compliance) {
-        const Finished run = palpate_command(
-            {"render", scene(compliance), folder.file("t.csv"), "-o", folder.file("o.csv")});
-        CAPTURE(run.error);
-        REQUIRE(run.code == 0);
+        ran({"render", scene(compliance), folder.file("t.csv"), "-o", folder.file("o.csv")});
         return columns_of(tests::slurp(folder.file("o.csv")));
     };
     const auto rigid = pressed(0.0);
@@ -362,9 +334,7 @@ TEST_CASE("palpate render presses a soft object to where palpate deform has it a
                     "force_n = [{}, {}]\nat_u = 0.5\nstatic = true\n",
                     points, 0.5 / soft, 0.5 / soft / 400.0, -number(csv, "fx_n", last),
                     -number(csv, "fy_n", last)));
-    const Finished deformed = palpate_command({"deform", folder.file("c.toml")});
-    CAPTURE(deformed.error);
-    REQUIRE(deformed.code == 0);
+    const Finished deformed = ran({"deform", folder.file("c.toml")});
     const auto rest = columns_of(deformed.out);
     CHECK(number(rest, "cx_m", 0) == Approx(number(csv, "go_x_m", last)).margin(1e-8));
     CHECK(number(rest, "cy_m", 0) == Approx(number(csv, "go_y_m", last)).margin(1e-8));

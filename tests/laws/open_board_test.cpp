@@ -1,21 +1,11 @@
 #include <csignal>
-#include <filesystem>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Catch::Matchers::StartsWith;
-using tests::eventually;
-using tests::Finished;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::PressedDesk;
-using tests::PressingHand;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 // The shipped program on an open board: its firmware behind a pseudo-terminal.
 

@@ -1,29 +1,16 @@
-#include <algorithm>
-#include <chrono>
 #include <csignal>
-#include <fstream>
-#include <iterator>
-#include <thread>
 
 #include "engine/base/clock.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/pressed_desk.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
 // What whoever runs a session meets: which sessions are real, what a press may do, and what the
 // terminal says.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::pause;
-using tests::replaced;
-using tests::TemporaryFolder;
-using tests::WindowSession;
+using namespace palpate::tests;
 
 namespace {
 
@@ -237,10 +224,8 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
     text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
     std::ofstream(folder.file("p.toml")) << text;
-    const Finished end = palpate_command(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
-    CAPTURE(end.out, end.error);
-    REQUIRE(end.code == 0);
+    const Finished end =
+        ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
     std::vector<std::string> numbers;
     std::size_t repeats = 0;
     std::size_t alarms = 0;
@@ -299,9 +284,7 @@ TEST_CASE(
     CHECK_THAT(stopped.out, ContainsSubstring("Stopped before practice "));
     std::vector<std::string> redo = words;
     redo.insert(redo.end(), {"0", "--resume", "redo-block"});
-    const Finished rest = palpate_command(redo);
-    CAPTURE(rest.out, rest.error);
-    CHECK(rest.code == 0);
+    const Finished rest = ran(redo);
     CHECK_THAT(rest.out, ContainsSubstring("Resuming at practice 1 of ") &&
                              ContainsSubstring(" trial 1 of ") &&
                              ContainsSubstring("  attempt 2  ") &&

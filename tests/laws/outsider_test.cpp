@@ -1,29 +1,14 @@
-#include <algorithm>
-#include <array>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <set>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/secret.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 // What somebody outside the lab makes of an export: protocol, seed, the list of all codes and this
 // program's own code are known, the file is not.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {
@@ -32,7 +17,9 @@ constexpr const char* kStudy = "shape_friction_demo";
 const std::vector<std::string> kCodes{"P01", "P02", "P03", "P04", "P05", "P06", "P07"};
 const std::string kDeclined = "P03";
 
-Finished ran(const std::string& code, const std::string& file, std::vector<std::string> more = {}) {
+Finished run_as(const std::string& code,
+                const std::string& file,
+                std::vector<std::string> more = {}) {
     std::vector<std::string> words{"run",  kStudy, "--participant", code,
                                    "--db", file,   "--headless"};
     words.insert(words.end(), more.begin(), more.end());
@@ -43,7 +30,7 @@ Finished ran(const std::string& code, const std::string& file, std::vector<std::
 /// People who ran, one after the other, as if each hand had been a person's.
 void record(const std::string& file, std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
-        REQUIRE(ran(kCodes[i], file).code == 0);
+        REQUIRE(run_as(kCodes[i], file).code == 0);
         data::Database(file, data::Access::write)
             .execute("UPDATE session SET session_kind = 'real'");
     }
@@ -55,9 +42,8 @@ std::string exported(const std::string& file,
                      std::vector<std::string> more = {}) {
     std::vector<std::string> words{"export", file, "--format", format, "-o", out};
     words.insert(words.end(), more.begin(), more.end());
-    const Finished done = palpate_command(words);
-    CAPTURE(format, done.error);
-    REQUIRE(done.code == 0);
+    CAPTURE(format);
+    ran(words);
     return out;
 }
 
@@ -182,9 +168,9 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
     const TemporaryFolder folder;
     const std::string file = folder.file("study.sqlite");
     record(file, 0, 4);
-    REQUIRE(palpate_command({"participant", file, kDeclined, "--consent", "no"}).code == 0);
-    REQUIRE(palpate_command({"participant", file, "P01", "--handedness", "80"}).code == 0);
-    REQUIRE(palpate_command({"participant", file, "P02", "--handedness", "-30"}).code == 0);
+    ran({"participant", file, kDeclined, "--consent", "no"});
+    ran({"participant", file, "P01", "--handedness", "80"});
+    ran({"participant", file, "P02", "--handedness", "-30"});
     const std::string early = exported(file, "csv", folder.file("early"), {"--keep-codes"});
     record(file, 4, kCodes.size());
 
@@ -285,7 +271,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string secret = "0123456789abcdef0123456789abcdef";
     const auto content = [&](const std::string& name, std::vector<std::string> more) {
-        REQUIRE(ran("P01", folder.file(name), std::move(more)).code == 0);
+        REQUIRE(run_as("P01", folder.file(name), std::move(more)).code == 0);
         data::Database database(folder.file(name), data::Access::read);
         return tests::content_hash(database);
     };
@@ -293,19 +279,19 @@ TEST_CASE(
     CHECK(content("b.sqlite", {"--secret", secret}) == first);
     CHECK(content("c.sqlite", {}) != first);
     CHECK(content("d.sqlite", {"--secret", std::string(32, '1')}) != first);
-    CHECK(ran("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
+    CHECK(run_as("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
     const std::string before = tests::slurp(folder.file("c.sqlite"));
-    const Finished refused = ran("P02", folder.file("c.sqlite"), {"--secret", secret});
+    const Finished refused = run_as("P02", folder.file("c.sqlite"), {"--secret", secret});
     CHECK(refused.code == 2);
     CHECK_THAT(refused.error, ContainsSubstring("a secret of its own"));
     CHECK(tests::slurp(folder.file("c.sqlite")) == before);
     for (const std::string& wrong : {std::string("12"), std::string(32, 'g')}) {
-        CHECK(ran("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
+        CHECK(run_as("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
     }
     CHECK_FALSE(fs::exists(folder.file("none.sqlite")));
     // The demo's is known to all: people in the same file get the file's own.
-    REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("demo.sqlite")}).code == 0);
-    REQUIRE(ran("P01", folder.file("demo.sqlite")).code == 0);
+    ran({"demo", "--headless", "--db", folder.file("demo.sqlite")});
+    REQUIRE(run_as("P01", folder.file("demo.sqlite")).code == 0);
     const auto secrets =
         values(folder.file("demo.sqlite"), "SELECT secret FROM session ORDER BY session_id");
     CHECK(secrets.at(0) == data::kDemoSecret);
@@ -318,10 +304,10 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
     const auto file = [&](const char* name) {
         return folder.file(name);
     };
-    REQUIRE(ran("P01", file("a.sqlite")).code == 0);
-    REQUIRE(ran("P02", file("a.sqlite")).code == 0);
-    REQUIRE(ran("P03", file("b.sqlite")).code == 0);
-    REQUIRE(ran("P01", file("b.sqlite"), {"--session", "2", "--elsewhere"}).code == 0);
+    REQUIRE(run_as("P01", file("a.sqlite")).code == 0);
+    REQUIRE(run_as("P02", file("a.sqlite")).code == 0);
+    REQUIRE(run_as("P03", file("b.sqlite")).code == 0);
+    REQUIRE(run_as("P01", file("b.sqlite"), {"--session", "2", "--elsewhere"}).code == 0);
     REQUIRE(
         palpate_command({"merge", file("ab.sqlite"), file("a.sqlite"), file("b.sqlite")}).code ==
         0);
@@ -345,9 +331,7 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
         palpate_command({"merge", file("ab.sqlite"), file("ab.sqlite"), file("b.sqlite")}).code ==
         0);
     CHECK(values(file("ab.sqlite"), sessions) == values(file("ba.sqlite"), sessions));
-    const Finished verified = palpate_command({"verify", file("ab.sqlite")});
-    CAPTURE(verified.out);
-    CHECK(verified.code == 0);
+    ran({"verify", file("ab.sqlite")});
     for (const char* session : {"1", "2"}) {
         const std::vector<std::string> words{"sequence",  kStudy,  "--participant", "P01",
                                              "--session", session, "--csv",         "--db"};
@@ -362,8 +346,8 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
 TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret][verify][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("study.sqlite");
-    REQUIRE(ran("P01", file).code == 0);
-    CHECK(palpate_command({"verify", file}).code == 0);
+    REQUIRE(run_as("P01", file).code == 0);
+    ran({"verify", file});
     const char* edits[] = {
         "DELETE FROM secret",
         "UPDATE secret SET hex = '0123456789abcdef0123456789abcdef'",
@@ -376,13 +360,12 @@ TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret
         fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
         data::Database(copy, data::Access::write)
             .execute(fmt::format("PRAGMA foreign_keys = OFF; {}", edit).c_str());
-        const Finished wrong = palpate_command({"verify", copy});
-        CHECK(wrong.code == 1);
+        const Finished wrong = ran({"verify", copy}, 1);
         CHECK_THAT(wrong.out, ContainsSubstring("secret") || ContainsSubstring("plan_sha256"));
     }
     data::Database(file, data::Access::write)
         .execute("PRAGMA foreign_keys = OFF; DELETE FROM secret");
-    const Finished refused = ran("P02", file);
+    const Finished refused = run_as("P02", file);
     CHECK(refused.code != 0);
     CHECK_THAT(refused.error, ContainsSubstring("its secret was removed"));
 }

@@ -1,16 +1,6 @@
-#include <string>
-#include <vector>
+#include "tests/support/program.hpp"
 
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
-
-using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::slurp;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -54,9 +44,7 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
         return folder.file(name);
     };
     const std::string database = f("d.sqlite");
-    REQUIRE(palpate_command(
-                {"simulate", kOwnStudy, "--participants", "2", "--no-traces", "--db", database})
-                .code == 0);
+    ran({"simulate", kOwnStudy, "--participants", "2", "--no-traces", "--db", database});
     write(f("p.toml"), slurp(kOwnStudy));
     write(f("nm.csv"), "stimulus,n,k\n1,10,2\n2,10,5\n3,10,9\n");
     write(f("notes.txt"), "t_s, and what else I saw\n<svgs> are drawings\n");
@@ -109,7 +97,7 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
         REQUIRE(first.code == 0);
         const std::string text = slurp(made.file("out"));
         CHECK(!text.empty());
-        CHECK(palpate_command(words).code == 0);
+        ran(words);
         CHECK(slurp(made.file("out")) == text);
     }
 }

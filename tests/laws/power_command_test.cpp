@@ -1,6 +1,3 @@
-#include <filesystem>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/catch.hpp"
@@ -8,10 +5,7 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::slurp;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 

@@ -1,29 +1,18 @@
-#include <filesystem>
-#include <fstream>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using tests::Finished;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 // What the program leaves behind for others to read, and how it is built.
 
 TEST_CASE("whatever is written with participants' codes is its owner's alone", "[privacy][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                             "--participant", "P1", "--db", file, "--headless"})
-                .code == 0);
+    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         file, "--headless"});
     const auto others_read = [&](const std::vector<std::string>& words, const std::string& made) {
         CAPTURE(words, made);
-        const Finished end = palpate_command(words);
-        CAPTURE(end.error);
-        REQUIRE(end.code == 0);
+        ran(words);
         using std::filesystem::perms;
         return (std::filesystem::status(folder.file(made)).permissions() &
                 (perms::group_all | perms::others_all)) != perms::none;
@@ -75,11 +64,10 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
           "[privacy][export][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                             "--participant", "P1", "--db", file, "--headless"})
-                .code == 0);
-    REQUIRE(palpate_command({"mark", file, "2", "--invalid", "slept"}).code == 0);
-    REQUIRE(palpate_command({"note", file, "slept", "--participant", "P1"}).code == 0);
+    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         file, "--headless"});
+    ran({"mark", file, "2", "--invalid", "slept"});
+    ran({"note", file, "slept", "--participant", "P1"});
     REQUIRE(
         palpate_command({"export", file, "--kind", "simulated", "-o", folder.file("out")}).code ==
         0);

@@ -1,19 +1,8 @@
-#include <fstream>
-#include <map>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "tests/protocols/published_traces.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -109,9 +98,7 @@ TEST_CASE(
         responses += std::string(1, answer) + "\n";
     }
     write(folder.file("r.csv"), responses);
-    const Finished run =
-        palpate_command({"procedure", folder.file("c.toml"), folder.file("r.csv")});
-    REQUIRE(run.code == 0);
+    const Finished run = ran({"procedure", folder.file("c.toml"), folder.file("r.csv")});
     const auto table = rows(run.out);
     CHECK(fmt::format("{}", fmt::join(table[0], ",")) ==
           "trial,stimulus,response,estimate_mean,estimate_mode,entropy_bits,next_stimulus");
@@ -140,10 +127,8 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     write(config, kWatson);
     const auto refused = [&](std::string_view text, const std::string& what) {
         write(responses, text);
-        const Finished run =
-            palpate_command({"procedure", config, responses, "-o", folder.file("o.csv")});
         CAPTURE(text);
-        CHECK(run.code == 2);
+        const Finished run = ran({"procedure", config, responses, "-o", folder.file("o.csv")}, 2);
         CHECK_THAT(run.error, ContainsSubstring(what));
         CHECK(folder.names() == std::vector<std::string>{"c.toml", "r.csv"});
     };
@@ -159,16 +144,14 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     refused(many, "r.csv:130: response 129 comes after the end: the procedure ends with trial 128");
     refused("", "the file is empty");
 
-    CHECK(palpate_command({"procedure"}).code == 2);
-    CHECK(palpate_command({"procedure", config}).code == 2);
-    CHECK(palpate_command({"procedure", folder.file("no.toml"), responses}).code == 2);
+    ran({"procedure"}, 2);
+    ran({"procedure", config}, 2);
+    ran({"procedure", folder.file("no.toml"), responses}, 2);
     CHECK_THAT(palpate_command({"procedure", config, folder.file("no.csv")}).error,
                ContainsSubstring("cannot be read"));
     write(config, "format = 1\n[procedure]\nkind = \"best\"\n");
-    const Finished bad = palpate_command({"procedure", config, responses});
-    CHECK(bad.code == 2);
+    const Finished bad = ran({"procedure", config, responses}, 2);
     CHECK_THAT(bad.error, ContainsSubstring("c.toml:3:8: kind is \"best\""));
-    const Finished keys = palpate_command({"procedure", "--keys"});
-    CHECK(keys.code == 0);
+    const Finished keys = ran({"procedure", "--keys"});
     CHECK_THAT(keys.out, ContainsSubstring("[quest]"));
 }

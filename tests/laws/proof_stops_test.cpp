@@ -1,19 +1,13 @@
 #include <csignal>
-#include <filesystem>
-#include <functional>
 
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/rig_study.hpp"
 #include "tests/support/stop_ways.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::eventually;
-using tests::Finished;
-using tests::FreeBoard;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 // Weak pulses before there is a session, and whoever wants none any more: the shipped program, a
 // board on a pseudo-terminal whose handle nobody holds, a terminal, another shell and a pipe in
@@ -83,8 +77,7 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
     };
     ends("terminal", [&](pid_t) { terminal.type("\x1b"); });
     ends("palpate stop", [&](pid_t) {
-        const Finished called = tests::palpate_command({"stop"});
-        CHECK(called.code == 0);
+        const Finished called = ran({"stop"});
         CHECK_THAT(called.out, ContainsSubstring("weak pulses that prove a rig"));
     });
     ends("signal", [&](pid_t program) { kill(program, SIGINT); });

@@ -1,14 +1,8 @@
-#include <fstream>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -61,7 +55,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     REQUIRE(run(second, "R3", "--new-version").code == 0);
     REQUIRE(run(second, "R4").code == 0);
     CHECK_THAT(run(first, "R5").error, ContainsSubstring("mu_d 0.1 there, 0.5 here"));
-    CHECK(palpate_command({"verify", file}).code == 0);
+    ran({"verify", file});
 
     const std::string one = "four_trials@" + ask(file,
                                                  "SELECT substr(protocol_sha256, 1, 8) FROM study "
@@ -124,5 +118,5 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     const std::string names = "SELECT group_concat(DISTINCT study_name) FROM analysis_trial";
     CHECK_THAT(palpate_command({"sql", file, "--versions", "apart", "--csv", "-c", names}).out,
                ContainsSubstring(one) && ContainsSubstring(other));
-    CHECK_THAT(palpate_command({"sql", file, "--csv", "-c", names}).out, !ContainsSubstring("@"));
+    CHECK_THAT(sql_csv(file, names), !ContainsSubstring("@"));
 }

@@ -1,20 +1,9 @@
-#include <fstream>
-#include <iterator>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "engine/base/sha256.hpp"
-#include "data/schema/catalogue.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/mixed_study.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -51,7 +40,7 @@ TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[re
 
 TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law]") {
     const TemporaryFolder folder;
-    REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("d.sqlite")}).code == 0);
+    ran({"demo", "--headless", "--db", folder.file("d.sqlite")});
     const tests::Finished names =
         tests::Process({"sqlite3", folder.file("d.sqlite"),
                         "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})

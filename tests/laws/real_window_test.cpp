@@ -1,22 +1,15 @@
-#include <algorithm>
 #include <csignal>
-#include <set>
-#include <thread>
 
 #include "data/store/reader.hpp"
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/pointer_map.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/gos_oracle.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using engine::Vec2;
-using tests::ArcOracle;
-using tests::GosOracle;
-using tests::pause;
-using tests::TemporaryFolder;
-using tests::XHand;
 
 namespace {
 
@@ -179,7 +172,5 @@ TEST_CASE(
     CHECK(end.code == 3);
     CHECK(session.ask("SELECT group_concat(outcome) FROM trial") == "complete,aborted");
     CHECK(session.ask("SELECT input FROM response") == "key");
-    const tests::Finished verified = tests::palpate_command({"verify", file});
-    CAPTURE(verified.out);
-    CHECK(verified.code == 0);
+    ran({"verify", file});
 }

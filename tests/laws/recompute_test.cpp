@@ -1,15 +1,10 @@
-#include <filesystem>
-#include <fstream>
-
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/mixed_study.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 TEST_CASE(
     "Python computes every column of the views and the ten usual questions again, and notices a "

@@ -1,24 +1,12 @@
-#include <algorithm>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/presser.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::commissioned_rig;
-using tests::eventually;
-using tests::Finished;
-using tests::FreeBoard;
-using tests::palpate_command;
-using tests::replaced;
-using tests::TemporaryFolder;
-using tests::times;
-using tests::TypedTo;
+using namespace palpate::tests;
 
 // README's rehearsal by the shipped program: an emulated board, a hand that is typed to it, keys in
 // a window.
@@ -120,7 +108,7 @@ TEST_CASE(
     REQUIRE(row.step());
     CHECK(row.text(0) == "simulated");
     CHECK(row.text(1) == "2");
-    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+    ran({"verify", folder.file("d.sqlite")});
     const Finished doctor = palpate_command({"doctor", "--device", board.word(), "--calibration",
                                              rig, "--db", folder.file("e.sqlite")});
     CHECK_THAT(doctor.out, ContainsSubstring("haply-emulator, process "));

@@ -1,24 +1,12 @@
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <sstream>
-
-#include <fmt/format.h>
-
 #include "tests/figures/thesis/thesis_scene.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/surfaces.hpp"
 #include "tests/support/thesis_objects.hpp"
 
 // What `palpate render` writes of ticks in which nothing is felt.
 
 using namespace palpate;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Random;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -42,10 +30,7 @@ std::string answer(const std::string& command, const std::string& scene, const s
     const TemporaryFolder folder;
     write(folder.file("s.toml"), scene);
     write(folder.file("d.csv"), data);
-    const Finished done = palpate_command({command, folder.file("s.toml"), folder.file("d.csv")});
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return done.out;
+    return ran({command, folder.file("s.toml"), folder.file("d.csv")}).out;
 }
 
 constexpr const char* kRubs = "[friction]\nlaw = \"gos\"\nmu_s = 0.6\nmu_d = 0.4\n";
@@ -260,8 +245,8 @@ TEST_CASE(
         CAPTURE(to, done.error);
         CHECK(done.code == 2);
         CHECK(done.out.empty());
-        CHECK_THAT(done.error, Catch::Matchers::ContainsSubstring("bad.csv:") &&
-                                   Catch::Matchers::ContainsSubstring("not a finite number"));
+        CHECK_THAT(done.error,
+                   ContainsSubstring("bad.csv:") && ContainsSubstring("not a finite number"));
         CHECK_FALSE(std::filesystem::exists(folder.file("bad_o.csv")));
     }
 }

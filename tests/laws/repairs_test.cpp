@@ -1,56 +1,30 @@
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
-#include <fmt/format.h>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 // What people set right afterwards, with the program itself: whose a session is, that it is left
 // out, which of two notes is right, and what is destroyed on request.
 
 namespace {
 
-std::string done(const std::vector<std::string>& words) {
-    const Finished finished = palpate_command(words);
-    CAPTURE(words, finished.out, finished.error);
-    REQUIRE(finished.code == 0);
-    return finished.out;
-}
-
-std::string asked(const std::string& file, const std::string& query) {
-    return done({"sql", file, "--csv", "-c", query});
-}
-
-std::string refused(const std::vector<std::string>& words) {
+std::string said_no(const std::vector<std::string>& words) {
     const Finished finished = palpate_command(words);
     CAPTURE(words, finished.out);
     CHECK(finished.code != 0);
     return finished.error;
 }
 
-void ran(const std::string& file, const std::string& code, const std::string& number = "1") {
-    done({"run", "shape_friction_demo", "--participant", code, "--session", number, "--db", file,
-          "--headless"});
+void record(const std::string& file, const std::string& code, const std::string& number = "1") {
+    ran({"run", "shape_friction_demo", "--participant", code, "--session", number, "--db", file,
+         "--headless"});
 }
 
 std::string copied(const std::string& file, const std::string& to) {
     data::Database(file, data::Access::write).checkpoint();
     std::filesystem::copy_file(file, to, std::filesystem::copy_options::overwrite_existing);
     return to;
-}
-
-std::string text_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// An edit by hand is seen.
@@ -62,7 +36,7 @@ void check_edit(const std::string& file, const std::string& to, const std::strin
         edited.execute("PRAGMA foreign_keys = OFF");
         edited.execute(sql.c_str());
     }
-    CHECK(palpate_command({"verify", to}).code == 1);
+    ran({"verify", to}, 1);
 }
 
 constexpr const char* kWhose =
@@ -76,26 +50,27 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string edited = folder.file("edited.sqlite");
-    done({"participant", file, "P3", "--new", "--handedness", "80"});
-    ran(file, "P1");
-    ran(file, "P3");
+    ran({"participant", file, "P3", "--new", "--handedness", "80"});
+    record(file, "P1");
+    record(file, "P3");
     const std::string before = copied(file, folder.file("before.sqlite"));
-    done({"participant", file, "P2", "--new", "--handedness=-60"});
-    CHECK_THAT(done({"participant", file}), ContainsSubstring("1 session, consent not noted\n") &&
-                                                ContainsSubstring("3 people in " + file));
-    CHECK_THAT(refused({"participant", file, "--consent", "yes"}),
+    ran({"participant", file, "P2", "--new", "--handedness=-60"});
+    CHECK_THAT(ran({"participant", file}), ContainsSubstring("1 session, consent not noted\n") &&
+                                               ContainsSubstring("3 people in " + file));
+    CHECK_THAT(said_no({"participant", file, "--consent", "yes"}),
                ContainsSubstring("nobody is named"));
-    CHECK_THAT(refused({"participant", file, "P3", "--is-really", "P9", "--reason", "typed"}),
+    CHECK_THAT(said_no({"participant", file, "P3", "--is-really", "P9", "--reason", "typed"}),
                ContainsSubstring("nobody is called P9"));
     const std::vector<std::string> really{"participant", file,        "P3",      "--is-really",
                                           "P2",          "--reason",  "typed 3", "--operator",
                                           "Ada",         "--session", "1"};
-    CHECK_THAT(done(really), ContainsSubstring("Session 1 of P3") &&
-                                 ContainsSubstring("is session 1 of P2.\nSeal "));
-    CHECK_THAT(refused(really), ContainsSubstring("P3 has no such session"));
-    done({"verify", file});
-    CHECK(asked(file, kWhose) == "participant_code,session_number,sum(counts)\nP1,1,10\nP2,1,10\n");
-    CHECK(asked(file, "SELECT text, value, count, operator FROM event WHERE key = 'is really'") ==
+    CHECK_THAT(ran(really).out, ContainsSubstring("Session 1 of P3") &&
+                                    ContainsSubstring("is session 1 of P2.\nSeal "));
+    CHECK_THAT(said_no(really), ContainsSubstring("P3 has no such session"));
+    ran({"verify", file});
+    CHECK(sql_csv(file, kWhose) ==
+          "participant_code,session_number,sum(counts)\nP1,1,10\nP2,1,10\n");
+    CHECK(sql_csv(file, "SELECT text, value, count, operator FROM event WHERE key = 'is really'") ==
           "text,value,count,operator\ntyped 3,P2,1,Ada\n");
     check_edit(file, edited,
                "UPDATE session SET participant_id = 2, session_number = 9 WHERE session_id = 1");
@@ -104,97 +79,97 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     check_edit(file, edited, "DELETE FROM event WHERE key = 'is really'");
 
     // Who was taken for another begins with a first session; the move back makes it what it was.
-    ran(file, "P3");
-    const std::string once = asked(file, kWhose);
+    record(file, "P3");
+    const std::string once = sql_csv(file, kWhose);
     CHECK(once == "participant_code,session_number,sum(counts)\nP1,1,10\nP2,1,10\nP3,1,10\n");
-    done({"participant", file, "P2", "--is-really", "P3", "--reason", "no"});
-    CHECK(asked(file, kWhose) ==
+    ran({"participant", file, "P2", "--is-really", "P3", "--reason", "no"});
+    CHECK(sql_csv(file, kWhose) ==
           "participant_code,session_number,sum(counts)\nP1,1,10\nP3,1,10\nP3,2,10\n");
-    done({"participant", file, "P3", "--is-really", "P2", "--reason", "yes", "--session", "2"});
-    CHECK(asked(file, kWhose) == once);
-    done({"verify", file});
+    ran({"participant", file, "P3", "--is-really", "P2", "--reason", "yes", "--session", "2"});
+    CHECK(sql_csv(file, kWhose) == once);
+    ran({"verify", file});
     // A file from before follows, in any order; exports have the number of whose it is, and no
     // code.
     for (const auto& [one, other] : {std::pair(file, before), std::pair(before, file)}) {
         const std::string all = folder.file("all.sqlite");
-        done({"merge", all, one});
-        done({"merge", all, other});
-        CHECK(asked(all, kWhose) == once);
-        done({"verify", all});
+        ran({"merge", all, one});
+        ran({"merge", all, other});
+        CHECK(sql_csv(all, kWhose) == once);
+        ran({"verify", all});
         std::filesystem::remove(all);
     }
     const std::string shared = folder.file("shared");
-    done(
-        {"export", file, "--format", "csv", "-o", shared, "--kind", "simulated", "--with-details"});
-    const std::string person = done({"participant", file, "P2"});
+    ran({"export", file, "--format", "csv", "-o", shared, "--kind", "simulated", "--with-details"});
+    const std::string person = ran({"participant", file, "P2"}).out;
     const std::string subject = person.substr(person.find("sub-"), 14);
-    CHECK_THAT(text_of(shared + "/sessions.csv"), ContainsSubstring(subject));
-    CHECK_THAT(text_of(shared + "/events.csv"),
+    CHECK_THAT(slurp(shared + "/sessions.csv"), ContainsSubstring(subject));
+    CHECK_THAT(slurp(shared + "/events.csv"),
                ContainsSubstring("is really") && !ContainsSubstring("P2"));
 
     // Withdrawn: in no number, named where it is left out, and not gone on with.
-    CHECK_THAT(refused({"session", file, "P1", "1", "--undo", "x"}),
+    CHECK_THAT(said_no({"session", file, "P1", "1", "--undo", "x"}),
                ContainsSubstring("is not withdrawn"));
-    done({"session", file, "P1", "1", "--withdraw", "was asleep", "--operator", "Bo"});
-    CHECK_THAT(refused({"session", file, "P1", "1", "--withdraw", "again"}),
+    ran({"session", file, "P1", "1", "--withdraw", "was asleep", "--operator", "Bo"});
+    CHECK_THAT(said_no({"session", file, "P1", "1", "--withdraw", "again"}),
                ContainsSubstring("is withdrawn already: was asleep"));
-    done({"verify", file});
-    CHECK(asked(file, kWhose) ==
+    ran({"verify", file});
+    CHECK(sql_csv(file, kWhose) ==
           "participant_code,session_number,sum(counts)\nP1,1,0\nP2,1,10\nP3,1,10\n");
-    CHECK(asked(file, "SELECT DISTINCT exclusion FROM analysis_trial WHERE NOT counts") ==
+    CHECK(sql_csv(file, "SELECT DISTINCT exclusion FROM analysis_trial WHERE NOT counts") ==
           "exclusion\nwithdrawn\n");
     const std::string left_out = "withdrawn: P1 session 1  was asleep";
-    CHECK_THAT(done({"summary", file}), ContainsSubstring(left_out));
+    CHECK_THAT(ran({"summary", file}).out, ContainsSubstring(left_out));
     const Finished stats =
         palpate_command({"stats", file, "--kind", "simulated", "--json", "--keep-codes",
                          "--permutations", "0", "--simulations", "0"});
     CHECK_THAT(stats.out, ContainsSubstring("\"P1 session 1\"") && ContainsSubstring("\"P2\": {") &&
                               !ContainsSubstring("\"P1\": {"));
     CHECK_THAT(
-        done({"export", file, "--format", "csv", "-o", folder.file("less"), "--kind", "simulated"}),
+        ran({"export", file, "--format", "csv", "-o", folder.file("less"), "--kind", "simulated"})
+            .out,
         ContainsSubstring("2 sessions") && ContainsSubstring("was asleep"));
-    done({"report", file, "--kind", "simulated", "-o", folder.file("r.html"), "--simulations", "0",
-          "--bootstrap", "0"});
-    CHECK_THAT(text_of(folder.file("r.html")), ContainsSubstring(": withdrawn</span>"));
+    ran({"report", file, "--kind", "simulated", "-o", folder.file("r.html"), "--simulations", "0",
+         "--bootstrap", "0"});
+    CHECK_THAT(slurp(folder.file("r.html")), ContainsSubstring(": withdrawn</span>"));
     check_edit(file, edited, "UPDATE session SET withdrawn_reason = NULL");
     check_edit(file, edited, "UPDATE session SET withdrawn_reason = 'x'");
     CHECK_THAT(
-        refused({"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"}),
+        said_no({"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"}),
         ContainsSubstring("--session 2"));
-    done({"session", file, "P1", "1", "--undo", "it was P4"});
-    CHECK(asked(file, kWhose) == once);
-    done({"verify", file});
+    ran({"session", file, "P1", "1", "--undo", "it was P4"});
+    CHECK(sql_csv(file, kWhose) == once);
+    ran({"verify", file});
 }
 
 TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs",
           "[repair][merge][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    done({"participant", file, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
-          "age=31"});
-    ran(file, "P1");
+    ran({"participant", file, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
+         "age=31"});
+    record(file, "P1");
     const std::string other = copied(file, folder.file("b.sqlite"));
-    done({"note", other, "hand rested", "--participant", "P1"});
-    done({"participant", file, "P1", "--set", "age=32", "--handedness=-80"});
+    ran({"note", other, "hand rested", "--participant", "P1"});
+    ran({"participant", file, "P1", "--set", "age=32", "--handedness=-80"});
     const std::string all = folder.file("all.sqlite");
-    const std::string conflict = refused({"merge", all, other, file});
+    const std::string conflict = said_no({"merge", all, other, file});
     CHECK_THAT(conflict, ContainsSubstring("what was recorded differs") &&
                              ContainsSubstring("not merged; --prefer FILE takes"));
     const std::string age = "SELECT value FROM participant_detail";
-    CHECK(asked(all, age) == "value\n32\n");
+    CHECK(sql_csv(all, age) == "value\n32\n");
     for (const std::string& wanted : {other, file}) {
         std::filesystem::remove(all);
-        CHECK_THAT(done({"merge", all, other, file, "--prefer", wanted}),
+        CHECK_THAT(ran({"merge", all, other, file, "--prefer", wanted}).out,
                    ContainsSubstring("participant P1: detail age is 32 (noted ") &&
                        ContainsSubstring("no longer 31 ("));
-        CHECK(asked(all, age) == "value\n32\n");
-        CHECK(asked(all, "SELECT handedness FROM participant") == "handedness\n-80\n");
-        CHECK(asked(all, "SELECT count(*) FROM event WHERE event_kind = 'note'") ==
+        CHECK(sql_csv(all, age) == "value\n32\n");
+        CHECK(sql_csv(all, "SELECT handedness FROM participant") == "handedness\n-80\n");
+        CHECK(sql_csv(all, "SELECT count(*) FROM event WHERE event_kind = 'note'") ==
               (wanted == other ? "count(*)\n1\n" : "count(*)\n0\n"));
-        done({"verify", all});
-        done({"merge", all, file, "--prefer", all});  // again it is as it was
+        ran({"verify", all});
+        ran({"merge", all, file, "--prefer", all});  // again it is as it was
     }
-    CHECK_THAT(refused({"merge", all, file, "--prefer", folder.file("c.sqlite")}),
+    CHECK_THAT(said_no({"merge", all, file, "--prefer", folder.file("c.sqlite")}),
                ContainsSubstring("none of the files"));
 }
 
@@ -202,49 +177,50 @@ TEST_CASE("what a participant wants destroyed is gone from the file, and its eve
           "[repair][verify][merge][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    done({"participant", file, "P1", "--new", "--handedness", "73", "--set", "diagnosis=anosmia"});
-    ran(file, "P1");
-    ran(file, "P2");
+    ran({"participant", file, "P1", "--new", "--handedness", "73", "--set", "diagnosis=anosmia"});
+    record(file, "P1");
+    record(file, "P2");
     const std::string before = copied(file, folder.file("before.sqlite"));
-    REQUIRE_THAT(text_of(before), ContainsSubstring("anosmia"));
-    const std::string seal = asked(file, "SELECT newest_seal FROM session WHERE session_id = 1");
-    CHECK_THAT(refused({"participant", file, "P1", "--destroy", "details"}),
+    REQUIRE_THAT(slurp(before), ContainsSubstring("anosmia"));
+    const std::string seal = sql_csv(file, "SELECT newest_seal FROM session WHERE session_id = 1");
+    CHECK_THAT(said_no({"participant", file, "P1", "--destroy", "details"}),
                ContainsSubstring("nothing was destroyed"));
 
-    done({"participant", file, "P1", "--destroy", "details", "--yes", "--operator", "Ada"});
-    done({"verify", file});
-    CHECK_THAT(text_of(file), !ContainsSubstring("anosmia") && !ContainsSubstring("handedness 73"));
-    CHECK(asked(file, kWhose) == "participant_code,session_number,sum(counts)\nP1,1,10\nP2,1,10\n");
+    ran({"participant", file, "P1", "--destroy", "details", "--yes", "--operator", "Ada"});
+    ran({"verify", file});
+    CHECK_THAT(slurp(file), !ContainsSubstring("anosmia") && !ContainsSubstring("handedness 73"));
+    CHECK(sql_csv(file, kWhose) ==
+          "participant_code,session_number,sum(counts)\nP1,1,10\nP2,1,10\n");
     CHECK("newest_seal\n" +
-              asked(file, "SELECT value FROM event WHERE key = 'destroyed'").substr(6) ==
+              sql_csv(file, "SELECT value FROM event WHERE key = 'destroyed'").substr(6) ==
           seal);
     check_edit(file, folder.file("edited.sqlite"),
                "UPDATE event SET text = 'x' WHERE event_id = 1");
 
     const std::string all = copied(before, folder.file("all.sqlite"));
-    done({"participant", file, "P1", "--destroy", "everything", "--yes", "--reason", "letter"});
-    CHECK_THAT(done({"participant", file, "P1"}), ContainsSubstring("destroyed    on request") &&
-                                                      ContainsSubstring("consent      no"));
-    CHECK_THAT(refused({"session", file, "P1", "1", "--undo", "x"}),
+    ran({"participant", file, "P1", "--destroy", "everything", "--yes", "--reason", "letter"});
+    CHECK_THAT(ran({"participant", file, "P1"}).out, ContainsSubstring("destroyed    on request") &&
+                                                         ContainsSubstring("consent      no"));
+    CHECK_THAT(said_no({"session", file, "P1", "1", "--undo", "x"}),
                ContainsSubstring("was destroyed"));
     const std::string left =
         "SELECT (SELECT count(*) FROM event WHERE session_id = 1), (SELECT count(*) FROM trial "
         "WHERE session_id = 1), (SELECT count(*) FROM trace_chunk), (SELECT count(*) FROM plan "
         "WHERE session_id = 1)";
     // Neither an older copy nor a file of all that has them brings them back.
-    done({"merge", file, before});
-    done({"merge", all, file});
+    ran({"merge", file, before});
+    ran({"merge", all, file});
     for (const std::string& one : {file, all}) {
-        done({"verify", one});
-        CHECK(asked(one, kWhose) == "participant_code,session_number,sum(counts)\nP2,1,10\n");
-        CHECK_THAT(asked(one,
-                         "SELECT count(*) FROM event JOIN session USING (session_id) JOIN "
-                         "participant USING (participant_id) WHERE participant_code = 'P1'"),
+        ran({"verify", one});
+        CHECK(sql_csv(one, kWhose) == "participant_code,session_number,sum(counts)\nP2,1,10\n");
+        CHECK_THAT(sql_csv(one,
+                           "SELECT count(*) FROM event JOIN session USING (session_id) JOIN "
+                           "participant USING (participant_id) WHERE participant_code = 'P1'"),
                    ContainsSubstring("\n1\n"));
-        CHECK_THAT(text_of(one), !ContainsSubstring("anosmia"));
-        CHECK_THAT(done({"summary", one}), ContainsSubstring("1 does not consent"));
+        CHECK_THAT(slurp(one), !ContainsSubstring("anosmia"));
+        CHECK_THAT(ran({"summary", one}).out, ContainsSubstring("1 does not consent"));
     }
-    CHECK_THAT(asked(file, left), ContainsSubstring("\n1,0,"));
+    CHECK_THAT(sql_csv(file, left), ContainsSubstring("\n1,0,"));
     for (const char* edit : {"UPDATE event SET value = 'x' WHERE key = 'destroyed'",
                              "UPDATE session SET started_utc = '2020' WHERE session_id = 1",
                              "DELETE FROM event WHERE key = 'destroyed'"}) {

@@ -1,16 +1,12 @@
-#include <algorithm>
 #include <cstring>
 
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/studies.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -23,7 +19,7 @@ std::vector<std::string> run(const std::string& file, const std::string& device)
 
 TEST_CASE("every recorded force comes back to the bit from the database alone", "[replay][law]") {
     const TemporaryFolder folder;
-    REQUIRE(palpate_command(run(folder.file("a.sqlite"), "sim")).code == 0);
+    ran(run(folder.file("a.sqlite"), "sim"));
     data::Database database(folder.file("a.sqlite"), data::Access::read);
     auto text = database.prepare("SELECT protocol_toml FROM study");
     text.step();
@@ -59,8 +55,8 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
     const TemporaryFolder folder;
     const std::string first = folder.file("a.sqlite");
     const std::string second = folder.file("b.sqlite");
-    REQUIRE(palpate_command(run(first, "sim")).code == 0);
-    REQUIRE(palpate_command(run(second, "replay:" + first)).code == 0);
+    ran(run(first, "sim"));
+    ran(run(second, "replay:" + first));
     data::Database a(first, data::Access::read);
     data::Database b(second, data::Access::read);
     const auto trials_a = data::answered_trials(a);
@@ -89,10 +85,8 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
 TEST_CASE("one named trial can be replayed for all", "[replay]") {
     const TemporaryFolder folder;
     const std::string first = folder.file("a.sqlite");
-    REQUIRE(palpate_command(run(first, "sim")).code == 0);
-    CHECK(palpate_command(run(folder.file("b.sqlite"), "replay:" + first + ":3")).code == 0);
-    const tests::Finished absent =
-        palpate_command(run(folder.file("c.sqlite"), "replay:" + first + ":333"));
-    CHECK(absent.code == 2);
-    CHECK_THAT(absent.error, Catch::Matchers::ContainsSubstring("no trial 333"));
+    ran(run(first, "sim"));
+    ran(run(folder.file("b.sqlite"), "replay:" + first + ":3"));
+    const tests::Finished absent = ran(run(folder.file("c.sqlite"), "replay:" + first + ":333"), 2);
+    CHECK_THAT(absent.error, ContainsSubstring("no trial 333"));
 }

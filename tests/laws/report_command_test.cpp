@@ -1,27 +1,12 @@
-#include <filesystem>
-#include <map>
-#include <set>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::ordered_json;
-using tests::count_of;
-using tests::Finished;
-using tests::of_address;
-using tests::palpate_command;
-using tests::sources_of;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -39,12 +24,9 @@ std::string made_study(const TemporaryFolder& folder) {
                                             "timed_out_share_max = 0.9\n");
     const std::string file = folder.file("a.sqlite");
     for (const std::string& code : kCodes) {
-        const Finished done = palpate_command(
-            {"run", folder.file("p.toml"), "--participant", code, "--db", file, "--device", "sim"});
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
+        ran({"run", folder.file("p.toml"), "--participant", code, "--db", file, "--device", "sim"});
     }
-    REQUIRE(palpate_command({"mark", file, "3", "--invalid", "asked"}).code == 0);
+    ran({"mark", file, "3", "--invalid", "asked"});
     data::Database(file, data::Access::write)
         .execute("UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
     return file;
@@ -83,9 +65,7 @@ onload = () => {
 std::string page_of(const std::string& file, std::vector<std::string> words = {}) {
     const std::string page = file + ".html";
     words.insert(words.begin(), {"report", file, "-o", page});
-    const Finished done = palpate_command(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
+    ran(words);
     return tests::slurp(page);
 }
 
@@ -113,9 +93,7 @@ std::size_t check_results(const std::string& page,
     std::set<std::string> all;
     for (std::vector<std::string> command : commands) {
         command.emplace_back("--json");
-        const Finished done = palpate_command(command);
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
+        const Finished done = ran(command);
         tests::add_numbers(Json::parse(done.out), all);
     }
     const std::vector<std::string> numbers = tests::numbers_of(results_of(page));
@@ -171,10 +149,9 @@ void check_sources(const std::string& page, const std::string& file) {
     const auto sources = sources_of(page);
     CHECK(sources.size() >= 9);
     for (const auto& [name, source] : sources) {
-        const Finished again = palpate_command({"sql", file, "--csv", "-c", source.sql});
-        CAPTURE(name, again.error);
-        CHECK(again.code == 0);
-        CHECK(again.out == source.csv);
+        CAPTURE(name);
+        const std::string again = sql_csv(file, source.sql);
+        CHECK(again == source.csv);
         CHECK(count_of(source.csv, "\n") > (name.find("faults") == std::string::npos ? 1U : 0U));
     }
 }
@@ -189,9 +166,8 @@ void check_kind(const std::string& page, const std::string& kind, const std::str
     const auto sources = sources_of(page);
     const auto cells = [&](const std::string& name, const std::string& what) {
         const std::string& sql = sources.at(kind + "-" + name + ".csv").sql;
-        const Finished done =
-            palpate_command({"sql", file, "--csv", "-c", "SELECT " + what + " FROM (" + sql + ")"});
-        return done.out.substr(done.out.find('\n') + 1);
+        const std::string done = sql_csv(file, "SELECT " + what + " FROM (" + sql + ")");
+        return done.substr(done.find('\n') + 1);
     };
     CAPTURE(kind);
     const std::string trials = rows("analysis_trial");
@@ -207,8 +183,7 @@ void check_kind(const std::string& page, const std::string& kind, const std::str
 
 void check_numbers(const std::string& page, const std::string& file) {
     const Finished cells =
-        palpate_command({"stats", file, "--kind", "simulated", "--simulations", "199", "--json"});
-    REQUIRE(cells.code == 0);
+        ran({"stats", file, "--kind", "simulated", "--simulations", "199", "--json"});
     const Json all = Json::parse(cells.out);
     const std::string results = results_of(page);
     REQUIRE_FALSE(all["not_applied"].is_null());
@@ -292,10 +267,9 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
           "[report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                             "--participant", "P1", "--db", file, "--device", "sim"})
-                .code == 0);
-    REQUIRE(palpate_command({"verify", file}).code == 0);
+    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         file, "--device", "sim"});
+    ran({"verify", file});
     const auto before = folder.names();
     const auto refused = [&](const std::vector<std::string>& words, int code,
                              const std::string& why) {
@@ -332,9 +306,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
                      "\n[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n");
     const std::string file = folder.file("a.sqlite");
     for (const std::string& code : {kCodes[0]}) {
-        REQUIRE(palpate_command({"run", folder.file("p.toml"), "--participant", code, "--db", file,
-                                 "--headless"})
-                    .code == 0);
+        ran({"run", folder.file("p.toml"), "--participant", code, "--db", file, "--headless"});
     }
     const std::string page = page_of(file, {"--kind", "simulated", "--bootstrap", "60"});
     CHECK_THAT(page, ContainsSubstring("id=\"curves\"") && ContainsSubstring("id=\"tracks\"") &&
@@ -346,9 +318,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
     CHECK_THAT(page, ContainsSubstring(">mu</text>") && !ContainsSubstring(">stimulus</text>") &&
                          ContainsSubstring("or the board an emulator: nobody felt anything"));
     check_sources(page, file);
-    const Finished cells =
-        palpate_command({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
-    REQUIRE(cells.code == 0);
+    const Finished cells = ran({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
     CHECK(check_results(page, {{"fit", file, "--kind", "simulated", "--bootstrap", "60"}}) > 10);
     const std::string results = results_of(page);
     const Json fits = Json::parse(cells.out);
@@ -369,9 +339,8 @@ TEST_CASE(
     "[report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                             "--participant", "P1", "--db", file, "--device", "sim"})
-                .code == 0);
+    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         file, "--device", "sim"});
     static_cast<void>(page_of(file, kSimulated));
     tests::write(folder.file("wide_and_narrow.html"), kWideAndNarrow);
     const tests::Browsed shown =

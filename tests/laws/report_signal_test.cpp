@@ -1,21 +1,11 @@
 #include <cstdio>
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -29,10 +19,7 @@ std::string asked_study(const TemporaryFolder& folder) {
               "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n"
               "confidence = true\n");
     const std::string file = folder.file("KLARA77.sqlite");
-    const Finished made = palpate_command(
-        {"simulate", folder.file("p.toml"), "--participants", "4", "--no-traces", "--db", file});
-    CAPTURE(made.error);
-    REQUIRE(made.code == 0);
+    ran({"simulate", folder.file("p.toml"), "--participants", "4", "--no-traces", "--db", file});
     return file;
 }
 
@@ -53,18 +40,15 @@ TEST_CASE(
     const std::string page = folder.file("r.html");
     const std::vector<std::string> words{"report", file,        "-o",       page,
                                          "--kind", "simulated", "--signal", "convex"};
-    const Finished made = palpate_command(words);
-    CAPTURE(made.error);
-    REQUIRE(made.code == 0);
+    ran(words);
     const std::string html = tests::slurp(page);
     CHECK_THAT(html, ContainsSubstring("id=\"sensitivity\"") &&
                          ContainsSubstring("Sensitivity and criterion by friction") &&
                          ContainsSubstring("Share correct by friction, within person") &&
                          ContainsSubstring("--json --signal convex") &&
                          ContainsSubstring("Is confidence worth something?"));
-    const Finished stats = palpate_command({"stats", file, "--kind", "simulated", "--signal",
-                                            "convex", "--simulations", "199", "--json"});
-    REQUIRE(stats.code == 0);
+    const Finished stats = ran({"stats", file, "--kind", "simulated", "--signal", "convex",
+                                "--simulations", "199", "--json"});
     const Json numbers = Json::parse(stats.out);
     CHECK(stats.out.find("KLARA77") == std::string::npos);
     for (const char* key : {"d_prime", "criterion"}) {
@@ -73,11 +57,11 @@ TEST_CASE(
         CHECK(has_number(html, mean));
     }
     // The counts behind the figure are the file's own.
-    const Finished counts = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT sum(answer_code) FROM analysis_trial WHERE counts AND planned_object = 'convex' "
-         "AND phase = 'main'"});
-    const int hits = std::stoi(counts.out.substr(counts.out.find('\n') + 1));
+    const std::string counts = sql_csv(
+        file,
+        "SELECT sum(answer_code) FROM analysis_trial WHERE counts AND planned_object = 'convex' "
+        "AND phase = 'main'");
+    const int hits = std::stoi(counts.substr(counts.find('\n') + 1));
     int counted = 0;
     for (const auto& [who, person] : numbers["applied"]["people"].items()) {
         for (const auto& [friction, cell] : person["friction"].items()) {
@@ -89,21 +73,20 @@ TEST_CASE(
     // A file's name may be a code: it is on no page, and in no header, unless codes are asked for.
     CHECK(html.find("KLARA77") == std::string::npos);
     for (const char* command : {"stats", "audit"}) {
-        const Finished done = palpate_command({command, file, "--kind", "simulated"});
         CAPTURE(command);
-        CHECK(done.code == 0);
+        const Finished done = ran({command, file, "--kind", "simulated"});
         CHECK(done.out.find("KLARA77") == std::string::npos);
     }
     CHECK(palpate_command({"fit", file, "--kind", "simulated"}).out.find("KLARA77") ==
           std::string::npos);
     std::vector<std::string> named = words;
     named.emplace_back("--keep-codes");
-    REQUIRE(palpate_command(named).code == 0);
+    ran(named);
     CHECK_THAT(tests::slurp(page), ContainsSubstring("KLARA77"));
 
-    const Finished none = palpate_command(
-        {"report", file, "-o", folder.file("n.html"), "--kind", "simulated", "--signal", "cube"});
-    CHECK(none.code == 2);
+    const Finished none = ran(
+        {"report", file, "-o", folder.file("n.html"), "--kind", "simulated", "--signal", "cube"},
+        2);
     CHECK_THAT(none.error, ContainsSubstring("--signal is cube: give one of"));
 }
 
@@ -118,17 +101,12 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
               "confidence = true\nlow = \"hollow <5>\"\nhigh = "
               "\"round\"\n\n[exclusion]\ntimed_out_share_max = 0.9\n");
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command({"simulate", folder.file("p.toml"), "--participants", "5",
-                             "--no-traces", "--db", file})
-                .code == 0);
-    REQUIRE(palpate_command({"mark", file, "3", "--invalid", "asked"}).code == 0);
+    ran({"simulate", folder.file("p.toml"), "--participants", "5", "--no-traces", "--db", file});
+    ran({"mark", file, "3", "--invalid", "asked"});
     // The second person is left out by the protocol's rule.
     data::Database(file, data::Access::write)
         .execute("UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
-    const Finished made =
-        palpate_command({"report", file, "-o", folder.file("r.html"), "--kind", "simulated"});
-    CAPTURE(made.error);
-    REQUIRE(made.code == 0);
+    ran({"report", file, "-o", folder.file("r.html"), "--kind", "simulated"});
     const std::string html = tests::slurp(folder.file("r.html"));
     const auto sources = tests::sources_of(html);
     for (const char* name :
@@ -136,14 +114,12 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
           "simulated-deciles.csv", "simulated-sure.csv", "simulated-learning.csv"}) {
         CAPTURE(name);
         REQUIRE(sources.contains(name));
-        CHECK(palpate_command({"sql", file, "--csv", "-c", sources.at(name).sql}).out ==
-              sources.at(name).csv);
+        CHECK(sql_csv(file, sources.at(name).sql) == sources.at(name).csv);
     }
     const auto asked = [&](const std::string& sql) {
-        const Finished done = palpate_command({"sql", file, "--csv", "-c", sql});
-        CAPTURE(sql, done.error);
-        REQUIRE(done.code == 0);
-        return done.out.substr(done.out.find('\n') + 1);
+        CAPTURE(sql);
+        const std::string done = sql_csv(file, sql);
+        return done.substr(done.find('\n') + 1);
     };
     const std::string& levels = sources.at("simulated-levels-apart.csv").sql;
     CHECK(asked("SELECT sum(n), round(sum(share), 9) FROM (" + levels + ")") ==

@@ -1,27 +1,11 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <filesystem>
-#include <limits>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::count_of;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -43,19 +27,15 @@ std::string four_trials(const TemporaryFolder& folder) {
 std::string page_of(const std::string& file, int trial, std::vector<std::string> words = {}) {
     const std::string page = file + ".html";
     words.insert(words.begin(), {"report", file, "--trial", std::to_string(trial), "-o", page});
-    const Finished done = palpate_command(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
+    ran(words);
     return tests::slurp(page);
 }
 
 /// Rows of a query, its head first.
 std::vector<std::vector<std::string>> ask(const std::string& file, const std::string& sql) {
-    const Finished done = palpate_command({"sql", file, "--csv", "-c", sql});
-    CAPTURE(sql, done.error);
-    REQUIRE(done.code == 0);
+    const std::string done = sql_csv(file, sql);
     std::vector<std::vector<std::string>> rows;
-    std::istringstream text(done.out);
+    std::istringstream text(done);
     for (std::string line; std::getline(text, line);) {
         auto& row = rows.emplace_back();
         std::istringstream fields(line);
@@ -221,7 +201,7 @@ TEST_CASE(
               Approx(number(view[1][3]) - 0.001).margin(1e-9));
         for (const auto& [name, source] : tests::sources_of(page)) {
             CAPTURE(name);
-            CHECK(palpate_command({"sql", file, "--csv", "-c", source.sql}).out == source.csv);
+            CHECK(sql_csv(file, source.sql) == source.csv);
             CHECK(name.starts_with("simulated-"));
         }
         CHECK(tests::sources_of(page).size() >= 4);
@@ -268,10 +248,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
                                        {{"explore_min_s = 2", "explore_min_s = 0.4"},
                                         {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
                                         {"explore_timeout_s = 15", "explore_timeout_s = 3"}}));
-        const Finished made = palpate_command(
-            {"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
-        CAPTURE(made.error);
-        REQUIRE(made.code == 0);
+        ran({"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
         const std::string page = page_of(file, 2);
         const auto drawn = drawn_in(page);
         REQUIRE(drawn.size() == 2);
@@ -299,18 +276,15 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
     }
     SECTION("no ticks, and what is refused") {
         const std::string file = folder.file("none.sqlite");
-        REQUIRE(palpate_command({"simulate", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                                 "--participants", "1", "--no-traces", "--db", file})
-                    .code == 0);
+        ran({"simulate", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participants", "1",
+             "--no-traces", "--db", file});
         const std::string page = page_of(file, 3);
         CHECK_THAT(page, ContainsSubstring("No ticks are kept of this trial") &&
                              !ContainsSubstring("<script"));
         check_measures(page, file, 3, 1);
         const auto refused = [&](std::vector<std::string> words, const std::string& why) {
             words.insert(words.begin(), {"report", file, "-o", folder.file("r.html")});
-            const Finished done = palpate_command(words);
-            CAPTURE(words);
-            CHECK(done.code == 2);
+            const Finished done = ran(words, 2);
             CHECK_THAT(done.error, ContainsSubstring(why));
             CHECK_FALSE(std::filesystem::exists(folder.file("r.html")));
         };
@@ -322,7 +296,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
         refused({"--trial", "3", "--kind", "simulated"}, "--kind");
         refused({"--trial", "3", "--signal", "convex"}, "--signal");
         const std::string code = ask(file, "SELECT participant_code FROM participant")[1][0];
-        REQUIRE(palpate_command({"participant", file, code, "--consent", "no"}).code == 0);
+        ran({"participant", file, code, "--consent", "no"});
         refused({"--trial", "3"}, "not consenting");
     }
 }

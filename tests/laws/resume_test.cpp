@@ -1,22 +1,15 @@
 #include <csignal>
-#include <thread>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -147,7 +140,7 @@ TEST_CASE(
     "kill -9 in the middle of a trial: sound file, finished trials there, the same order goes on",
     "[crash][law]") {
     const TemporaryFolder folder;
-    REQUIRE(palpate_command(words(folder.file("unbroken.sqlite"))).code == 0);
+    ran(words(folder.file("unbroken.sqlite")));
     const std::string file = folder.file("killed.sqlite");
     for (const std::int64_t position : {2, 6}) {
         const auto process = run_into_trial(file, position);
@@ -160,8 +153,7 @@ TEST_CASE(
         CHECK(check.text(0) == "ok");
         CHECK(data::answered_trials(database).size() == static_cast<std::size_t>(position));
     }
-    const Finished rest = palpate_command(words(file));
-    CHECK(rest.code == 0);
+    const Finished rest = ran(words(file));
     CHECK_THAT(rest.out, ContainsSubstring("Resuming at trial 7") &&
                              ContainsSubstring("kept as interrupted"));
     // What was answered and felt is that of the unbroken session, to the bit.
@@ -197,7 +189,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
         const auto trace = data::read_trace(database, row.integer(0));
         CHECK(glm::length(trace.back().command) < 1e-9);  // ramped out
     }
-    CHECK(palpate_command(words(file)).code == 0);
+    ran(words(file));
 }
 
 TEST_CASE("two programs cannot run one session at once", "[crash]") {
@@ -205,8 +197,7 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
     const std::string file = folder.file("d.sqlite");
     const auto process = run_into_trial(file, 1);
     REQUIRE(process->running());
-    const Finished second = palpate_command(words(file));
-    CHECK(second.code == 1);
+    const Finished second = ran(words(file), 1);
     CHECK_THAT(second.error, ContainsSubstring("another palpate"));
     CHECK(process->wait().code == 0);  // and the first does not notice
     CHECK(number(file, "SELECT count(*) FROM trial") == 10);
@@ -222,8 +213,7 @@ TEST_CASE("a program that is held up before its first trial keeps its session", 
     FullPipe pipe(folder.file("pipe"));
     const auto first = run_into(pipe.name(), file);
     REQUIRE(comes_true([&] { return number(file, "SELECT count(*) FROM session") == 1; }));
-    const Finished second = palpate_command(words(file));
-    CHECK(second.code == 1);
+    const Finished second = ran(words(file), 1);
     CHECK_THAT(second.error, ContainsSubstring("another palpate"));
     CHECK(number(file, "SELECT count(*) FROM trial") == 0);
 

@@ -1,6 +1,4 @@
 #include <cctype>
-#include <filesystem>
-#include <map>
 #include <regex>
 
 #include "tests/support/catch.hpp"

@@ -1,35 +1,8 @@
-#include <array>
-#include <fstream>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/json_of.hpp"
 
 // Where answers do not determine a number, fit and stats say so, and why.
 
-using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::write;
-
-namespace {
-
-Json fitted(std::vector<std::string> words) {
-    words.insert(words.begin(), "fit");
-    words.emplace_back("--json");
-    const Finished done = palpate_command(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return Json::parse(done.out);
-}
-
-}  // namespace
+using namespace palpate::tests;
 
 TEST_CASE("of separated answers all maxima are said, and no mean is made of one of them",
           "[fit][law]") {

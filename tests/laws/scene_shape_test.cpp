@@ -1,22 +1,11 @@
-#include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
 
 // Scenes whose inside nobody can tell are refused by both commands that read them, at their place.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
+using namespace palpate::tests;
 using engine::Vec2;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Random;
-using tests::TemporaryFolder;
-using tests::write;
 
 namespace {
 
@@ -168,9 +157,7 @@ TEST_CASE("deform warns once, on standard error, of a step beyond the motion", "
     for (const double step : {0.024, 0.026, 10.0}) {
         CAPTURE(step);
         write(folder.file("c.toml"), bow + fmt::format("dt_s = {}\n", step));
-        const Finished done =
-            palpate_command({"deform", folder.file("c.toml"), "--times", "50,100"});
-        CHECK(done.code == 0);
+        const Finished done = ran({"deform", folder.file("c.toml"), "--times", "50,100"});
         CHECK(done.out.find("warn") == std::string::npos);
         if (step < 1.0 / 40.0) {
             CHECK(done.error.empty());

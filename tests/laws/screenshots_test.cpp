@@ -1,21 +1,12 @@
-#include <algorithm>
 #include <csignal>
-#include <map>
-#include <set>
 
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/style.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using tests::palpate_command;
-using tests::read_png;
-using tests::replaced;
-using tests::ScreenImage;
-using tests::TemporaryFolder;
-using tests::WindowSession;
+using namespace palpate::tests;
 using Names = std::set<std::string>;
 
 // The pictures that `palpate screenshots` makes of a protocol, beside what it asks for and what a
@@ -34,11 +25,8 @@ constexpr const char* kYesOrNo = "\n[response]\nkind = \"yes_no\"\nquestion = \"
 std::map<std::string, std::string> pictures_of(const std::string& protocol) {
     const TemporaryFolder folder;
     tests::write(folder.file("p.toml"), protocol);
-    const tests::Finished made =
-        palpate_command({"screenshots", "--protocol", folder.file("p.toml"), "-o",
-                         folder.file("shots"), "--width", "640", "--height", "480"});
-    CAPTURE(made.out, made.error);
-    REQUIRE(made.code == 0);
+    ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"), "--width",
+         "640", "--height", "480"});
     std::map<std::string, std::string> pictures;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("shots"))) {
         pictures[entry.path().stem().string()] = tests::slurp(entry.path());
@@ -57,11 +45,8 @@ Names names_of(const std::map<std::string, std::string>& pictures) {
 /// The question's screen of a protocol, a file or a shipped one.
 ScreenImage question_of(const std::string& protocol, int width, int height) {
     const TemporaryFolder folder;
-    const tests::Finished made =
-        palpate_command({"screenshots", "--protocol", protocol, "-o", folder.path().string(),
-                         "--width", std::to_string(width), "--height", std::to_string(height)});
-    CAPTURE(made.error);
-    REQUIRE(made.code == 0);
+    ran({"screenshots", "--protocol", protocol, "-o", folder.path().string(), "--width",
+         std::to_string(width), "--height", std::to_string(height)});
     return read_png(folder.file("choose.png"));
 }
 
@@ -198,15 +183,13 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
     const std::string language = GENERATE("en", "tr");
     CAPTURE(language);
     const TemporaryFolder folder;
-    std::string text = replaced(four_trials(), "[apparatus]\n",
-                                "language = \"" + language +
-                                    "\"\n[apparatus]\ndevice = "
-                                    "\"mouse\"\n");
+    std::string text =
+        replaced(four_trials(), "[apparatus]\n",
+                 "language = \"" + language + "\"\n[apparatus]\ndevice = \"mouse\"\n");
     text += kYesOrNo + std::string("confirm = true\n");
     tests::write(folder.file("p.toml"), text);
-    REQUIRE(palpate_command({"screenshots", "--protocol", folder.file("p.toml"), "-o",
-                             folder.file("shots"), "--language", language})
-                .code == 0);
+    ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"),
+         "--language", language});
     WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db",
                            folder.file("d.sqlite"), "--device", "mouse", "--windowed"},
                           folder.file("d.sqlite"), {"SDL_RENDER_DRIVER=software"}, {});
@@ -280,8 +263,8 @@ TEST_CASE("the frame of the marked answer stands clear of a question of two line
     const TemporaryFolder folder;
     tests::write(folder.file("p.toml"),
                  four_trials() +
-                     "\n[response]\nquestion = \"Which of the two shapes below was the "
-                     "one that you have just felt with the handle?\"\n");
+                     "\n[response]\nquestion = \"Which of the two shapes below was the one that "
+                     "you have just felt with the handle?\"\n");
     const ScreenImage image = question_of(folder.file("p.toml"), width, height);
     int frame = 0;
     while (frame < height && count_in_row(image, frame, value(ui::kAccent)) < width / 10) {

@@ -1,24 +1,11 @@
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
 
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
 #include "tests/support/nurbs_oracle.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using engine::Vec2;
-using tests::Finished;
-using tests::NurbsData;
-using tests::palpate_command;
-using tests::TemporaryFolder;
 
 namespace {
 
@@ -54,10 +41,7 @@ Vec2 point(const Row& row, const std::string& name) {
 }
 
 std::vector<Row> rows_of(const std::string& file, const std::string& query) {
-    const Finished done = palpate_command({"sql", file, "--csv", "-c", query});
-    CAPTURE(query, done.error);
-    REQUIRE(done.code == 0);
-    return rows_of(done.out, ',', {});
+    return rows_of(sql_csv(file, query), ',', {});
 }
 
 /// Two hillsides of several spans each, with uneven knots that do not begin at 0 and a kink within
@@ -176,10 +160,7 @@ Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& 
     }
     std::ofstream(folder.file("s.toml")) << scene_text(trial);
     std::ofstream(folder.file("t.csv")) << path;
-    const Finished done = palpate_command(
-        {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
+    ran({"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
     felt.rendered = rows_of(tests::slurp(folder.file("o.csv")), ',', {});
     REQUIRE(felt.rendered.size() == felt.sample.size());
     return felt;
@@ -280,18 +261,14 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     std::ofstream(folder.file("p.toml")) << kHills << hill_tables("object.segment");
-    const Finished run = palpate_command(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
-    CAPTURE(run.error);
-    REQUIRE(run.code == 0);
+    ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
     const std::vector<Row> trials = rows_of(
         file,
         "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "
         "ticks FROM analysis_trial AS s JOIN trial USING (trial_id) ORDER BY trial_id");
     REQUIRE(trials.size() == 4);
-    REQUIRE(palpate_command({"export", file, "--format", "bids", "--kind", "simulated", "--traces",
-                             "-o", folder.file("out")})
-                .code == 0);
+    ran({"export", file, "--format", "bids", "--kind", "simulated", "--traces", "-o",
+         folder.file("out")});
     const auto runs = bids_runs(folder.file("out"));
     REQUIRE(runs.size() == trials.size());
 
@@ -317,5 +294,5 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
         }
     }
     CHECK((on_spans[1] > 50 && on_spans[2] > 50));  // all of segment 0
-    CHECK(palpate_command({"verify", file}).code == 0);
+    ran({"verify", file});
 }

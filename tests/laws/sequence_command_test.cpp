@@ -1,16 +1,8 @@
-#include <string>
-
-#include <fmt/format.h>
-
 #include "data/store/session_store.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -53,13 +45,11 @@ void check_against(const std::string& file,
     data::Database database(file, data::Access::read);
     std::vector<std::string> command = {"sequence"};
     command.insert(command.end(), words.begin(), words.end());
-    const Finished text = palpate_command(command);
-    CHECK(text.code == 0);
+    const Finished text = ran(command);
     CHECK_THAT(text.out, ContainsSubstring("plan " + recorded_hash(database, session) + '\n') &&
                              ContainsSubstring(recorded_pictures(database, session)));
     command.emplace_back("--csv");
-    const Finished csv = palpate_command(command);
-    CHECK(csv.code == 0);
+    const Finished csv = ran(command);
     CHECK(csv.out == recorded_plan(database, session));
 }
 
@@ -72,17 +62,16 @@ std::vector<std::string> words_of_run(const std::string& participant, const std:
 TEST_CASE("sequence prints exactly the plan that is run, before and after", "[sequence][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
-    CHECK(palpate_command({"sequence", "shape_friction_demo", "--participant", "demo"}).code == 0);
+    ran({"sequence", "shape_friction_demo", "--participant", "demo"});
     CHECK(folder.names().empty());
-    const Finished demo = palpate_command({"demo", "--headless", "--db", file});
-    REQUIRE(demo.code == 0);
+    const Finished demo = ran({"demo", "--headless", "--db", file});
     check_against(file, 1, {"shape_friction_demo", "--participant", "demo", "--db", file});
 }
 
 TEST_CASE("sequence knows another seed, another session, and who already ran", "[sequence][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(words_of_run("P1", file)).code == 0);
+    ran(words_of_run("P1", file));
     {  // as if a person had been there: the next row of pictures depends on it
         data::Database database(file, data::Access::write);
         database.execute("UPDATE session SET session_kind = 'real'");
@@ -94,9 +83,8 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
     const Finished announced = palpate_command(command);
     auto run = words_of_run("P2", file);
     run.insert(run.end(), {"--seed", "5"});
-    const Finished ran = palpate_command(run);
-    REQUIRE(ran.code == 0);
-    CHECK_THAT(ran.out, ContainsSubstring(announced.out.substr(announced.out.find("code "), 14)));
+    const Finished held = ran(run);
+    CHECK_THAT(held.out, ContainsSubstring(announced.out.substr(announced.out.find("code "), 14)));
     check_against(file, 2, {"shape_friction_demo", "--participant", "P2", "--db", file});
     CHECK_THAT(announced.out, ContainsSubstring("used by 0 other participants"));
 
@@ -104,28 +92,27 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
         "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
     auto again = words_of_run("P2", file);
     again.insert(again.end(), {"--session", "2"});
-    REQUIRE(palpate_command(again).code == 0);
+    ran(again);
     check_against(file, 3, second);
 }
 
 TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[sequence][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(words_of_run("P1", file)).code == 0);
+    ran(words_of_run("P1", file));
     {
         data::Database database(file, data::Access::write);
         database.execute("UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
     }
-    const Finished refused = palpate_command(words_of_run("P1", file));
-    CHECK(refused.code == 1);
+    const Finished refused = ran(words_of_run("P1", file), 1);
     CHECK_THAT(refused.error, ContainsSubstring("begun with another plan"));
 }
 
 TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") {
     const TemporaryFolder folder;
-    CHECK(palpate_command({"sequence", "shape_friction_demo"}).code == 2);
-    CHECK(palpate_command({"sequence", "shape_friction_demo", "--participant", "a b"}).code == 2);
-    CHECK(palpate_command({"sequence", "no_such_study", "--participant", "P"}).code == 2);
+    ran({"sequence", "shape_friction_demo"}, 2);
+    ran({"sequence", "shape_friction_demo", "--participant", "a b"}, 2);
+    ran({"sequence", "no_such_study", "--participant", "P"}, 2);
     CHECK(palpate_command({"sequence", "shape_friction_demo", "--participant", "P", "--db",
                            folder.file("none.sqlite")})
               .code != 0);

@@ -1,22 +1,6 @@
-#include <array>
-#include <cmath>
-#include <random>
-#include <sstream>
+#include "tests/support/json_of.hpp"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-
-using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -76,15 +60,6 @@ for (p in d$participant[1]) {
         pchisq(off(function(q) { q[5] <- q[3]; nll(q) }), 1, lower.tail = FALSE))), sep = '')
 }
 )R";
-
-Json fitted(std::vector<std::string> words) {
-    words.insert(words.begin(), "fit");
-    words.insert(words.end(), {"--json"});
-    const Finished done = palpate_command(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return Json::parse(done.out);
-}
 
 }  // namespace
 
@@ -234,7 +209,6 @@ TEST_CASE("a guess rate and a lapse rate that are both shared are refused", "[fi
     const TemporaryFolder folder;
     write(folder.file("d.csv"), table(kGuessing));
     const Finished done =
-        palpate_command({"fit", folder.file("d.csv"), "--guess", "shared", "--lapse", "shared"});
-    CHECK(done.code == 2);
+        ran({"fit", folder.file("d.csv"), "--guess", "shared", "--lapse", "shared"}, 2);
     CHECK_THAT(done.error, ContainsSubstring("give one of them as free or as a number"));
 }

@@ -1,15 +1,9 @@
-#include <fstream>
-
 #include "protocols/library/shipped.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -65,14 +59,10 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = written(folder, one);
     const std::string db = folder.file("a.sqlite");
-    const Finished sequence = palpate_command({"sequence", file, "--participant", "P1", "--csv"});
-    CHECK(sequence.code == 0);
+    const Finished sequence = ran({"sequence", file, "--participant", "P1", "--csv"});
     CHECK(std::count(sequence.out.begin(), sequence.out.end(), '\n') == one.trials + 1);
-    CHECK(palpate_command({"check", one.name}).code == 0);
-    const Finished run =
-        palpate_command({"run", file, "--participant", "P1", "--db", db, "--headless"});
-    CAPTURE(run.error);
-    REQUIRE(run.code == 0);
+    ran({"check", one.name});
+    const Finished run = ran({"run", file, "--participant", "P1", "--db", db, "--headless"});
     CHECK_THAT(run.out, ContainsSubstring("Finished."));
     {
         data::Database database(db, data::Access::read);
@@ -90,7 +80,6 @@ TEST_CASE(
         CHECK((one.name != std::string("softness_2afc") ||
                number(database, "SELECT count(*) FROM trial WHERE worst_episode_j > 0") == 0));
     }
-    const Finished verify = palpate_command({"verify", db});
-    CHECK(verify.code == 0);
+    const Finished verify = ran({"verify", db});
     CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
 }

@@ -1,29 +1,17 @@
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "protocols/file/observer_file.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::Process;
-using tests::slurp;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace fs = std::filesystem;
 
@@ -70,7 +58,7 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
           "[simulate][law]") {
     const TemporaryFolder folder;
     const std::string one = folder.file("one.sqlite");
-    REQUIRE(palpate_command(simulate({"--db", one, "--threads", "1"})).code == 0);
+    ran(simulate({"--db", one, "--threads", "1"}));
     for (const char* threads : {"2", "5"}) {
         const std::string file = folder.file(std::string("t") + threads + ".sqlite");
         const auto ran = palpate_command(simulate({"--db", file, "--threads", threads}));
@@ -80,9 +68,7 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     }
     std::vector<std::string> merge{"merge", "--expect", "3", folder.file("all.sqlite")};
     for (const char* shard : {"2/3", "0/3"}) {
-        REQUIRE(palpate_command(
-                    simulate({"-o", folder.file("shards"), "--shard", shard, "--threads", "1"}))
-                    .code == 0);
+        ran(simulate({"-o", folder.file("shards"), "--shard", shard, "--threads", "1"}));
         merge.push_back(
             folder.file(fmt::format("shards/shard-00{}-of-003.sqlite", std::string(shard, 1))));
     }
@@ -108,7 +94,7 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     CAPTURE(task.error);
     REQUIRE(task.code == 0);
     merge.push_back(folder.file("shards/shard-001-of-003.sqlite"));
-    REQUIRE(palpate_command(merge).code == 0);
+    ran(merge);
     CHECK(content(folder.file("all.sqlite")) == content(one));
     const auto again = palpate_command({"merge", folder.file("all.sqlite"), one});
     CHECK_THAT(again.out, ContainsSubstring("0 sessions new, 0 went on, 4 as before"));
@@ -142,7 +128,7 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.sqlite");
     const std::string people = "8";
-    REQUIRE(palpate_command(simulate({"--db", whole}, people)).code == 0);
+    ran(simulate({"--db", whole}, people));
     /// Begins it, and sends the signal when the second participant is kept. @return the exit code
     const auto broken_off = [&](const std::string& file, int signal,
                                 const std::vector<std::string>& more) {
@@ -191,7 +177,7 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     const std::vector<std::string> same = simulate({"--db", file, "--no-traces"}, "2");
-    REQUIRE(palpate_command(same).code == 0);
+    ran(same);
     const std::string bytes = slurp(file);
     const auto again = palpate_command(same);
     CHECK(again.code == 0);
@@ -222,14 +208,14 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     const auto verified = palpate_command({"verify", file});
     CHECK(verified.code == 0);
     CHECK_THAT(verified.out, ContainsSubstring("0 ticks replayed, nothing differs"));
-    CHECK(palpate_command({"summary", file}).code == 0);
+    ran({"summary", file});
 }
 
 TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed",
           "[simulate][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(simulate({"--db", file}, "2")).code == 0);
+    ran(simulate({"--db", file}, "2"));
     data::Database(file, data::Access::write)
         .execute(
             "UPDATE session_provenance SET value = replace(value, 'median_s = 1.5', 'median_s = "
@@ -255,8 +241,7 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
     const auto difference = [&](const std::string& friction) {
         tests::write(folder.file("observer.toml"),
                      "format = 1\n[hand]\nspeed_factor = 2.5\n[observer]\nnoise_per_m = 2.5\nlapse "
-                     "= 0\n[people]\nnoise_sd_ln = "
-                     "0.2\n[friction]\n" +
+                     "= 0\n[people]\nnoise_sd_ln = 0.2\n[friction]\n" +
                          friction);
         const std::string file = folder.file("d.sqlite");
         fs::remove(file);
@@ -283,14 +268,12 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const auto succeeds = [](const std::vector<std::string>& words) {
-        const tests::Finished done = palpate_command(words);
-        CAPTURE(words, done.error);
-        REQUIRE(done.code == 0);
+        const tests::Finished done = ran(words);
         return done.out;
     };
     (void)succeeds(
         {"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", file});
-    CHECK(succeeds({"sql", file, "--csv", "-c", "SELECT count(*) AS n FROM sample"}) == "n\n0\n");
+    CHECK(sql_csv(file, "SELECT count(*) AS n FROM sample") == "n\n0\n");
     for (const char* name : {"sample", "SAMPLE"}) {  // SQL takes names in any letters
         CHECK_THAT(palpate_command({"sql", file, "-c", std::string("SELECT 1 FROM ") + name}).error,
                    ContainsSubstring("no ticks are kept in this file: sample has no row"));
@@ -299,9 +282,9 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(slurp(page), ContainsSubstring("No ticks are kept of these trials"));
     const tests::Finished again =
-        palpate_command({"run", "shape_friction_demo", "--participant", "S000001", "--db",
-                         folder.file("b.sqlite"), "--headless", "--device", "replay:" + file});
-    CHECK(again.code == 1);
+        ran({"run", "shape_friction_demo", "--participant", "S000001", "--db",
+             folder.file("b.sqlite"), "--headless", "--device", "replay:" + file},
+            1);
     CHECK_THAT(again.error, ContainsSubstring("has no ticks: it was simulated with --no-traces"));
 }
 

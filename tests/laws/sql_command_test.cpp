@@ -1,26 +1,13 @@
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include "tests/support/program.hpp"
 
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-
-using Catch::Matchers::ContainsSubstring;
-using palpate::tests::Finished;
-using palpate::tests::palpate_command;
-using palpate::tests::Process;
-using palpate::tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
 const std::string& demo_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
-        REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("it's a demo.sqlite")})
-                    .code == 0);
+        ran({"demo", "--headless", "--db", folder.file("it's a demo.sqlite")});
         return folder.file("it's a demo.sqlite");
     }();
     return file;
@@ -33,8 +20,7 @@ Finished sql(const std::string& query, const std::vector<std::string>& words = {
 }
 
 std::string extension() {
-    const Finished found = palpate_command({"extension"});
-    REQUIRE(found.code == 0);
+    const Finished found = ran({"extension"});
     return found.out.substr(0, found.out.find('\n'));
 }
 
@@ -42,8 +28,7 @@ std::string extension() {
 const char* const kQueries[] = {
     "SELECT tick, time_s, hip_x_m, hip_vy_m_per_s, rendered_normal_n, rendered_tangential_n, "
     "commanded_x_n, mu, flags, code_1 FROM sample WHERE "
-    "trial_id = 3"
-    " AND tick % 97 = 0",
+    "trial_id = 3 AND tick % 97 = 0",
     "SELECT trial_id, count(*), avg(rendered_normal_n), sum(mode = 'slip'), max(hip_vx_m_per_s) "
     "FROM sample GROUP "
     "BY trial_id",
@@ -287,11 +272,10 @@ TEST_CASE("R with the extension says what palpate sql says, and R's own statisti
     const Finished r =
         Process({"Rscript", "-e",
                  "p <- function(d, m) integrate(function(x) dnorm(x - d) * pnorm(x)^(m - 1), -Inf, "
-                 "Inf, "
-                 "rel.tol = 1e-11)$value\n"
+                 "Inf, rel.tol = 1e-11)$value\n"
                  "cat('h\\n'); cat(sprintf('%.15g', c(binom.test(13, 47)$conf.int, qnorm(0.123), "
-                 "uniroot(function(d) p(d, 5) - 31/50, c(0, 5), tol = 1e-12)$root, "
-                 "quantile(c(3, 1, 4, 1, 5, 9, 2.5), 0.3), sd(c(3, 1, 4, 1, 5)))), sep = ',')\n"})
+                 "uniroot(function(d) p(d, 5) - 31/50, c(0, 5), tol = 1e-12)$root, quantile(c(3, "
+                 "1, 4, 1, 5, 9, 2.5), 0.3), sd(c(3, 1, 4, 1, 5)))), sep = ',')\n"})
             .wait();
     REQUIRE(r.code == 0);
     std::vector<double> theirs;

@@ -1,17 +1,10 @@
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <memory>
 
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::pause;
-using tests::TemporaryFolder;
-using tests::WindowSession;
+using namespace palpate::tests;
 
 // Where a trial begins, and how a question ends that nobody answers: the shipped program in a
 // window.
@@ -198,7 +191,7 @@ TEST_CASE(
     CHECK(session.finish().code == 3);
     CHECK(session.ask("SELECT abs(start_x_m - 0.001) < 0.0005 AND abs(start_y_m - 0.058) < 0.0005 "
                       "FROM presentation ORDER BY trial_id DESC, interval DESC LIMIT 1") == "1");
-    CHECK(tests::palpate_command({"verify", file}).code == 0);
+    ran({"verify", file});
 }
 
 TEST_CASE("in space a trial begins within the start's radius, in each direction",
@@ -254,7 +247,5 @@ TEST_CASE("a question that nobody answers ends, and its trial runs again", "[win
                       "'complete'") == "4");
     CHECK(session.ask("SELECT unanswered FROM session_health") ==
           session.ask("SELECT count(*) - 4 FROM trial"));
-    const tests::Finished verify = tests::palpate_command({"verify", file});
-    CAPTURE(verify.out);
-    CHECK(verify.code == 0);
+    ran({"verify", file});
 }

@@ -1,23 +1,7 @@
-#include <cmath>
-#include <map>
-#include <random>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/json_of.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using Json = nlohmann::ordered_json;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -77,19 +61,13 @@ Finished stats(std::vector<std::string> words) {
 }
 
 Json numbers_of(std::vector<std::string> words) {
-    words.emplace_back("--json");
-    const Finished done = stats(words);
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return Json::parse(done.out);
+    words.insert(words.begin(), "stats");
+    return json_of(std::move(words));
 }
 
-void refused(const std::vector<std::string>& words, const std::string& why) {
-    const Finished done = stats(words);
-    CAPTURE(words);
-    CHECK(done.code == 2);
-    CHECK(done.out.empty());
-    CHECK_THAT(done.error, ContainsSubstring(why));
+void no_stats(std::vector<std::string> words, const std::string& why) {
+    words.insert(words.begin(), "stats");
+    refused(words, why);
 }
 
 /// What the script prints against the JSON; how many numbers of each kind there were.
@@ -140,12 +118,11 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     const Json yes = with({folder.file("yes.csv"), "--signal", "curved", "--baseline", "oiled",
                            "--emit-r", folder.file("again_yes.R")});
     // One R for both: to load lme4 takes longer than all else.
-    const Finished r =
-        Process({"sh", "-c",
-                 "cd '" + folder.path().string() +
-                     "' && Rscript -e \"for (s in c('again', 'again_yes')) { sink(paste0(s, "
-                     "'.out')); source(paste0(s, '.R')); sink() }\""})
-            .wait();
+    const Finished r = Process({"sh", "-c",
+                                "cd '" + folder.path().string() +
+                                    "' && Rscript -e \"for (s in c('again', 'again_yes')) { "
+                                    "sink(paste0(s, '.out')); source(paste0(s, '.R')); sink() }\""})
+                           .wait();
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
     auto kinds = compare(tests::slurp(folder.file("again.out")), ours);
@@ -173,7 +150,7 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
           Json({{"subject", "P01"}, {"why", "catch trials"}, {"trials", 40}}));
     CHECK(ours["excluded"][1]["trials"] == 2);
     // The script that somebody may have changed, and its trials, are never written over.
-    refused({folder.file("d.csv"), "--emit-r", folder.file("again.R")}, "again.csv");
+    no_stats({folder.file("d.csv"), "--emit-r", folder.file("again.R")}, "again.csv");
     // The trials beside it are the same table.
     Json again = with({folder.file("again.csv")});
     again["source"] = ours["source"];
@@ -281,7 +258,7 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
     const std::string csv = folder.file("d.csv");
     const auto of = [&](const std::string& text, const std::string& why) {
         write(csv, text);
-        refused({csv}, why);
+        no_stats({csv}, why);
     };
     const std::string head = "subject,trial,shape,friction,response";
     of("subject,trial,shape,friction\n", "d.csv:1: there is no column response");
@@ -297,16 +274,16 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
     of(head + ",confidence\nA,1,a,on,a,sure\n",
        "d.csv:2:12: confidence is \"sure\": give a finite number");
     of(head + ",excluded\nA,1,a,on,a,late\n", "all 1 trials are excluded");
-    refused({folder.file("none.csv")}, "none.csv");
+    no_stats({folder.file("none.csv")}, "none.csv");
     write(csv, head + "\nA,1,a,on,a\nA,2,b,off,a\n");
-    refused({csv, "--baseline", "wet"}, "--baseline is wet: give one of off, on");
-    refused({csv, "--signal", "a"}, "--signal is for answers of yes and no alone");
-    refused({csv, "--signal", "c"}, "--signal is c: give one of a, b");
-    refused({csv, "--alternatives", "1"}, "--alternatives");
-    refused({csv, "--nodes", "41"}, "--nodes");
-    refused({csv, "--emit-r", folder.file("x.csv")}, "give a script's name, as analysis.R");
+    no_stats({csv, "--baseline", "wet"}, "--baseline is wet: give one of off, on");
+    no_stats({csv, "--signal", "a"}, "--signal is for answers of yes and no alone");
+    no_stats({csv, "--signal", "c"}, "--signal is c: give one of a, b");
+    no_stats({csv, "--alternatives", "1"}, "--alternatives");
+    no_stats({csv, "--nodes", "41"}, "--nodes");
+    no_stats({csv, "--emit-r", folder.file("x.csv")}, "give a script's name, as analysis.R");
     write(csv, head + "\nA,1,a,on,yes\nA,2,b,off,no\n");
-    refused({csv, "--alternatives", "4"}, "these answers are yes and no");
+    no_stats({csv, "--alternatives", "4"}, "these answers are yes and no");
 }
 
 TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",
@@ -320,13 +297,11 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
                                      "share_correct_min = 0.7\n");
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob", "Cem"}) {
-        const Finished done = palpate_command({"run", folder.file("p.toml"), "--participant",
-                                               person, "--db", file, "--device", "sim"});
-        CAPTURE(done.error);
-        REQUIRE(done.code == 0);
+        ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
+             "sim"});
     }
-    refused({file}, "has no answer of identification or yes-no in real sessions: --kind chooses");
-    refused({file, "--kind", "all"}, "--kind");
+    no_stats({file}, "has no answer of identification or yes-no in real sessions: --kind chooses");
+    no_stats({file, "--kind", "all"}, "--kind");
     const std::vector<std::string> words{file, "--kind", "simulated", "--simulations", "0"};
     const Finished text = stats(words);
     REQUIRE(text.code == 0);
@@ -345,13 +320,13 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     coded.emplace_back("--keep-codes");
     const Json named = numbers_of(coded);
     const Json& part = named["not_applied"].is_null() ? named["applied"] : named["not_applied"];
-    const Finished counts =
-        palpate_command({"sql", file, "--csv", "-c",
-                         "SELECT participant_code, friction, count(*) AS n, sum(correct) AS k, "
-                         "avg(ln(reaction_s)) AS rt FROM analysis_trial WHERE counts AND phase = "
-                         "'main' GROUP BY 1, "
-                         "2"});
-    std::istringstream rows(counts.out);
+    const std::string counts =
+        sql_csv(file,
+                "SELECT participant_code, friction, count(*) AS n, sum(correct) AS k, "
+                "avg(ln(reaction_s)) AS rt FROM analysis_trial WHERE counts AND phase = "
+                "'main' GROUP BY 1, "
+                "2");
+    std::istringstream rows(counts);
     std::string row;
     std::getline(rows, row);
     std::size_t poor = 0;

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/stop_ways.hpp"
 #include "tests/support/studies.hpp"
 
@@ -15,13 +15,7 @@
 // terminal, another shell and a pipe in place of a button. Nothing is asserted about time.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::eventually;
-using tests::PressedDesk;
-using tests::PressingHand;
-using tests::StopButton;
-using tests::TemporaryFolder;
-using tests::Terminal;
+using namespace palpate::tests;
 
 namespace {
 
@@ -77,8 +71,7 @@ private:
 
 TEST_CASE(
     "whoever takes the window away, types at the terminal, calls from a shell or presses the "
-    "button ends the "
-    "force, and the experimenter's chord alone goes on",
+    "button ends the force, and the experimenter's chord alone goes on",
     "[window][haply][safety][law]") {
     const TemporaryFolder folder;
     const Terminal terminal;
@@ -94,9 +87,7 @@ TEST_CASE(
     stopped.ends("terminal", "stopped", [&] { terminal.type("\n"); });
     stopped.goes_on();
     stopped.ends("palpate stop", "stopped", [&] {
-        const tests::Finished finished = tests::palpate_command({"stop", desk.file});
-        CAPTURE(finished.out, finished.error);
-        CHECK(finished.code == 0);
+        const tests::Finished finished = ran({"stop", desk.file});
         CHECK_THAT(finished.out, ContainsSubstring("No force any more in 1 session") &&
                                      ContainsSubstring("participant P1"));
     });
@@ -114,7 +105,7 @@ TEST_CASE(
 
     // Between trials: no force until the chord, and no trial has begun.
     const std::string begun = stopped.session().ask("SELECT count(*) FROM trial");
-    CHECK(tests::palpate_command({"stop", desk.file}).code == 0);
+    ran({"stop", desk.file});
     stopped.goes_on();
     hand.ask_to_close(stopped.window());  // nothing comes of it
     tests::pause(0.3);
@@ -139,8 +130,7 @@ TEST_CASE(
 
     // One that hangs is said to, and stops when it goes on.
     stopped.session().program().signal(SIGSTOP);
-    const tests::Finished hung = tests::palpate_command({"stop", desk.file});
-    CHECK(hung.code == 1);
+    const tests::Finished hung = ran({"stop", desk.file}, 1);
     CHECK_THAT(hung.error, ContainsSubstring("1 session did not answer"));
     stopped.session().program().signal(SIGCONT);
     stopped.goes_on();
@@ -162,8 +152,8 @@ TEST_CASE(
     stopped.session().program().signal(SIGTERM);
     CHECK(stopped.session().finish().code == 3);
     CHECK(terminal.as_before());
-    CHECK(tests::palpate_command({"stop", desk.file}).code == 1);
-    CHECK(tests::palpate_command({"verify", desk.file}).code == 0);
+    ran({"stop", desk.file}, 1);
+    ran({"verify", desk.file});
 }
 
 TEST_CASE(

@@ -1,24 +1,11 @@
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/json_of.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Process;
-using tests::TemporaryFolder;
-using Json = nlohmann::ordered_json;
+using namespace palpate::tests;
 
 namespace {
 
@@ -27,8 +14,7 @@ std::vector<std::string> by_r(const std::string& file,
                               const std::string& query,
                               const std::string& script) {
     const TemporaryFolder folder;
-    const Finished rows = palpate_command({"sql", file, "--csv", "-c", query});
-    REQUIRE(rows.code == 0);
+    const Finished rows = ran({"sql", file, "--csv", "-c", query});
     std::ofstream(folder.file("rows.csv")) << rows.out;
     std::ofstream(folder.file("script.R")) << "d <- read.csv(commandArgs(TRUE)[1])\n" + script;
     const Finished r =
@@ -52,9 +38,7 @@ bool no_r() {
 }
 
 std::string summary_of(const std::string& file) {
-    const Finished summary = palpate_command({"summary", file});
-    REQUIRE(summary.code == 0);
-    return summary.out;
+    return ran({"summary", file}).out;
 }
 
 /// Made-up people of a factorial study, each with a share of their own; the first is cut short.
@@ -241,13 +225,13 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
         CHECK_THAT(text, ContainsSubstring(line));
     }
     // The SQL functions say the same interval.
-    const Finished ours =
-        palpate_command({"sql", file, "--csv", "-c",
-                         "SELECT printf('%.3f  %.3f to %.3f      %d', avg(share), "
-                         "people_share_low(share), people_share_high(share), count(*)) FROM "
-                         "(SELECT friction, avg(correct) AS share FROM analysis_trial WHERE counts "
-                         "AND phase = 'main' GROUP BY participant_code, 1) GROUP BY friction"});
-    CHECK_THAT(ours.out, ContainsSubstring(lines[24]) && ContainsSubstring(lines[25]));
+    const std::string ours =
+        sql_csv(file,
+                "SELECT printf('%.3f  %.3f to %.3f      %d', avg(share), "
+                "people_share_low(share), people_share_high(share), count(*)) FROM "
+                "(SELECT friction, avg(correct) AS share FROM analysis_trial WHERE counts "
+                "AND phase = 'main' GROUP BY participant_code, 1) GROUP BY friction");
+    CHECK_THAT(ours, ContainsSubstring(lines[24]) && ContainsSubstring(lines[25]));
 }
 
 TEST_CASE("with one person or two, palpate summary says what can be said and what cannot",
@@ -302,19 +286,16 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.toml")) << tests::adaptive_text(one.rule, one.kind);
     const std::string file = folder.file("a.sqlite");
-    const Finished run = palpate_command(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
-    CAPTURE(run.out, run.error);
-    REQUIRE(run.code == 0);
+    ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
     // A mark made later: its answer is left out here and there.
-    const Finished third =
-        palpate_command({"sql", file, "--csv", "-c",
-                         "SELECT trial_id FROM analysis_trial WHERE run_trial_number IS NOT NULL "
-                         "AND run_number = 1 AND run_trial_number = 3"});
-    const std::size_t row = third.out.find('\n') + 1;
-    const std::string trial = third.out.substr(row, third.out.size() - row - 1);
+    const std::string third =
+        sql_csv(file,
+                "SELECT trial_id FROM analysis_trial WHERE run_trial_number IS NOT NULL "
+                "AND run_number = 1 AND run_trial_number = 3");
+    const std::size_t row = third.find('\n') + 1;
+    const std::string trial = third.substr(row, third.size() - row - 1);
     if (index != 3) {  // a staircase goes on elsewhere without it
-        REQUIRE(palpate_command({"mark", file, trial, "--invalid", "bell"}).code == 0);
+        ran({"mark", file, trial, "--invalid", "bell"});
     }
     const Json all =
         Json::parse(palpate_command({"summary", file, "--json"}).out).at("studies").at(0);

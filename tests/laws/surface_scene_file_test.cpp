@@ -1,20 +1,7 @@
-#include <cmath>
-#include <sstream>
-
-#include <fmt/format.h>
-
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
-using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::Random;
-using tests::TemporaryFolder;
-using tests::write;
+using namespace palpate::tests;
 
 namespace {
 
@@ -59,10 +46,7 @@ std::string said(const std::string& command, const std::string& scene, const std
     const TemporaryFolder folder;
     write(folder.file("s.toml"), scene);
     write(folder.file("d.csv"), data);
-    const Finished done = palpate_command({command, folder.file("s.toml"), folder.file("d.csv")});
-    CAPTURE(done.error);
-    REQUIRE(done.code == 0);
-    return done.out;
+    return ran({command, folder.file("s.toml"), folder.file("d.csv")}).out;
 }
 
 }  // namespace
@@ -138,9 +122,7 @@ TEST_CASE("surfaces that cannot be one object are refused with value and remedy"
     write(folder.file("d.csv"), "x_m,y_m,z_m\n0,0,0.01\n");
     const auto refused = [&](const std::string& scene, const char* why) {
         write(folder.file("s.toml"), scene);
-        const Finished done =
-            palpate_command({"closest", folder.file("s.toml"), folder.file("d.csv")});
-        CHECK(done.code == 2);
+        const Finished done = ran({"closest", folder.file("s.toml"), folder.file("d.csv")}, 2);
         CHECK_THAT(done.error, ContainsSubstring("s.toml:") && ContainsSubstring(why));
     };
     refused(plate(-0.04, 0.0, 0.0) + plate(0.00001, 0.04, 0.0), "are up to 1e-05 m apart");

@@ -1,21 +1,14 @@
-#include <cmath>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -68,11 +61,9 @@ const Recorded& recorded() {
 
 /// The only row of a query, as CSV.
 std::string row(const std::string& file, const std::string& sql) {
-    const Finished asked = palpate_command({"sql", file, "--csv", "-c", sql});
-    CAPTURE(sql, asked.error);
-    REQUIRE(asked.code == 0);
-    const std::size_t head = asked.out.find('\n');
-    std::string text = asked.out.substr(head + 1);
+    const std::string csv = sql_csv(file, sql);
+    const std::size_t head = csv.find('\n');
+    std::string text = csv.substr(head + 1);
     text.erase(text.find_last_not_of("\r\n") + 1);
     return text;
 }
@@ -82,8 +73,7 @@ std::string row(const std::string& file, const std::string& sql) {
 TEST_CASE("a session on surfaces is stored whole, and verify finds nothing in it",
           "[surface-session][law]") {
     const Recorded& session = recorded();
-    const Finished verify = palpate_command({"verify", session.file});
-    CHECK(verify.code == 0);
+    const Finished verify = ran({"verify", session.file});
     CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
     // Nothing is stored in full: HIP follows from its columns, the contact from HIP, the command
     // from both.
@@ -100,8 +90,7 @@ TEST_CASE("what sample says of surfaces is what their geometry and laws ask for"
     // F = K (GO - HIP) along each axis, 800 N/m.
     CHECK(row(file,
               "SELECT max(max(abs(rendered_x_n - 800 * (go_x_m - hip_x_m)), abs(rendered_y_n "
-              "- 800 * (go_y_m - hip_y_m)), abs(rendered_z_n - 800 * (go_z_m - hip_z_m)))) < "
-              "1e-9" +
+              "- 800 * (go_y_m - hip_y_m)), abs(rendered_z_n - 800 * (go_z_m - hip_z_m)))) < 1e-9" +
                   of) == "1");
     // Friction lies in the tangent plane: |F|^2 = Fn^2 + Ft^2, Ft <= mu Fn.
     CHECK(row(file,
@@ -177,7 +166,7 @@ TEST_CASE(
     CHECK(replayed > 40'000);
 
     const std::string again = session.folder.file("again.sqlite");
-    REQUIRE(palpate_command(run(session.protocol, again, "replay:" + session.file)).code == 0);
+    ran(run(session.protocol, again, "replay:" + session.file));
     const char* const forces =
         "SELECT trial_id, count(*), sum(rendered_x_n), sum(rendered_y_n), sum(rendered_z_n), "
         "sum(u * v) FROM sample WHERE tick < 3000 GROUP BY trial_id";
@@ -188,10 +177,7 @@ TEST_CASE(
 TEST_CASE("an export of surfaces has every coordinate", "[surface-session][export]") {
     const Recorded& session = recorded();
     const std::string out = session.folder.file("csv");
-    const Finished exported =
-        palpate_command({"export", session.file, "-o", out, "--kind", "simulated", "--traces"});
-    CAPTURE(exported.error);
-    REQUIRE(exported.code == 0);
+    ran({"export", session.file, "-o", out, "--kind", "simulated", "--traces"});
     std::ifstream columns(out + "/columns.csv");
     std::stringstream text;
     text << columns.rdbuf();
@@ -203,11 +189,8 @@ TEST_CASE("an export of surfaces has every coordinate", "[surface-session][expor
 TEST_CASE("a report of surfaces names both curvatures of each patch", "[surface-session][report]") {
     const Recorded& session = recorded();
     const std::string page = session.folder.file("report.html");
-    const Finished reported =
-        palpate_command({"report", session.file, "--kind", "simulated", "--simulations", "19",
-                         "--bootstrap", "19", "-o", page});
-    CAPTURE(reported.error);
-    REQUIRE(reported.code == 0);
+    ran({"report", session.file, "--kind", "simulated", "--simulations", "19", "--bootstrap", "19",
+         "-o", page});
     std::ifstream file(page);
     std::stringstream text;
     text << file.rdbuf();
@@ -225,8 +208,7 @@ TEST_CASE("another friction than what was felt is found", "[surface-session][ver
             "UPDATE presentation SET mu_d = 0.5 WHERE trial_id = (SELECT min(trial_id) FROM "
             "presentation WHERE friction = 'on')");
     }
-    const Finished verify = palpate_command({"verify", copy});
-    CHECK(verify.code == 1);
+    const Finished verify = ran({"verify", copy}, 1);
     CHECK_THAT(verify.out, ContainsSubstring("presentation.mu_d"));
 }
 
@@ -235,17 +217,15 @@ TEST_CASE("surfaces are refused on machines in a plane, and with what only plane
     const TemporaryFolder folder;
     const std::string protocol = study(folder);
     for (const char* device : {"haply-emulator", "haply:/dev/null", "mouse"}) {
-        const Finished refused = palpate_command(run(protocol, folder.file("a.sqlite"), device));
         CAPTURE(device);
-        CHECK(refused.code == 2);
+        const Finished refused = ran(run(protocol, folder.file("a.sqlite"), device), 2);
         CHECK_THAT(refused.error, ContainsSubstring("patch_friction"));
         CHECK_THAT(refused.error, ContainsSubstring("give --device sim"));
         CHECK(!std::filesystem::exists(folder.file("a.sqlite")));
     }
     const auto said = [](const std::string& from, const std::string& to) {
         const TemporaryFolder own;
-        const Finished checked = palpate_command({"check", study(own, {from, to})});
-        CHECK(checked.code == 2);
+        const Finished checked = ran({"check", study(own, {from, to})}, 2);
         return checked.error + checked.out;
     };
     CHECK_THAT(said("[surface] ", "[outline]\na_mm = [-40, 0]\n[surface] "),

@@ -1,19 +1,14 @@
 #include <csignal>
-#include <thread>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "data/store/database.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/free_board.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/stop_ways.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::palpate_command;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -116,7 +111,7 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     // Another calibration is another rig; this one is meant. The next resumption knows the last,
     // not the first.
     const std::vector<std::string> another = words(file, "sim", {"--calibration", "haplet"});
-    CHECK(palpate_command(another).code == 2);
+    ran(another, 2);
     const auto wrong = typed(another, "P2\n");  // at a terminal it is asked for
     CHECK(wrong.code == 1);
     CHECK_THAT(wrong.out, ContainsSubstring("type the participant's code"));
@@ -133,7 +128,7 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
               "SELECT count(*) FROM trial JOIN event ON event.value = calibration_sha256 "
               "AND key = 'calibration sha256' AND trials_begun < trial.trial_id") ==
           ask(file, "SELECT count(*) - " + before + " FROM trial"));
-    CHECK(palpate_command({"verify", file}).code == 0);
+    ran({"verify", file});
 
     CHECK_THAT(palpate_command({"summary", file}).out,
                ContainsSubstring("felt on more than one device or calibration"));
@@ -143,9 +138,7 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
                              .at("devices");
     REQUIRE(devices.size() == 2);
     CHECK(devices.at(0).at("attempts").dump() == before);
-    REQUIRE(palpate_command({"report", file, "--kind", "simulated", "--simulations", "0", "-o",
-                             folder.file("r.html")})
-                .code == 0);
+    ran({"report", file, "--kind", "simulated", "--simulations", "0", "-o", folder.file("r.html")});
     CHECK_THAT(tests::slurp(folder.file("r.html")),
                ContainsSubstring("sessions felt on more than one device"));
 

@@ -1,22 +1,12 @@
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "data/store/reader.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::Finished;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 
@@ -74,13 +64,10 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
     for (int run = 1; run <= 2; ++run) {  // the same protocol resumes, and has the same limit
         CAPTURE(run);
         const Finished end =
-            palpate_command({"run", protocol, "--participant", "P1", "--db", file, "--headless"});
-        CAPTURE(end.out, end.error);
-        CHECK(end.code == 1);
-        CHECK_THAT(end.error,
-                   ContainsSubstring("gave up after 3 faults in a row: the handle was faster than "
-                                     "the limit: move more slowly") &&
-                       ContainsSubstring(". The force is off"));
+            ran({"run", protocol, "--participant", "P1", "--db", file, "--headless"}, 1);
+        CHECK_THAT(end.error, ContainsSubstring("gave up after 3 faults in a row: the handle was "
+                                                "faster than the limit: move more slowly") &&
+                                  ContainsSubstring(". The force is off"));
         CHECK_THAT(end.out, ContainsSubstring("fault: the handle was faster than the limit"));
         CHECK(column_of(file, "PRAGMA integrity_check") == "ok\n");
         CHECK(column_of(file, "SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'") ==
@@ -138,11 +125,10 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
 TEST_CASE("the doctor fails a board that is not there with the remedy and exit code 1",
           "[cli][doctor][fault]") {
     const TemporaryFolder folder;
-    const Finished doctor = palpate_command({"doctor", "--device", "haply:/nonexistent",
-                                             "--protocol", "shape_friction_haply", "--seconds",
-                                             "0.1", "--db", folder.file("d.sqlite")});
-    CAPTURE(doctor.out, doctor.error);
-    CHECK(doctor.code == 1);
+    const Finished doctor =
+        ran({"doctor", "--device", "haply:/nonexistent", "--protocol", "shape_friction_haply",
+             "--seconds", "0.1", "--db", folder.file("d.sqlite")},
+            1);
     CHECK(doctor.out.starts_with("fail  device"));
     CHECK_THAT(doctor.out, ContainsSubstring("/nonexistent"));
     CHECK_THAT(doctor.out, !ContainsSubstring("passivity and force"));
@@ -179,9 +165,9 @@ TEST_CASE("the doctor says by what margin the device can render a protocol, or t
 TEST_CASE("a share of spinning that cannot be is refused before anything is made", "[cli]") {
     const TemporaryFolder folder;
     for (const char* share : {"0.6", "-0.1", "much"}) {
-        const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
-                                              "--db", folder.file("d.sqlite"), "--spin", share});
-        CHECK(run.code == 2);
+        const Finished run = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
+                                  folder.file("d.sqlite"), "--spin", share},
+                                 2);
         CHECK_THAT(run.error, ContainsSubstring("--spin"));
     }
     CHECK(folder.names().empty());

@@ -1,13 +1,9 @@
-#include <filesystem>
-
 #include "data/store/session_store.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using data::Access;
-using data::Database;
+using namespace palpate::data;
 using tests::palpate_command;
 
 namespace {
@@ -26,10 +22,6 @@ std::vector<std::string> run(const std::string& file, const std::string& resume)
             tests::kRunSecret,
             "--resume",
             resume};
-}
-
-std::string csv_of(const std::string& file, const std::string& sql) {
-    return palpate_command({"sql", file, "--csv", "-c", sql}).out;
 }
 
 /// As if the program had ended after so many attempts.
@@ -52,13 +44,13 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
           "[laws][events][law]") {
     const tests::TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command(run(file, "continue")).code == 0);
+    ran(run(file, "continue"));
     cut(file, 9);
-    REQUIRE(palpate_command({"mark", file, "7", "--invalid", "the bell rang"}).code == 0);
+    ran({"mark", file, "7", "--invalid", "the bell rang"});
     // The session begins its block again, and is broken off again.
-    REQUIRE(palpate_command(run(file, "redo-block")).code == 0);
+    ran(run(file, "redo-block"));
     cut(file, 14);
-    CHECK(csv_of(file, "SELECT event_kind FROM event WHERE event_kind = 'redo'") ==
+    CHECK(sql_csv(file, "SELECT event_kind FROM event WHERE event_kind = 'redo'") ==
           "event_kind\nredo\n");
     const std::string reworded = folder.file("reworded.sqlite");
     std::filesystem::copy(file, reworded);
@@ -67,7 +59,7 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
             "UPDATE event SET text = 'after 3 attempts: part 2: position ' || event_id || ' is "
             "done'");
     for (const std::string& one : {file, reworded}) {
-        REQUIRE(palpate_command(run(one, "continue")).code == 0);
+        ran(run(one, "continue"));
     }
     for (const char* sql :
          {"SELECT trial_id, plan_position, attempt, outcome, invalid_reason IS NULL, fault_cause,"
@@ -77,8 +69,8 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
           " ORDER BY event_id",
           "SELECT answered, faulted, aborted, lost_ticks, breaks FROM session_health"}) {
         CAPTURE(sql);
-        const std::string wanted = csv_of(file, sql);
+        const std::string wanted = sql_csv(file, sql);
         CHECK(wanted.find('\n') + 1 < wanted.size());
-        CHECK(csv_of(reworded, sql) == wanted);
+        CHECK(sql_csv(reworded, sql) == wanted);
     }
 }

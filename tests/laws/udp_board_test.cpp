@@ -1,28 +1,16 @@
-#include <algorithm>
 #include <atomic>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <random>
-#include <thread>
 
 #include "engine/device/drivers/udp_link.hpp"
 #include "engine/device/open/open_wire.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/pressed_desk.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/udp_port.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::eventually;
-using tests::Finished;
-using tests::free_udp_port;
-using tests::palpate_command;
-using tests::palpate_program;
-using tests::Process;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 // The shipped program and a device that is another program, behind a UDP port.
 
@@ -97,7 +85,7 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
     REQUIRE(eventually([&] { return emulator.out().find('\n') != std::string::npos; }));
     std::string device = emulator.out();
     device.pop_back();
-    CHECK_THAT(device, Catch::Matchers::StartsWith("udp:127.0.0.1:"));
+    CHECK_THAT(device, StartsWith("udp:127.0.0.1:"));
     CHECK_THAT(doctor_in_the_end(folder, device, "2diy_gen3"),
                ContainsSubstring("its own watchdog stops it after 20 ms"));
     emulator.signal(SIGINT);
@@ -218,12 +206,12 @@ TEST_CASE("words of a UDP port that cannot be are refused with a sentence, befor
           "[laws][open]") {
     const TemporaryFolder folder;
     for (const char* wrong : {"board:udp:rig", "board:udp::5000", "board:udp:rig:99999"}) {
-        const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
-                                              "--db", folder.file("d.sqlite"), "--device", wrong});
-        CHECK(run.code == 2);
+        const Finished run = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
+                                  folder.file("d.sqlite"), "--device", wrong},
+                                 2);
         CHECK_THAT(run.error, ContainsSubstring("as in udp:127.0.0.1:5000"));
     }
     CHECK(folder.names().empty());
-    CHECK(palpate_command({"haply-emulator", "--udp", "5000"}).code == 2);
-    CHECK(palpate_command({"haply-emulator", "--open", "--udp", "70000"}).code == 2);
+    ran({"haply-emulator", "--udp", "5000"}, 2);
+    ran({"haply-emulator", "--open", "--udp", "70000"}, 2);
 }

@@ -1,7 +1,3 @@
-#include <set>
-
-#include <fmt/format.h>
-
 #include "data/schema/catalogue.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/catch.hpp"
@@ -10,13 +6,8 @@
 #include "tests/support/process.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
+using namespace palpate::tests;
 using data::FindingKind;
-using tests::mixed_study;
-using tests::palpate_command;
-using tests::TemporaryFolder;
-using tests::text_of;
-using tests::Undone;
 
 namespace {
 

@@ -1,28 +1,14 @@
 #include <csignal>
-#include <fstream>
-#include <iterator>
-
-#include <fmt/format.h>
 
 #include "protocols/library/shipped.hpp"
 #include "data/verify/verify.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/presser.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/program.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
+using namespace palpate::tests;
 using data::FindingKind;
-using tests::a_row;
-using tests::check_edits;
-using tests::Finished;
-using tests::palpate_command;
-using tests::result_columns;
-using tests::TemporaryFolder;
-using tests::text_of;
-using tests::Undone;
 
 namespace {
 
@@ -70,22 +56,18 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
           "[verify][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
-    REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", "P2", "--db", file,
-                             "--headless", "--device", "replay:" + file})
-                .code == 0);
+    ran({"demo", "--headless", "--db", file});
+    ran({"demo", "--headless", "--db", file});
+    ran({"run", "shape_friction_demo", "--participant", "P2", "--db", file, "--headless",
+         "--device", "replay:" + file});
     const std::string before = tests::slurp(file);
-    const Finished verified = palpate_command({"verify", file});
-    CAPTURE(verified.out, verified.error);
-    CHECK(verified.code == 0);
+    const Finished verified = ran({"verify", file});
     CHECK_THAT(verified.out,
                ContainsSubstring("3 sessions") &&
                    ContainsSubstring("participant P2, session 1 (simulated): 10 trials") &&
                    ContainsSubstring("\nNothing differs.\n"));
     CHECK(tests::slurp(file) == before);
-    const Finished json = palpate_command({"verify", file, "--json"});
-    CHECK(json.code == 0);
+    const Finished json = ran({"verify", file, "--json"});
     CHECK_THAT(json.out,
                ContainsSubstring("\"differences\": 0,\n  \"missing\": 0,\n  \"findings\": []"));
 }
@@ -93,7 +75,7 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
 TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
-    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    ran(run_words(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::read);
     const auto value = [&](const std::string& key) {
         auto row = database.prepare("SELECT value FROM session_provenance WHERE key = ?1");
@@ -119,7 +101,7 @@ TEST_CASE("any changed value of a result, and any changed bit of a trace, is rep
           "[verify][law]") {
     const TemporaryFolder folder;
     write_quick_protocol(folder.file("p.toml"));
-    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    ran(run_words(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     REQUIRE(text_of(data::verify(database)).empty());
     const auto rows = result_columns(database, {"study", "participant", "session", "picture",
@@ -139,7 +121,7 @@ TEST_CASE(
     "[verify][law]") {
     const TemporaryFolder folder;
     write_quick_protocol(folder.file("p.toml"));
-    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    ran(run_words(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     for (std::uint64_t seed = 0; seed < tests::cases(80U); ++seed) {
         tests::Random random(seed);
@@ -160,7 +142,7 @@ TEST_CASE(
 TEST_CASE("a row that is gone is reported", "[verify][law]") {
     const TemporaryFolder folder;
     write_quick_protocol(folder.file("p.toml"));
-    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    ran(run_words(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     database.execute("PRAGMA foreign_keys = OFF");
     for (const std::string table : {"study", "participant", "plan", "picture", "trial", "response",
@@ -249,9 +231,7 @@ TEST_CASE(
         return row.integer(0);
     };
     const auto verifies = [&] {
-        const Finished verified = palpate_command({"verify", file});
-        CAPTURE(verified.out, verified.error);
-        CHECK(verified.code == 0);
+        const Finished verified = ran({"verify", file});
         CHECK_THAT(verified.out, !ContainsSubstring("missing"));
     };
     {
@@ -275,7 +255,7 @@ TEST_CASE(
     CHECK(outcome("interrupted") == 1);
     CHECK(outcome("aborted") == 1);
     verifies();
-    CHECK(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    ran(run_words(folder, "a.sqlite"));
     verifies();
     data::Database database(file, data::Access::write);
     CHECK(check_edits(database, result_columns(database, {"trial"}), 100, 6) > 60);
@@ -287,19 +267,17 @@ TEST_CASE(
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    ran(run_words(folder, "a.sqlite"));
     data::Database(file, data::Access::write)
         .execute("UPDATE response SET correct = 1 - correct WHERE trial_id = 2");
-    const Finished wrong = palpate_command({"verify", file});
-    CAPTURE(wrong.out);
-    CHECK(wrong.code == 1);
+    const Finished wrong = ran({"verify", file}, 1);
     CHECK_THAT(wrong.out, ContainsSubstring("  differs  trial 2, response.correct: stored ") &&
                               ContainsSubstring(", recomputed ") &&
                               ContainsSubstring("trial 2, trial.seal: stored ") &&
                               ContainsSubstring("\n2 differences. Take what differs"));
-    CHECK(palpate_command({"verify", folder.file("p.toml")}).code == 2);
+    ran({"verify", folder.file("p.toml")}, 2);
     std::ofstream(folder.file("empty")).flush();
-    CHECK(palpate_command({"verify", folder.file("empty")}).code == 2);
-    CHECK(palpate_command({"verify"}).code == 2);
+    ran({"verify", folder.file("empty")}, 2);
+    ran({"verify"}, 2);
     CHECK(palpate_command({"verify", folder.file("nothing")}).code != 0);
 }

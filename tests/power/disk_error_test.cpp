@@ -1,24 +1,13 @@
 #include <cerrno>
-#include <optional>
-#include <string>
 
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using data::Access;
-using data::Database;
+using namespace palpate::data;
+using namespace palpate::tests;
 using protocols::TrialId;
-using tests::content;
-using tests::lines;
-using tests::Noting;
-using tests::number;
-using tests::Promise;
-using tests::TemporaryFolder;
-using tests::WatchedDisk;
-using tests::wrong;
 
 namespace {
 

@@ -1,17 +1,8 @@
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <set>
-#include <string>
-
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "engine/base/files.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "data/export/export.hpp"
-#include "data/schema/catalogue.hpp"
 #include "data/sync/merge.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
@@ -20,13 +11,8 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using data::Access;
-using data::Database;
-using tests::DiskModel;
-using tests::Leaves;
-using tests::lines;
-using tests::TemporaryFolder;
-using tests::WatchedDisk;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 namespace fs = std::filesystem;
 

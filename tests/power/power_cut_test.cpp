@@ -1,27 +1,10 @@
-#include <chrono>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
-using data::Access;
-using data::Database;
-using tests::content;
-using tests::DiskModel;
-using tests::Leaves;
-using tests::lines;
-using tests::Noting;
-using tests::number;
-using tests::Promise;
-using tests::TemporaryFolder;
-using tests::WatchedDisk;
-using tests::wrong;
+using namespace palpate::data;
+using namespace palpate::tests;
 
 namespace {
 

@@ -1,10 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <map>
-#include <set>
-#include <string>
-
-#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
@@ -13,9 +6,7 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
-using Catch::Matchers::ContainsSubstring;
-using palpate::tests::adaptive_protocol;
-using palpate::tests::adaptive_text;
+using namespace palpate::tests;
 
 namespace {
 
@@ -108,7 +99,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
     REQUIRE(rule_refusal(good) == "accepted");
     const auto says = [&](const char* from, const char* to) {
         const std::string what = rule_refusal(palpate::tests::replaced(good, from, to));
-        CHECK_THAT(what, Catch::Matchers::StartsWith("p.toml:"));
+        CHECK_THAT(what, StartsWith("p.toml:"));
         return what;
     };
     const auto place = [&](const std::string& piece) {
@@ -136,10 +127,9 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
     CHECK_THAT(says("friction = \"on\"\nstandard", "friction = \"onn\"\nstandard"),
                ContainsSubstring("no [[friction]] is called"));
     CHECK_THAT(says("from = -3, to = 13", "from = -3, to = 93"),
-               Catch::Matchers::StartsWith(place("{ from = -3")) &&
-                   ContainsSubstring("there is no such object"));
+               StartsWith(place("{ from = -3")) && ContainsSubstring("there is no such object"));
     CHECK_THAT(says("trials = 7", "entropy_bits = 1\ntrials = 7"),
-               Catch::Matchers::StartsWith(place("trials = 7").substr(0, 10)) &&
+               StartsWith(place("trials = 7").substr(0, 10)) &&
                    ContainsSubstring(":16: entropy_bits is 1: a session's plan is complete before "
                                      "its first trial"));
     CHECK_THAT(says("trials = 7", "trails = 7"), ContainsSubstring("trails"));

@@ -1,7 +1,3 @@
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-
 #include "engine/device/pantograph.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/file/calibration_file.hpp"
@@ -13,7 +9,7 @@
 
 using namespace palpate::protocols;
 using namespace palpate::engine;
-using Catch::Matchers::ContainsSubstring;
+using namespace palpate::tests;
 using palpate::tests::Random;
 
 namespace {
@@ -217,7 +213,7 @@ TEST_CASE("what is wrong with a calibration is said at its place, with the remed
         const std::string said =
             calibration_refusal(changed(name + " = " + sound, name + " = 1000000"));
         CHECK_THAT(said, ContainsSubstring(": " + name + " is 1000000: give ") &&
-                             ContainsSubstring(max) && Catch::Matchers::StartsWith("c.toml:"));
+                             ContainsSubstring(max) && StartsWith("c.toml:"));
     }
     CHECK_THAT(
         calibration_refusal(changed("torque_forever_mn_m = 60", "torque_forever_mn_m = 160")),

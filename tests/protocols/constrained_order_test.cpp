@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "engine/base/pcg32.hpp"
 #include "protocols/order/constrained_order.hpp"
 #include "protocols/order/order_sampler.hpp"
@@ -94,17 +90,16 @@ TEST_CASE("limits that cannot be kept are refused with a reason", "[order]") {
     Pcg32 random(1, 1);
     CHECK_THROWS_WITH(
         OrderSampler(factorial_of(1, 1, 3), {.object = 2, .friction = 0}).draw(random),
-        Catch::Matchers::ContainsSubstring("object 1 occurs 3 times") &&
-            Catch::Matchers::ContainsSubstring("allow runs of 3"));
+        ContainsSubstring("object 1 occurs 3 times") && ContainsSubstring("allow runs of 3"));
     CHECK_THROWS_WITH(
         OrderSampler(factorial_of(2, 2, 5), {.object = 1, .friction = 1}).draw(random),
-        Catch::Matchers::ContainsSubstring("alternate"));
+        ContainsSubstring("alternate"));
     // Each limit can be kept alone: the frictions alternate, and the objects come in whole.
     Order unlike = factorial_of(2, 2, 1);
     unlike.push_back({0, 0});
     unlike.push_back({0, 1});
     CHECK_THROWS_WITH(OrderSampler(unlike, {.object = 1, .friction = 2}).draw(random),
-                      Catch::Matchers::ContainsSubstring("allow runs"));
+                      ContainsSubstring("allow runs"));
 }
 
 TEST_CASE("no limits: the first shuffle is taken", "[order]") {

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <map>
-#include <string>
-
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/design/streams.hpp"

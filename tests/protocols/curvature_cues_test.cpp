@@ -1,14 +1,9 @@
-#include <cmath>
-
 #include "protocols/observer/curvature_cues.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
 
-using palpate::protocols::Cues;
-using palpate::protocols::CurvatureCues;
-using palpate::protocols::OutlineSpec;
-using palpate::tests::strokes;
-using palpate::tests::StrokeSpec;
+using namespace palpate::protocols;
+using namespace palpate::tests;
 
 namespace {
 

@@ -1,10 +1,3 @@
-#include <cmath>
-#include <map>
-#include <numeric>
-#include <set>
-#include <span>
-#include <stdexcept>
-
 #include "protocols/order/eulerian_order.hpp"
 #include "tests/support/catch.hpp"
 

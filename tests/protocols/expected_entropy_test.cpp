@@ -1,16 +1,10 @@
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <numeric>
-
 #include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/quest_plus.hpp"
 #include "tests/protocols/simulated_answers.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
-using palpate::tests::answer_of;
-using palpate::tests::Random;
+using namespace palpate::tests;
 
 namespace {
 

@@ -1,18 +1,11 @@
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "stimuli/two_curve.hpp"
 #include "protocols/session/exploration_meter.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using engine::Mode;
-using engine::TickRecord;
-using protocols::Deciles;
-using protocols::ExplorationMeter;
-using protocols::OutlineCover;
+using namespace palpate::engine;
+using namespace palpate::protocols;
 
 namespace {
 

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "engine/device/pantograph.hpp"
 #include "engine/device/pointer_device.hpp"
 #include "stimuli/two_curve.hpp"
@@ -10,10 +6,9 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
+using namespace palpate::engine;
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
-using engine::Vec2;
-using engine::Vec3;
 
 namespace {
 
@@ -132,11 +127,10 @@ TEST_CASE("with a damper too, the stiffness and the rate that a refusal names ar
     device.what = {.damping = 0.4, .delay_ticks = 1.0};
     Protocol protocol = felt_study();
     protocol.apparatus.damping = 0.1;
-    CHECK(
-        check_feasibility(protocol, device).at(0).text ==
-        "the device damps 0.4 N s/m; 1000 N/m with a damper of 0.1 N s/m at 1000 Hz with one tick "
-        "of delay needs 1.6 N s/m at the handle: lower stiffness_n_per_m to 200 or raise rate_hz "
-        "to 5000");
+    CHECK(check_feasibility(protocol, device).at(0).text ==
+          "the device damps 0.4 N s/m; 1000 N/m with a damper of 0.1 N s/m at 1000 Hz with one "
+          "tick of delay needs 1.6 N s/m at the handle: lower stiffness_n_per_m to 200 or raise "
+          "rate_hz to 5000");
     protocol.apparatus.stiffness = 200.0;
     CHECK(check_feasibility(protocol, device).empty());
     protocol.apparatus.stiffness = 1000.0;

@@ -1,15 +1,4 @@
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "engine/contact/closest_point.hpp"
-#include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/observer/outline_cues.hpp"
@@ -20,10 +9,9 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::protocols;
 using engine::Vec2;
-using tests::Random;
-using tests::replaced;
 
 namespace {
 
@@ -86,9 +74,8 @@ std::vector<engine::TickRecord> felt(const Protocol& protocol, std::size_t objec
 
 TEST_CASE("a set stands for its objects: the study's hash is that of the objects written out",
           "[free_forms][law]") {
-    const std::string sets = with_objects(
-        "[[object]]\nset = \"five_shapes\"\n\n[[object]]\nset = "
-        "\"catch_pair\"\n\n");
+    const std::string sets =
+        with_objects("[[object]]\nset = \"five_shapes\"\n\n[[object]]\nset = \"catch_pair\"\n\n");
     const Protocol study = parse_protocol(sets, "p.toml");
     const Protocol written =
         parse_protocol(text_of("protocols/library/shape_friction.toml"), "p.toml");
@@ -103,13 +90,12 @@ TEST_CASE("a ladder of curvatures is even, exact at its ends, and named by them"
         const double from = random.in(-15.0, 0.0);
         const double to = random.in(1.0, 15.0);
         const int count = 2 + random.below(8);
-        const Protocol study =
-            parse_protocol(with_objects(fmt::format(
-                               "[[object]]\nset = \"curvature_ladder\"\nfrom_per_m = {}\n"
-                               "to_per_m = {}\ncount = {}\nprefix = \"l_\"\n\n[[object]]\nset "
-                               "= \"catch_pair\"\n\n",
-                               from, to, count)),
-                           "p.toml");
+        const Protocol study = parse_protocol(
+            with_objects(fmt::format("[[object]]\nset = \"curvature_ladder\"\nfrom_per_m = {}\n"
+                                     "to_per_m = {}\ncount = {}\nprefix = "
+                                     "\"l_\"\n\n[[object]]\nset = \"catch_pair\"\n\n",
+                                     from, to, count)),
+            "p.toml");
         REQUIRE(study.objects.size() == static_cast<std::size_t>(count) + 2);
         CHECK(study.objects.front().curvature == from);
         CHECK(study.objects[static_cast<std::size_t>(count) - 1].curvature == to);
@@ -159,9 +145,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a placed object is the object enlarged, then turned, then moved", "[free_forms][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{40});
     Protocol study = free_forms();
     const Protocol before = study;
     const double size = random.in(0.2, 3.0);
@@ -295,12 +279,12 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
           Change{"share_correct_min = 0.3", "catch_correct_min = 0.3", "is a free form"}}) {
         CAPTURE(change.to);
         const std::string said = form_refusal(replaced(study, change.from, change.to));
-        CHECK_THAT(said, Catch::Matchers::ContainsSubstring(change.says));
+        CHECK_THAT(said, ContainsSubstring(change.says));
         CHECK(said.starts_with("p.toml:"));
     }
-    CHECK_THAT(form_refusal(with_objects("[[object]]\nname = \"a\"\n\n[[object]]\nset = "
-                                         "\"five_shapes\"\n\n")),
-               Catch::Matchers::ContainsSubstring("[[object]] 1 lacks the key curvature_per_m"));
+    CHECK_THAT(form_refusal(with_objects(
+                   "[[object]]\nname = \"a\"\n\n[[object]]\nset = \"five_shapes\"\n\n")),
+               ContainsSubstring("[[object]] 1 lacks the key curvature_per_m"));
 }
 
 TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") {
@@ -310,16 +294,14 @@ TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") 
     std::string copy = text.substr(from, to - from);
     copy.replace(copy.find("dome"), 4, "dome_2");
     CHECK_THAT(form_refusal(text.substr(0, to) + copy + text.substr(to)),
-               Catch::Matchers::ContainsSubstring("has the outline of [[object]] 1"));
+               ContainsSubstring("has the outline of [[object]] 1"));
 }
 
 TEST_CASE("an observer without noise knows each form by touch, wherever its picture stands",
           "[free_forms][observer][law]") {
     Protocol study = free_forms();
     study.observer = {.noise = 0.0, .lapse = 0.0};
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{12});
     std::vector<std::size_t> order{0, 1, 2, 3};
     for (std::size_t i = 3; i > 0; --i) {
         std::swap(order[i], order[static_cast<std::size_t>(random.below(static_cast<int>(i) + 1))]);

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <string>
-
 #include "protocols/file/keys.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/new_protocol.hpp"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/trial_meter.hpp"

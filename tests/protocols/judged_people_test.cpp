@@ -1,6 +1,3 @@
-#include <cmath>
-#include <numbers>
-
 #include "protocols/file/observer_file.hpp"
 #include "protocols/observer/judged_people.hpp"
 #include "tests/support/catch.hpp"

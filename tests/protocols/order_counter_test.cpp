@@ -1,6 +1,3 @@
-#include <cmath>
-#include <numeric>
-
 #include "protocols/design/acceptance.hpp"
 #include "protocols/order/order_count.hpp"
 #include "protocols/order/order_counter.hpp"
@@ -57,9 +54,7 @@ TEST_CASE("a share of whole numbers of any size is the quotient of what they are
 
 TEST_CASE("the counter finds as many orders as there are, for both limits at once",
           "[order][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{300});
     const Order trials = some_trials(random);
     const RunLimits limits{.object = static_cast<std::size_t>(random.below(4)),
                            .friction = static_cast<std::size_t>(random.below(4))};
@@ -147,9 +142,7 @@ TEST_CASE("the acceptance of whole shuffles is the published one", "[order]") {
 
 TEST_CASE("the acceptance is the number of admissible orders over the number of all",
           "[order][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{60});
     const Order trials = some_trials(random);
     const RunLimits limits{.object = static_cast<std::size_t>(random.below(4)),
                            .friction = static_cast<std::size_t>(random.below(4))};

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <vector>
-
 #include "protocols/order/constrained_order.hpp"
 #include "tests/support/catch.hpp"
 

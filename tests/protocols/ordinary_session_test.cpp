@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "engine/math/elementary.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "protocols/file/observer_file.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "tests/protocols/strokes.hpp"
@@ -112,9 +109,7 @@ TEST_CASE("without a spread everybody is the typical one, and a person is the sa
 
 TEST_CASE("the noise of a percept is learned away and grows with felt friction",
           "[observer][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(50U));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, 50U);
     Person person;
     person.spec.noise = random.in(0.1, 5.0);
     person.noise_per_mu = random.in(0.2, 5.0);

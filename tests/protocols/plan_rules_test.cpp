@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <map>
-#include <set>
-#include <string>
-
 #include "engine/base/sha256.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"

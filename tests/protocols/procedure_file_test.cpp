@@ -1,8 +1,4 @@
-#include <array>
-
 #include "protocols/file/procedure_file.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "tests/protocols/published_traces.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"
 #include "tests/support/random.hpp"
@@ -10,7 +6,6 @@
 using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -243,9 +238,8 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
          "p.toml:1:1: the file does not say its format: begin it with format = 1");
     said(kQuestPlus, "\"quest_plus\"", "\"questplus\"",
          "p.toml:3:8: kind is \"questplus\", give \"constant\", ");
-    CHECK_THAT(
-        problems(with(kQuestPlus, "\"quest_plus\"", "\"adaptive\"")),
-        Catch::Matchers::EndsWith("\"psi\" or \"quest_plus\""));  // it is needed: not to delete
+    CHECK_THAT(problems(with(kQuestPlus, "\"quest_plus\"", "\"adaptive\"")),
+               EndsWith("\"psi\" or \"quest_plus\""));  // it is needed: not to delete
     said(kQuestPlus, "trials = 128", "trials = 0", "p.toml:4:10: trials is 0: give 1 to 100000");
     said(kQuestPlus, "[\"lapse\"]", "[\"laps\"]",
          "nuisance laps is no parameter of the model: delete");

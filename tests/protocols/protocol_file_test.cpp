@@ -1,7 +1,3 @@
-#include <filesystem>
-#include <fstream>
-#include <set>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/protocol_file.hpp"
@@ -10,6 +6,7 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
+using namespace palpate::tests;
 using palpate::tests::Random;
 
 namespace {
@@ -129,11 +126,11 @@ TEST_CASE("whole millimetres are read as the double of their decimal in metres",
 
 TEST_CASE("numbers are written as short as they can be", "[protocol]") {
     const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
-    CHECK_THAT(text, Catch::Matchers::ContainsSubstring("a_mm = [-40, 0]\n"));
-    CHECK_THAT(text, Catch::Matchers::ContainsSubstring("vertex_radius_mm = 3\n"));
-    CHECK_THAT(text, Catch::Matchers::ContainsSubstring("tau_slip_ms = 20\n"));
-    CHECK_THAT(text, Catch::Matchers::ContainsSubstring("mu_s = 0.7\n"));
-    CHECK_THAT(text, Catch::Matchers::ContainsSubstring("noise_per_m = 2.62\n"));
+    CHECK_THAT(text, ContainsSubstring("a_mm = [-40, 0]\n"));
+    CHECK_THAT(text, ContainsSubstring("vertex_radius_mm = 3\n"));
+    CHECK_THAT(text, ContainsSubstring("tau_slip_ms = 20\n"));
+    CHECK_THAT(text, ContainsSubstring("mu_s = 0.7\n"));
+    CHECK_THAT(text, ContainsSubstring("noise_per_m = 2.62\n"));
 }
 
 // The two hashes are those of texts without a table [safety], a damper, blocks or another order.
@@ -248,7 +245,7 @@ TEST_CASE("every row of the keys as Markdown has five cells, and every key a mea
     CHECK(rows > 200);
     for (const char* row : {"| `title` |  | text | required |", "| `dead_man` |  | true or false |",
                             "| `gap_s` | s | 0 to 60 | 1.5 |"}) {
-        CHECK_THAT(keys_markdown(), Catch::Matchers::ContainsSubstring(row));
+        CHECK_THAT(keys_markdown(), ContainsSubstring(row));
     }
 }
 
@@ -266,7 +263,7 @@ TEST_CASE("the reference for people names every key of the canonical text", "[pr
     std::istringstream lines(to_toml(study));
     for (std::string line; std::getline(lines, line);) {
         if (const auto equals = line.find(" = "); equals != std::string::npos) {
-            CHECK_THAT(reference, Catch::Matchers::ContainsSubstring(line.substr(0, equals)));
+            CHECK_THAT(reference, ContainsSubstring(line.substr(0, equals)));
         }
     }
 }

@@ -1,10 +1,3 @@
-#include <array>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-#include <string_view>
-
 #include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"

@@ -1,14 +1,9 @@
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-
 #include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
+using namespace palpate::tests;
 
 namespace {
 
@@ -153,10 +148,9 @@ TEST_CASE("every wrong file is refused at the right place, with the value and a 
         text.replace(found, std::string(change.from).size(), change.to);
         CAPTURE(change.from, change.to);
         const std::string said = refusal(text);
-        CHECK_THAT(said, Catch::Matchers::ContainsSubstring(change.says));
+        CHECK_THAT(said, ContainsSubstring(change.says));
         const bool syntax = std::string(change.says) == "not TOML";
-        CHECK_THAT(said,
-                   Catch::Matchers::StartsWith(syntax ? "p.toml:" : place_of(text, change.at)));
+        CHECK_THAT(said, StartsWith(syntax ? "p.toml:" : place_of(text, change.at)));
     }
 }
 
@@ -167,9 +161,9 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
     text.erase(text.find("[[friction]]\n" + second),
                text.find("[design]") - text.find("[[friction]]\n" + second));
     const std::string said = refusal(text);
-    CHECK_THAT(said, Catch::Matchers::StartsWith(place_of(text, "3     # two levels")));
-    CHECK_THAT(said, Catch::Matchers::ContainsSubstring("max_run_friction is 3") &&
-                         Catch::Matchers::ContainsSubstring("0 for no limit"));
+    CHECK_THAT(said, StartsWith(place_of(text, "3     # two levels")));
+    CHECK_THAT(said,
+               ContainsSubstring("max_run_friction is 3") && ContainsSubstring("0 for no limit"));
 }
 
 TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
@@ -177,8 +171,8 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
     for (std::size_t at = 0; (at = text.find("pictured = false\n")) != std::string::npos;) {
         text.erase(at, std::string("pictured = false\n").size());
     }
-    CHECK_THAT(refusal(text), Catch::Matchers::StartsWith(place_of(text, "4         # both")) &&
-                                  Catch::Matchers::ContainsSubstring("every object is pictured"));
+    CHECK_THAT(refusal(text), StartsWith(place_of(text, "4         # both")) &&
+                                  ContainsSubstring("every object is pictured"));
 }
 
 TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
@@ -191,7 +185,7 @@ TEST_CASE("a first-order order says all that it needs, and then needs no run lim
     replace("blocks = 1 ", "blocks = 3 ");
     const std::string said = refusal(text);
     CHECK(std::count(said.begin(), said.end(), '\n') == 2);
-    CHECK_THAT(said, Catch::Matchers::ContainsSubstring("lets each of 10 conditions follow each"));
+    CHECK_THAT(said, ContainsSubstring("lets each of 10 conditions follow each"));
     replace("repetitions = 9 ", "repetitions = 10 ");
     replace("blocks = 3 ", "blocks = 1 ");
     replace("catch_trials = 4", "catch_trials = 0");
@@ -204,11 +198,9 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
         "format = 1\nstudy = {id = \"s\", title = \"t\", seed = 1}\ndesign = {repetitions = 1}\n"
         "object = [{name = \"a\", curvature_per_m = 1}]\nfriction = [{name = \"f\", law = "
         "\"frictionless\"}]\n";
-    CHECK_THAT(refusal(text),
-               Catch::Matchers::ContainsSubstring("there are 1 pictured objects: give 2 to 9"));
+    CHECK_THAT(refusal(text), ContainsSubstring("there are 1 pictured objects: give 2 to 9"));
     CHECK_THAT(refusal("format = 1\nobject = 3\nfriction = [3]\n"),
-               Catch::Matchers::ContainsSubstring("with two brackets") &&
-                   Catch::Matchers::ContainsSubstring("friction 1 is 3"));
+               ContainsSubstring("with two brackets") && ContainsSubstring("friction 1 is 3"));
 }
 
 TEST_CASE("all problems of a stage are said at once, in the order of the file", "[protocol]") {

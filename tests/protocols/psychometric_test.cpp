@@ -1,6 +1,3 @@
-#include <cmath>
-#include <limits>
-
 #include "protocols/psychometric/exact_math.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
 #include "tests/support/catch.hpp"

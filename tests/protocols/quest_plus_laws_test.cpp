@@ -1,16 +1,10 @@
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
 #include "protocols/procedure/procedure.hpp"
 #include "tests/protocols/simulated_answers.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::protocols;
-using Catch::Matchers::ContainsSubstring;
-using palpate::tests::answer_of;
-using palpate::tests::Random;
 
 namespace {
 

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
-#include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/procedure.hpp"
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/catch.hpp"

@@ -1,6 +1,3 @@
-#include <array>
-#include <cmath>
-
 #include "protocols/procedure/quest.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
 #include "tests/support/catch.hpp"

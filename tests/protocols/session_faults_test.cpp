@@ -1,19 +1,10 @@
-#include <algorithm>
-#include <set>
-
 #include "protocols/session/trouble.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::protocols;
-using tests::FaultyApparatus;
-using tests::Killed;
-using tests::Patient;
-using tests::plan_of;
-using tests::Random;
-using tests::short_protocol;
-using tests::World;
 using Why = SessionEnd::Why;
 
 namespace {
@@ -360,7 +351,7 @@ TEST_CASE(
         CHECK(ledger.attempts[0].outcome == Outcome::complete);
         CHECK_FALSE(ledger.attempts[0].result.fault.has_value());
         REQUIRE(ledger.events.size() == 1);
-        CHECK_THAT(ledger.events[0], Catch::Matchers::ContainsSubstring("had ended: late"));
+        CHECK_THAT(ledger.events[0], ContainsSubstring("had ended: late"));
     }
     {
         FaultyApparatus apparatus(world);

@@ -1,11 +1,6 @@
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/rendering/energy_ledger.hpp"
-#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"

@@ -1,8 +1,3 @@
-#include <array>
-#include <cmath>
-#include <map>
-#include <numeric>
-
 #include "protocols/procedure/procedure.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
 #include "tests/support/catch.hpp"

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/protocol_file.hpp"

@@ -1,7 +1,3 @@
-#include <set>
-#include <string>
-#include <vector>
-
 #include "engine/base/sha256.hpp"
 #include "protocols/design/streams.hpp"
 #include "tests/support/catch.hpp"

@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <span>
-#include <string>
 #include <variant>
 
 #include "stimuli/two_curve.hpp"
@@ -12,8 +7,7 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using engine::TickRecord;
-using engine::Vec2;
+using namespace palpate::engine;
 using protocols::StrokeCounter;
 
 namespace {
@@ -50,9 +44,7 @@ std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle,
 
 TEST_CASE("every sweep along the surface is one stroke, however the surface lies",
           "[strokes][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
-    tests::Random random(seed);
+    SEEDED(random, 60U);
     const int sweeps = 1 + random.below(12);
     const double amplitude = random.in(0.004, 0.05);
     const double angle = random.in(-3.2, 3.2);

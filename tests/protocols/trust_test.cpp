@@ -3,17 +3,9 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::protocols;
 using engine::Trip;
-using tests::ChangingRig;
-using tests::Kinds;
-using tests::Meddler;
-using tests::Patient;
-using tests::plan_of;
-using tests::Random;
-using tests::run_on;
-using tests::short_protocol;
-using tests::World;
 
 namespace {
 
@@ -27,9 +19,7 @@ TEST_CASE("trust is no more than what was proved since the rig could last have c
           "[session][trust][law]") {
     // The law, said without the fold: what of place and pulses was proved after the last event that
     // could have changed it.
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{300});
     RigTrust trust;
     bool answers = false;
     bool placed = false;

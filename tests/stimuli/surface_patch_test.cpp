@@ -1,15 +1,10 @@
-#include <cmath>
-#include <random>
-
 #include "engine/surface/nurbs_surface.hpp"
 #include "stimuli/surface_patch.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
-using engine::Vec2;
-using engine::Vec3;
-using stimuli::make_surface;
-using stimuli::SurfacePatch;
+using namespace palpate::engine;
+using namespace palpate::stimuli;
 
 namespace {
 

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"

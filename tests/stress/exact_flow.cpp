@@ -6,11 +6,8 @@
 namespace palpate::stress {
 namespace {
 
-using engine::SurfaceHeading;
-using engine::SurfacePlace;
-using tests::inner;
-using tests::Long3;
-using tests::LongJet;
+using namespace palpate::engine;
+using namespace palpate::tests;
 using tests::operator*;
 using tests::operator+;
 

@@ -1,13 +1,11 @@
 #include "tests/stress/exact_forms.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace palpate::stress {
 namespace {
 
-using engine::RationalBezier;
-using engine::Vec2;
+using namespace palpate::engine;
 
 /// Rounding of a product of forms, relative to its terms.
 constexpr Real kNoise = 0x1p-57L;

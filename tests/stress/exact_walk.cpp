@@ -6,11 +6,7 @@
 namespace palpate::stress {
 namespace {
 
-using engine::Outline;
-using engine::RationalBezier;
-using engine::Seam;
-using engine::SeamKind;
-using engine::Vec2;
+using namespace palpate::engine;
 /// Rounding of a stretch in doubles, relative to coordinates: a walk may see the edge of the cone
 /// on either side.
 constexpr double kBand = 32.0 * engine::kEpsilon;

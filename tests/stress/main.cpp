@@ -134,8 +134,7 @@ int main(int count, char** arguments) {
     fmt::print(
         "{} scenes from seed {} ({} refused), {} ticks, {} in contact, {} on vertices, {} "
         "certified, {} walks ({} ties), {} unproven, {} unsettled; slowest tick {:.3f} ms (seed "
-        "{}); "
-        "{:.0f} s\n",
+        "{}); {:.0f} s\n",
         tally.scenes, options.seed, tally.refused_scenes, tally.ticks, tally.in_contact,
         tally.on_vertex, tally.certified, tally.walks, tally.ties, tally.unproven, tally.unsettled,
         1e3 * tally.slowest_s, tally.slowest_seed, seconds());

@@ -5,9 +5,8 @@
 
 namespace palpate::stress {
 
+using namespace palpate::tests;
 using engine::Vec3;
-using tests::Random;
-using tests::SurfaceData;
 
 std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
     SurfaceCase c = random_surface_case(seed, mood);

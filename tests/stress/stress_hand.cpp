@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "engine/geometry/vec.hpp"
 
 namespace palpate::stress {
 namespace {
 
-using engine::Outline;
-using engine::Vec2;
+using namespace palpate::engine;
 using tests::Random;
 
 constexpr double kFastest = 10.0;  // m/s

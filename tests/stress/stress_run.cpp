@@ -1,6 +1,5 @@
 #include "tests/stress/stress_run.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -14,10 +13,7 @@
 namespace palpate::stress {
 namespace {
 
-using engine::Contact;
-using engine::ContactState;
-using engine::Outline;
-using engine::Vec2;
+using namespace palpate::engine;
 using Clock = std::chrono::steady_clock;
 
 /// A tick that takes longer than this is timed again, s.

@@ -1,7 +1,6 @@
 #include "tests/stress/stress_scene.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -13,9 +12,8 @@
 namespace palpate::stress {
 namespace {
 
+using namespace palpate::tests;
 using engine::Vec2;
-using tests::NurbsData;
-using tests::Random;
 using Chain = std::vector<NurbsData<2>>;
 
 constexpr std::array<const char*, 3> kLaws{"frictionless", "gos", "coulomb"};

@@ -14,10 +14,8 @@
 namespace palpate::stress {
 namespace {
 
-using engine::Vec2;
-using engine::Vec3;
-using tests::Random;
-using tests::SurfaceData;
+using namespace palpate::engine;
+using namespace palpate::tests;
 
 constexpr double kQuickest = 10.0;  // m/s
 constexpr std::array<const char*, 3> kSurfaceLaws{"frictionless", "gos", "coulomb"};

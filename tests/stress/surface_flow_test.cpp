@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "tests/stress/exact_flow.hpp"
 #include "tests/stress/surface_cases.hpp"
 #include "tests/stress/surface_run.hpp"

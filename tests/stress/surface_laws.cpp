@@ -6,14 +6,8 @@
 namespace palpate::stress {
 namespace {
 
-using engine::Mode;
-using engine::SurfaceContact;
-using engine::SurfaceState;
-using engine::Vec3;
-using tests::inner;
-using tests::Long3;
-using tests::LongJet;
-using tests::minus;
+using namespace palpate::engine;
+using namespace palpate::tests;
 using tests::operator*;
 using tests::operator+;
 

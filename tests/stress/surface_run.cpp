@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstring>
 
-#include "tests/stress/stress_run.hpp"
 #include "tests/stress/surface_laws.hpp"
 
 namespace palpate::stress {

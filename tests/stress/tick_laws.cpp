@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
@@ -11,11 +10,7 @@
 namespace palpate::stress {
 namespace {
 
-using engine::Contact;
-using engine::Mode;
-using engine::Place;
-using engine::SeamKind;
-using engine::Vec2;
+using namespace palpate::engine;
 
 /// So does the foot that is followed where the distance has hardly a minimum: 5e-12 of the size was
 /// seen.

@@ -1,9 +1,5 @@
 #include <atomic>
-#include <cmath>
-#include <functional>
-#include <string>
 
-#include "stimuli/two_curve.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/paragraph.hpp"
 #include "tests/support/catch.hpp"

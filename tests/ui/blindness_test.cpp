@@ -1,12 +1,4 @@
 #include <atomic>
-#include <chrono>
-#include <cmath>
-#include <functional>
-#include <map>
-#include <set>
-#include <string>
-#include <string_view>
-#include <thread>
 #include <type_traits>
 
 #include <SDL.h>
@@ -16,7 +8,6 @@
 #include "protocols/library/shipped.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "protocols/trial/trial_scene.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"

@@ -1,6 +1,3 @@
-#include <limits>
-#include <stdexcept>
-
 #include "engine/device/pointer_device.hpp"
 #include "ui/doctor/checks.hpp"
 #include "ui/doctor/report.hpp"

@@ -1,7 +1,4 @@
-#include <functional>
-#include <string>
 #include <tuple>
-#include <vector>
 
 #include "engine/safety/trip.hpp"
 #include "stimuli/two_curve.hpp"

@@ -1,11 +1,5 @@
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <thread>
-#include <vector>
 
 #include <unistd.h>
 

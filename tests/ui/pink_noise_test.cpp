@@ -1,15 +1,11 @@
-#include <algorithm>
-#include <cmath>
 #include <complex>
-#include <vector>
 
 #include "ui/sound/faded_noise.hpp"
 #include "ui/sound/pink_noise.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
-using ui::FadedNoise;
-using ui::PinkNoise;
+using namespace palpate::ui;
 
 namespace {
 

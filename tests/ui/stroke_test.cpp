@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "ui/subject/stroke.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"

@@ -1,6 +1,4 @@
 #include <atomic>
-#include <chrono>
-#include <thread>
 
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"

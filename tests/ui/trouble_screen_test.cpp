@@ -1,5 +1,3 @@
-#include <vector>
-
 #include "ui/rig/operator_log.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/ui/keys.hpp"
@@ -8,7 +6,6 @@ using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::ui;
 using namespace palpate::tests;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -192,7 +189,7 @@ TEST_CASE("the console says what happened, what to do, and what follows", "[cons
     CHECK(fault_text({.cause = engine::Trip::over_speed, .text = {}, .last = {}}) ==
           "fault: " + std::string(explanation(engine::Trip::over_speed)));
     CHECK_THAT(fault_text({.cause = engine::Trip::device_lost, .text = "It is gone.", .last = {}}),
-               Catch::Matchers::EndsWith("fault: It is gone"));
+               EndsWith("fault: It is gone"));
     for (const engine::Trip cause : {engine::Trip::stopped, engine::Trip::focus_lost}) {
         CHECK(explanation(cause).find("Ctrl") == std::string_view::npos);  // the screen shows it
     }

@@ -1,8 +1,3 @@
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "engine/safety/trip.hpp"
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/trouble.hpp"

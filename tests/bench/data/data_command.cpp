@@ -13,7 +13,6 @@
 #include "tests/bench/data/made_trials.hpp"
 #include "tests/bench/data/own_store.hpp"
 #include "tests/bench/data/trace_store.hpp"
-#include "tests/bench/peers/peers.hpp"
 #include "tests/bench/report.hpp"
 
 namespace palpate::bench {

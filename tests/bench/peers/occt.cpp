@@ -1,5 +1,4 @@
 // Open CASCADE Technology 7.6 (Debian's libocct-modeling-algorithms-dev).
-#include <array>
 #include <limits>
 #include <memory>
 #include <vector>

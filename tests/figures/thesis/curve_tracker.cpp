@@ -4,16 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 #include "engine/base/text.hpp"
 
 namespace palpate::figures {
 namespace {
 
-using engine::Jet;
-using engine::perp;
+using namespace palpate::engine;
 
 constexpr std::array<std::string_view, 5> kTrackerNames{
     "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};

@@ -1,7 +1,5 @@
 #include "tests/figures/thesis/region_switch.hpp"
 
-#include <cmath>
-#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
@@ -10,9 +8,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::cross;
-using engine::Jet;
-using engine::perp;
+using namespace palpate::engine;
 
 /// Ends further apart than this, m, are not the same vertex: that of Outline.
 constexpr double kSameEnd = 1e-9;
@@ -77,8 +73,7 @@ RegionSwitch::RegionSwitch(const std::vector<NurbsCurve<2>>& curves, bool closed
     if (closed_ && !(chord_area(curves) < 0.0)) {
         throw std::invalid_argument(
             "a closed outline must run clockwise, the object on the right of travel: reverse the "
-            "order "
-            "of its control points and of its curves");
+            "order of its control points and of its curves");
     }
 }
 

@@ -11,10 +11,7 @@
 namespace palpate::figures {
 namespace {
 
-using engine::KnotVector;
-using engine::NurbsSurface;
-using engine::SurfaceHeading;
-using engine::SurfaceJet;
+using namespace palpate::engine;
 
 constexpr int kSamples = 16;  // a surface and direction, to begin with
 constexpr double kMin = 0.2;  // of the metric: what a Newton step may divide by, as for a curve

@@ -6,8 +6,7 @@
 namespace palpate::figures {
 namespace {
 
-using protocols::SceneFile;
-using protocols::Tracker;
+using namespace palpate::protocols;
 
 /// The thesis' trackers stand in the order of TrackerKind behind the certified one, for which two
 /// steps of Newton are the nearest that its renderer knows.
