@@ -17,12 +17,14 @@ struct Trial {
 
 /// By how much a joint that is said to turn that way turns the other way.
 double backwards(double rate, int way, double limit) noexcept {
-    return limit > 0.0 ? std::fmax(0.0, -rate * way) : 0.0;
+    const double back = -rate * way;
+    return limit > 0.0 && back > 0.0 ? back : 0.0;
 }
 
 /// By how much the friction that holds a joint exceeds what it can, as a rate.
 double too_strong(double hold, double limit, double diagonal) noexcept {
-    return std::fmax(0.0, std::fabs(hold) - limit) / diagonal;
+    const double beyond = std::fabs(hold) - limit;
+    return beyond > 0.0 ? beyond / diagonal : 0.0;
 }
 
 Trial tried(const Vec2& row_1,
@@ -90,8 +92,11 @@ Vec2 after_dry_friction(const Vec2& row_1,
                                   before);
     };
     const Vec2 loose = after_dry_friction(row_1, row_2, right, joints, before);
+    if (!(handle > 0.0)) {
+        return loose;
+    }
     const double fastest = speed(loose);
-    if (!(handle > 0.0) || !(fastest > 0.0)) {
+    if (!(fastest > 0.0)) {
         return loose;
     }
     const double slowest = kStands * fastest;

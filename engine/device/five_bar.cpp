@@ -43,8 +43,7 @@ double Clearance::min() const noexcept {
 }
 
 std::optional<FiveBar::Pose> FiveBar::forward(const JointAngles& angles) const noexcept {
-    const SinCos t1 = sin_cos(angles[0]);
-    const SinCos t2 = sin_cos(angles[1]);
+    const auto [t1, t2] = sin_cos(angles[0], angles[1]);
     const Vec2 elbow_1 = elbow_1_at(t1);
     const Vec2 elbow_2 = elbow_2_at(t2);
     const Vec2 handle = handle_over(elbow_1, elbow_2);
@@ -64,8 +63,7 @@ std::optional<JointAngles> FiveBar::inverse(const Vec2& handle) const noexcept {
     const JointAngles angles{
         arc_tan2(handle.y, handle.x) + (mode.elbow_1_left ? *bend_1 : -*bend_1),
         arc_tan2(from_2.y, from_2.x) + (mode.elbow_2_left ? *bend_2 : -*bend_2)};
-    const SinCos t1 = sin_cos(angles[0]);
-    const SinCos t2 = sin_cos(angles[1]);
+    const auto [t1, t2] = sin_cos(angles[0], angles[1]);
     const Vec2 elbow_1 = elbow_1_at(t1);
     const Vec2 elbow_2 = elbow_2_at(t2);
     const double side = cross(elbow_2 - elbow_1, handle - elbow_1);

@@ -55,9 +55,17 @@ HandPath::HandPath(const Exploration& plan) : plan_(plan) {
 }
 
 HandPath::Intention HandPath::at(double t) const noexcept {
-    Intention now = way_.at(t);
-    const SinCos shake = sin_cos(2.0 * kPi * kTremorHz * t + plan_.tremor_phase);
-    now.position += plan_.tremor * Vec2{shake.sin, shake.cos};
+    return at(t, t)[0];
+}
+
+std::array<HandPath::Intention, 2> HandPath::at(double t, double later) const noexcept {
+    const auto phase = [this](double at) {
+        return 2.0 * kPi * kTremorHz * at + plan_.tremor_phase;
+    };
+    std::array<Intention, 2> now{way_.at(t), way_.at(later)};
+    const auto [first, second] = sin_cos(phase(t), phase(later));
+    now[0].position += plan_.tremor * Vec2{first.sin, first.cos};
+    now[1].position += plan_.tremor * Vec2{second.sin, second.cos};
     return now;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "engine/device/timed_way.hpp"
 #include "engine/geometry/vec.hpp"
 
@@ -30,6 +32,8 @@ public:
 
     /// @param t  s since the start; before 0 the start, after the end the last point
     [[nodiscard]] Intention at(double t) const noexcept;
+    /// At two moments, for little more than the work of one.
+    [[nodiscard]] std::array<Intention, 2> at(double t, double later) const noexcept;
     /// When the hand is off again, s since the start.
     [[nodiscard]] double duration() const noexcept { return way_.duration(); }
 

@@ -75,9 +75,24 @@ public:
 
 private:
     [[nodiscard]] bool rests() const noexcept;
-    void step(double h, const Vec2& torque) noexcept;
+    void step(const Vec2& torque, const HandPath::Intention& aim) noexcept;
+    void follow(const HandPath::Intention& aim) noexcept;
+    void take_steps() noexcept;
+    struct Compiled;
+
+    /// How a span is cut into steps.
+    struct Steps {
+        explicit Steps(double span, double current_time) noexcept;
+
+        double span;  ///< s
+        int count;
+        double h;           ///< s, of one
+        double left = 0.0;  ///< of the current's distance to the command after a step
+        double mean = 0.0;  ///< of it, during the step
+    };
 
     PlantModel model_;
+    Steps steps_;  ///< of the last span
     ObjectFrame frame_;
     HandPath path_;
     JointAngles angles_{};

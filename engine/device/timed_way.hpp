@@ -19,6 +19,9 @@ public:
         for (std::size_t i = 1; i < corners_.size(); ++i) {
             duration_ += glm::length(corners_[i] - corners_[i - 1]) / speed;
             reached_.push_back(duration_);
+            legs_.push_back(
+                {.way = corners_[i] - corners_[i - 1], .time = reached_[i] - reached_[i - 1]});
+            legs_.back().velocity = legs_.back().way / legs_.back().time;
         }
     }
 
@@ -35,20 +38,26 @@ public:
         if (t >= duration_) {
             return {.position = corners_.back()};
         }
-        std::size_t i = 1;
-        while (reached_[i] < t) {
+        std::size_t i = 0;
+        while (reached_[i + 1] < t) {
             ++i;
         }
-        const Vec<D> leg = corners_[i] - corners_[i - 1];
-        const double time = reached_[i] - reached_[i - 1];
-        return {.position = corners_[i - 1] + leg * ((t - reached_[i - 1]) / time),
-                .velocity = leg / time};
+        const Leg& leg = legs_[i];
+        return {.position = corners_[i] + leg.way * ((t - reached_[i]) / leg.time),
+                .velocity = leg.velocity};
     }
     /// When it ends, s since the start.
     [[nodiscard]] double duration() const noexcept { return duration_; }
 
 private:
+    struct Leg {
+        Vec<D> way{};
+        double time = 0.0;  ///< s
+        Vec<D> velocity{};
+    };
+
     std::vector<Vec<D>> corners_;
+    std::vector<Leg> legs_;        ///< from each corner to the next
     std::vector<double> reached_;  ///< s, when each corner is reached
     double duration_ = 0.0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 /// Sine, cosine, arctangent and logarithm from + - * / and exact scaling only.
@@ -47,10 +48,15 @@ inline constexpr double kMaxQuarters = 0x1p31;
     return x * (2.0 / kPi) + 0.5;
 }
 
+/// Two numbers at once, with the bits that each would have alone.
+using Pair [[gnu::vector_size(2 * sizeof(double))]] = double;
+
 /// sin r for |r| <= pi/4; the first term left out is below 1e-18 of the result.
-[[nodiscard, gnu::always_inline]] inline double sin_kernel(double r) noexcept {
-    const double z = r * r;
-    double p = 1.0 / 355687428096000.0;  // 1/17!
+/// @tparam Number  double or Pair
+template <class Number>
+[[nodiscard, gnu::always_inline]] inline Number sin_kernel(Number r) noexcept {
+    const Number z = r * r;
+    Number p = Number{} + 1.0 / 355687428096000.0;  // 1/17!
     p = p * z - 1.0 / 1307674368000.0;
     p = p * z + 1.0 / 6227020800.0;
     p = p * z - 1.0 / 39916800.0;
@@ -62,36 +68,67 @@ inline constexpr double kMaxQuarters = 0x1p31;
 }
 
 /// cos r for |r| <= pi/4. 1 - z/2 is formed last, with its rounding error put back.
-[[nodiscard, gnu::always_inline]] inline double cos_kernel(double r) noexcept {
-    const double z = r * r;
-    double p = 1.0 / 20922789888000.0;  // 1/16!
+template <class Number>
+[[nodiscard, gnu::always_inline]] inline Number cos_kernel(Number r) noexcept {
+    const Number z = r * r;
+    Number p = Number{} + 1.0 / 20922789888000.0;  // 1/16!
     p = p * z - 1.0 / 87178291200.0;
     p = p * z + 1.0 / 479001600.0;
     p = p * z - 1.0 / 3628800.0;
     p = p * z + 1.0 / 40320.0;
     p = p * z - 1.0 / 720.0;
     p = p * z + 1.0 / 24.0;
-    const double half = 0.5 * z;
-    const double head = 1.0 - half;
+    const Number half = 0.5 * z;
+    const Number head = 1.0 - half;
     return head + (((1.0 - head) - half) + z * z * p);
+}
+
+/// x less n quarter turns. pi/2 in three parts of 33, 33 and 53 bits: n * part is exact for |n| <
+/// 2^20.
+template <class Number>
+[[nodiscard, gnu::always_inline]] inline Number less_quarters(Number x, Number n) noexcept {
+    constexpr double kHalfPi1 = 0x1.921fb54400000p+0;
+    constexpr double kHalfPi2 = 0x1.0b4611a600000p-34;
+    constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
+    return ((x - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
 }
 
 /// sin_cos(x). @pre |quarters_of(x)| < kMaxQuarters
 [[nodiscard, gnu::always_inline]] inline SinCos near_sin_cos(double x) noexcept {
-    // pi/2 in three parts of 33, 33 and 53 bits: n * part is exact for |n| < 2^20.
-    constexpr double kHalfPi1 = 0x1.921fb54400000p+0;
-    constexpr double kHalfPi2 = 0x1.0b4611a600000p-34;
-    constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
     const double quarters = quarters_of(x);
     const auto whole = static_cast<std::int32_t>(quarters);
     const std::int32_t n = whole - (static_cast<double>(whole) > quarters ? 1 : 0);  // floor
-    const double r = ((x - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
+    const double r = less_quarters(x, static_cast<double>(n));
     const double s = sin_kernel(r);
     const double c = cos_kernel(r);
     const bool swapped = (n & 1) != 0;
     const double sine = swapped ? c : s;
     const double cosine = swapped ? s : c;
     return {(n & 2) != 0 ? -sine : sine, ((n + 1) & 2) != 0 ? -cosine : cosine};
+}
+
+/// sin_cos of two angles, for little more than that of one.
+[[nodiscard, gnu::always_inline]] inline std::array<SinCos, 2> sin_cos(double x,
+                                                                       double y) noexcept {
+    using Whole [[gnu::vector_size(2 * sizeof(std::int32_t))]] = std::int32_t;
+    using Bits [[gnu::vector_size(2 * sizeof(std::int64_t))]] = std::int64_t;
+    const Pair angles{x, y};
+    const Pair quarters = angles * (2.0 / kPi) + 0.5;
+    const Bits near = (quarters < kMaxQuarters) & (quarters > -kMaxQuarters);
+    if ((near[0] & near[1]) == 0) {
+        return {sin_cos(x), sin_cos(y)};
+    }
+    const Pair whole = __builtin_convertvector(__builtin_convertvector(quarters, Whole), Pair);
+    const Pair n =
+        whole - reinterpret_cast<Pair>((whole > quarters) & reinterpret_cast<Bits>(Pair{1.0, 1.0}));
+    const Pair r = less_quarters(angles, n);
+    const auto s = reinterpret_cast<Bits>(sin_kernel(r));
+    const auto c = reinterpret_cast<Bits>(cos_kernel(r));
+    const Bits turns = __builtin_convertvector(__builtin_convertvector(n, Whole), Bits);
+    const Bits swapped = (s ^ c) & -(turns & 1);
+    const auto sine = reinterpret_cast<Pair>(s ^ swapped ^ ((turns & 2) << 62));
+    const auto cosine = reinterpret_cast<Pair>(c ^ swapped ^ (((turns + 1) & 2) << 62));
+    return {SinCos{sine[0], cosine[0]}, SinCos{sine[1], cosine[1]}};
 }
 
 }  // namespace palpate::engine
