@@ -52,19 +52,6 @@ private:
     Word step_;
 };
 
-template <class Word>
-void numbers_of(Rule rule,
-                std::int64_t first_tick,
-                std::span<const std::int64_t> values,
-                std::span<std::uint64_t> numbers) noexcept {
-    Predictor<Word> predicted(rule, first_tick);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto value = static_cast<Word>(values[i]);
-        numbers[i] = fold<Word>(value - predicted.next());
-        predicted.see(value);
-    }
-}
-
 /// The lowest `size` bytes at `at`, as a number.
 std::uint64_t bits_at(const std::byte* at, std::size_t size) noexcept {
     std::uint64_t bits = 0;
@@ -132,12 +119,27 @@ constexpr auto kAsItIs = [](std::uint8_t number) {
     return number;
 };
 
+/// What a stream of no bytes says: every number is 0.
+template <class Word, class Value>
+void foretold(Rule rule, std::int64_t first_tick, std::span<Value> values) noexcept {
+    const bool after = rule == Rule::after;
+    const Word first = after ? static_cast<Word>(first_tick) : Word{0};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto value = static_cast<Word>(after ? first + static_cast<Word>(i) : first);
+        values[i] = static_cast<Value>(static_cast<std::make_signed_t<Word>>(value));
+    }
+}
+
 template <class Word, class Value>
 bool read_words(Rule rule,
                 std::span<const std::byte> stream,
                 std::int64_t first_tick,
                 std::span<Value> values) noexcept {
     using Signed = std::make_signed_t<Word>;
+    if (stream.empty()) {
+        foretold<Word>(rule, first_tick, values);
+        return true;
+    }
     if (rule == Rule::plain) {
         return each_number<Word>(stream, values,
                                  [](Word number) { return static_cast<Signed>(number); });
@@ -215,33 +217,67 @@ void stored_values(ColumnId column,
     }
 }
 
+namespace {
+
+/// The stream of a column, block by block; none if all its numbers are 0.
+/// @param number_of  of a value and its tick
+template <class Number>
+void pack_blocks(ColumnId which,
+                 std::span<const TickRecord> ticks,
+                 Number number_of,
+                 std::vector<std::byte>& data) {
+    const std::size_t at = data.size();
+    std::array<std::int64_t, kBlock> values;
+    std::array<std::uint64_t, kBlock> numbers;
+    std::uint64_t all = 0;
+    for (std::size_t first = 0; first < ticks.size(); first += kBlock) {
+        const auto part = ticks.subspan(first, std::min(kBlock, ticks.size() - first));
+        stored_values(which, part, std::span(values).first(part.size()));
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            numbers[i] = number_of(values[i], part[i].tick);
+            all |= numbers[i];
+        }
+        pack_numbers(std::span(numbers).first(part.size()), data);
+    }
+    if (all == 0) {
+        data.resize(at);
+    }
+}
+
+template <class Word>
+void pack_words(ColumnId which,
+                std::span<const TickRecord> ticks,
+                const ChunkClock& clock,
+                std::vector<std::byte>& data) {
+    const Rule rule = stored_columns()[static_cast<std::size_t>(which)].rule;
+    const Word period = rule == Rule::clock ? static_cast<Word>(clock.period_ns) : Word{0};
+    const auto number_of = [predicted = Predictor<Word>(rule, clock.first_tick), period](
+                               std::int64_t stored, std::int64_t tick) mutable {
+        const Word value = static_cast<Word>(stored) - static_cast<Word>(tick) * period;
+        const Word number = fold<Word>(value - predicted.next());
+        predicted.see(value);
+        return std::uint64_t{number};
+    };
+    pack_blocks(which, ticks, number_of, data);
+}
+
+}  // namespace
+
 void pack_column(ColumnId which,
                  std::span<const TickRecord> ticks,
                  const ChunkClock& clock,
                  std::vector<std::byte>& data) {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
-    std::vector<std::int64_t> values(ticks.size());
-    std::vector<std::uint64_t> numbers(ticks.size());
-    stored_values(which, ticks, values);
-    if (column.rule == Rule::clock) {
-        for (std::size_t i = 0; i < ticks.size(); ++i) {
-            values[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(values[i]) -
-                                                  static_cast<std::uint64_t>(ticks[i].tick) *
-                                                      static_cast<std::uint64_t>(clock.period_ns));
-        }
-    }
     if (column.rule == Rule::plain) {
-        const std::uint64_t mask = ~std::uint64_t{0} >> (64U - 8U * column.size);
-        std::ranges::transform(values, numbers.begin(), [mask](std::int64_t value) {
+        const auto number_of = [mask = ~std::uint64_t{0} >> (64U - 8U * column.size)](
+                                   std::int64_t value, std::int64_t /*tick*/) {
             return static_cast<std::uint64_t>(value) & mask;
-        });
+        };
+        pack_blocks(which, ticks, number_of, data);
     } else if (column.size == sizeof(std::uint32_t)) {
-        numbers_of<std::uint32_t>(column.rule, clock.first_tick, values, numbers);
+        pack_words<std::uint32_t>(which, ticks, clock, data);
     } else {
-        numbers_of<std::uint64_t>(column.rule, clock.first_tick, values, numbers);
-    }
-    if (!all_zero(std::as_bytes(std::span(numbers)))) {
-        pack_numbers(numbers, data);
+        pack_words<std::uint64_t>(which, ticks, clock, data);
     }
 }
 

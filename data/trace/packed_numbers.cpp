@@ -14,7 +14,12 @@ void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>
             all |= number;
         }
         const auto width = static_cast<std::size_t>(std::bit_width(all));
-        std::array<std::uint64_t, kBlock + 1> bits{};
+        data.push_back(static_cast<std::byte>(width));
+        if (width == 0) {
+            continue;
+        }
+        std::array<std::uint64_t, kBlock + 1> bits;
+        std::fill_n(bits.begin(), width + 1, std::uint64_t{0});
         std::size_t bit = 0;
         for (const std::uint64_t number : block) {
             const std::size_t shift = bit % 64;
@@ -22,10 +27,8 @@ void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>
             bits[bit / 64 + 1] |= number >> 1U >> (63U - shift);
             bit += width;
         }
-        const std::size_t size = (bit + 7) / 8;
-        data.push_back(static_cast<std::byte>(width));
         const auto* const bytes = reinterpret_cast<const std::byte*>(bits.data());
-        data.insert(data.end(), bytes, bytes + size);
+        data.insert(data.end(), bytes, bytes + (bit + 7) / 8);
     }
 }
 
