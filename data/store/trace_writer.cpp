@@ -36,9 +36,8 @@ void TraceWriter::begin(std::int64_t trial,
 
 void TraceWriter::add(std::span<const engine::TickRecord> ticks) {
     ticks_.insert(ticks_.end(), ticks.begin(), ticks.end());
-    for (const engine::TickRecord& tick : ticks) {
-        parts_.push_back(retrace_->parts(tick));
-    }
+    parts_.resize(ticks_.size(), kAllParts);
+    retrace_->parts(ticks, std::span(parts_).last(ticks.size()));
     unsaved_ += ticks.size();
 }
 

@@ -1,5 +1,6 @@
 #include "data/trace/retrace.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -57,36 +58,43 @@ void Retrace::contacts(std::span<TickRecord> ticks) noexcept {
     engine::set_contacts(ticks, scene_, *state_);
 }
 
-/// HIP follows from the other columns.
-bool Retrace::same_hip(const TickRecord& tick) noexcept {
-    const auto whole = [](double metres) {
-        return steps_in_metres(in_steps(metres, kHipSteps));
-    };
+void Retrace::find_hips(std::span<const TickRecord> ticks) {
+    hips_.resize(ticks.size());
     if (scene_.space != nullptr) {
-        return same(engine::Vec3{whole(tick.hip.x), whole(tick.hip.y), whole(tick.hip.z)},
-                    tick.hip);
+        const auto whole = [](double metres) {
+            return steps_in_metres(in_steps(metres, kHipSteps));
+        };
+        std::ranges::transform(ticks, hips_.begin(), [&](const TickRecord& tick) {
+            return engine::Vec3{whole(tick.hip.x), whole(tick.hip.y), whole(tick.hip.z)};
+        });
+        return;
     }
-    return same(engine::Vec3(machine_ ? machine_->at(tick.counts) : engine::Vec2{}, 0.0), tick.hip);
+    in_plane_.assign(ticks.size(), engine::Vec2{});
+    if (machine_) {
+        counts_.resize(ticks.size());
+        std::ranges::transform(ticks, counts_.begin(), &TickRecord::counts);
+        machine_->at(counts_, in_plane_);
+    }
+    std::ranges::transform(in_plane_, hips_.begin(),
+                           [](const engine::Vec2& hip) { return engine::Vec3(hip, 0.0); });
 }
 
-std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
-    unsigned parts = 0;
-    if (!same_hip(tick)) {
-        parts |= part_hip;
+void Retrace::parts(std::span<const TickRecord> ticks, std::span<std::uint8_t> parts) {
+    find_hips(ticks);
+    again_.assign(ticks.begin(), ticks.end());
+    contacts(again_);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const TickRecord& tick = ticks[i];
+        const auto us = static_cast<double>(tick.lateness_us);
+        const auto part = [](bool follows, Part bit) {
+            return follows ? 0U : static_cast<unsigned>(bit);
+        };
+        parts[i] = static_cast<std::uint8_t>(
+            part(same(hips_[i], tick.hip), part_hip) |
+            part(has_scene() && same_contact(again_[i], tick), part_contact) |
+            part(same(tick.command, tick.force), part_command) |
+            part(same(lateness_us(in_steps(us, kLatenessSteps)), tick.lateness_us), part_lateness));
     }
-    TickRecord again = tick;
-    contacts(std::span(&again, 1));
-    if (!has_scene() || !same_contact(again, tick)) {
-        parts |= part_contact;
-    }
-    if (!same(tick.command, tick.force)) {
-        parts |= part_command;
-    }
-    const auto us = static_cast<double>(tick.lateness_us);
-    if (!same(lateness_us(in_steps(us, kLatenessSteps)), tick.lateness_us)) {
-        parts |= part_lateness;
-    }
-    return static_cast<std::uint8_t>(parts);
 }
 
 }  // namespace palpate::data

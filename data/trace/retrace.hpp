@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "engine/device/many_hips.hpp"
 #include "engine/realtime/scene_view.hpp"
@@ -38,8 +39,8 @@ public:
     Retrace(const std::optional<engine::PantographSpec>& machine, const engine::SceneView& scene);
     ~Retrace();
 
-    /// The parts of a recorded tick that nothing else in it tells.
-    [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
+    /// The parts of the next recorded ticks that nothing else in a tick tells, into `parts`, as many.
+    void parts(std::span<const engine::TickRecord> ticks, std::span<std::uint8_t> parts);
 
     /// The contacts of the next ticks, after HIP is known. Every tick, in order.
     void contacts(std::span<engine::TickRecord> ticks) noexcept;
@@ -48,11 +49,15 @@ public:
     [[nodiscard]] bool has_scene() const noexcept { return scene_.any(); }
 
 private:
-    [[nodiscard]] bool same_hip(const engine::TickRecord& tick) noexcept;
+    void find_hips(std::span<const engine::TickRecord> ticks);
 
     std::optional<HipFromCounts> machine_;
     engine::SceneView scene_;
     std::unique_ptr<engine::FeltState> state_;  ///< never null
+    std::vector<engine::TickRecord> again_;
+    std::vector<engine::Pantograph::Counts> counts_;
+    std::vector<engine::Vec3> hips_;  ///< that follow from the other columns
+    std::vector<engine::Vec2> in_plane_;
 };
 
 }  // namespace palpate::data

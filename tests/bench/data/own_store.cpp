@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
+#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -114,10 +116,10 @@ Chunks encode_all(const std::vector<TickRecord>& ticks,
     for (std::size_t first = 0; first < ticks.size(); first += data::kChunkTicks) {
         const auto part =
             std::span(ticks).subspan(first, std::min(data::kChunkTicks, ticks.size() - first));
-        std::uint8_t parts = 0;
-        for (const TickRecord& tick : part) {
-            parts = static_cast<std::uint8_t>(parts | retrace.parts(tick));
-        }
+        std::vector<std::uint8_t> each(part.size());
+        retrace.parts(part, each);
+        const std::uint8_t parts =
+            std::accumulate(each.begin(), each.end(), std::uint8_t{0}, std::bit_or<std::uint8_t>());
         chunks.views.push_back({.first_tick = part.front().tick,
                                 .ticks = part.size(),
                                 .period_ns = period_ns,
