@@ -232,7 +232,7 @@ void copy_shared(Database& from, Database& out, const Layout& layout, const std:
 }
 
 void append_session(Database& from, Database& out, const Layout& layout) {
-    const SessionVersion session = session_versions(from, layout, from.file()).at(0);
+    const SessionVersion session = session_versions(from, layout, from.file(), false).at(0);
     participant_row(out, session.participant, own_secret(from));
     add_session(session, out, layout);
     copy_shared(from, out, layout, from.file());

@@ -37,14 +37,8 @@ std::string rows_of(Database& database,
     return hashes;
 }
 
-std::vector<TrialVersion> trials_of(Database& database,
-                                    const Layout& layout,
-                                    std::int64_t session) {
+std::vector<TrialVersion> trials_of(Database& database, std::int64_t session) {
     std::vector<TrialVersion> trials;
-    Statement row = database.prepare(
-        "SELECT plan_position, attempt, started_utc FROM trial WHERE trial_id = ?1");
-    Statement all = database.prepare(
-        fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout.trial.list()));
     Statement ids = database.prepare(
         "SELECT trial_id, outcome, coalesce(invalid_reason, ''), (SELECT "
         "coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk WHERE trace_chunk.trial_id = "
@@ -56,6 +50,16 @@ std::vector<TrialVersion> trials_of(Database& database,
         trial.outcome = ids.text(1);
         trial.invalid = ids.text(2);
         trial.ticks = ids.integer(3);
+    }
+    return trials;
+}
+
+void hash_trials(Database& database, const Layout& layout, std::vector<TrialVersion>& trials) {
+    Statement row = database.prepare(
+        "SELECT plan_position, attempt, started_utc FROM trial WHERE trial_id = ?1");
+    Statement all = database.prepare(
+        fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout.trial.list()));
+    for (TrialVersion& trial : trials) {
         row.bind(1, trial.id).step();
         trial.key = sha256_hex(row_bytes(row));
         row.reset();
@@ -67,7 +71,6 @@ std::vector<TrialVersion> trials_of(Database& database,
         }
         trial.content = sha256_hex(content);
     }
-    return trials;
 }
 
 std::size_t place_of(std::int64_t id, const std::vector<TrialVersion>& trials) {
@@ -124,7 +127,8 @@ bool became(const TrialVersion& earlier, const TrialVersion& later, bool noted) 
 
 std::vector<SessionVersion> session_versions(Database& database,
                                              const Layout& layout,
-                                             const std::string& file) {
+                                             const std::string& file,
+                                             bool hashed) {
     std::vector<SessionVersion> all;
     Statement row = database.prepare(
         "SELECT session.session_id, uuid, protocol_sha256, study_name, participant_code, "
@@ -147,10 +151,13 @@ std::vector<SessionVersion> session_versions(Database& database,
         session.run_code = row.text(7);
         session.run_number = row.integer(8);
         session.destroyed = row.integer(9) != 0;
-        session.end = sha256_hex(session_row(database, layout.session_end, session.id));
-        session.head = head_of(database, layout, session);
-        session.trials = trials_of(database, layout, session.id);
-        session.events = events_of(database, layout, session);
+        session.trials = trials_of(database, session.id);
+        if (hashed) {
+            session.end = sha256_hex(session_row(database, layout.session_end, session.id));
+            session.head = head_of(database, layout, session);
+            hash_trials(database, layout, session.trials);
+            session.events = events_of(database, layout, session);
+        }
     }
     return all;
 }

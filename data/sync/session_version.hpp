@@ -40,9 +40,11 @@ struct SessionVersion {
 };
 
 /// All sessions of a file. @param file  how to call it
+/// @param hashed  to be compared with others: without it no hash is made, of no trace either
 [[nodiscard]] std::vector<SessionVersion> session_versions(Database& database,
                                                            const Layout& layout,
-                                                           const std::string& file);
+                                                           const std::string& file,
+                                                           bool hashed = true);
 
 /// Whether `later` is what `earlier` was or has become: the same beginning, the same trials and
 /// events as far as `earlier` has them. Of those a running trial may have gone on, an answer may
