@@ -294,43 +294,43 @@ double in_whole_steps(double command) noexcept {
     return steps_in_newton(in_steps(command, kCommandSteps));
 }
 
-void give(sqlite3_context* context, const TickValue& value) {
-    if (const auto* whole = std::get_if<std::int64_t>(&value)) {
-        sqlite3_result_int64(context, *whole);
-    } else if (const auto* number = std::get_if<double>(&value)) {
-        sqlite3_result_double(context, *number);  // NaN is NULL
-    } else {
-        const auto text = std::get<std::string_view>(value);  // of a name that stays
-        sqlite3_result_text(context, text.data(), static_cast<int>(text.size()), SQLITE_STATIC);
-    }
+void give(sqlite3_context* context, std::int64_t whole) {
+    sqlite3_result_int64(context, whole);
+}
+void give(sqlite3_context* context, double number) {
+    sqlite3_result_double(context, number);  // NaN is NULL
+}
+void give(sqlite3_context* context, std::string_view text) {  // of a name that stays
+    sqlite3_result_text(context, text.data(), static_cast<int>(text.size()), SQLITE_STATIC);
 }
 
-TickValue value_of(const SampleCursor& at, SampleColumn column) {
+void give(sqlite3_context* context, const SampleCursor& at, SampleColumn column) {
     switch (column) {
         case SampleColumn::trial_id:
-            return at.part().trial;
+            return give(context, at.part().trial);
         case SampleColumn::interval:
-            return at.part().interval;
+            return give(context, at.part().interval);
         case SampleColumn::hip_vx_m_per_s:
-            return at.velocity().x;
+            return give(context, at.velocity().x);
         case SampleColumn::hip_vy_m_per_s:
-            return at.velocity().y;
+            return give(context, at.velocity().y);
         case SampleColumn::hip_vz_m_per_s:
-            return at.velocity().z;
+            return give(context, at.velocity().z);
         case SampleColumn::commanded_x_n:
-            return in_whole_steps(at.tick().command.x);
+            return give(context, in_whole_steps(at.tick().command.x));
         case SampleColumn::commanded_y_n:
-            return in_whole_steps(at.tick().command.y);
+            return give(context, in_whole_steps(at.tick().command.y));
         case SampleColumn::commanded_z_n:
-            return in_whole_steps(at.tick().command.z);
+            return give(context, in_whole_steps(at.tick().command.z));
         default:
-            return trace_columns()[static_cast<std::size_t>(column) - kKeys].value(at.tick());
+            return std::visit(
+                [context](const auto& value) { give(context, value); },
+                trace_columns()[static_cast<std::size_t>(column) - kKeys].value(at.tick()));
     }
 }
 
 int column(sqlite3_vtab_cursor* cursor, sqlite3_context* context, int number) {
-    const SampleCursor& at = static_cast<Cursor*>(cursor)->cursor;
-    give(context, value_of(at, static_cast<SampleColumn>(number)));
+    give(context, static_cast<Cursor*>(cursor)->cursor, static_cast<SampleColumn>(number));
     return SQLITE_OK;
 }
 

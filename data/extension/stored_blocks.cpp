@@ -7,6 +7,7 @@
 #include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"
+#include "data/trace/ticks.hpp"
 
 namespace palpate::data {
 namespace {
@@ -24,7 +25,7 @@ public:
                  const TickRange& range,
                  const HipSource& source)
         : part_(part),
-          columns_(columns),
+          columns_(columns | bit(C::tick)),  // every row has its number
           range_(range),
           chunks_(db, part),
           in_space_(source.in_space) {
@@ -188,7 +189,7 @@ private:
     bool in_space_;
     std::optional<HipFromCounts> hip_;
     std::size_t next_ = 0;
-    std::vector<TickRecord> ticks_;
+    Ticks ticks_;  ///< the fields of columns that are read
     std::vector<TickRecord> exact_;
     std::vector<std::int64_t> values_;
     std::vector<engine::Pantograph::Counts> counts_;
