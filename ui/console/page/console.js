@@ -13,7 +13,8 @@
   const ENDS = {
     finished: ['The session is finished.', 'Every trial of it is done. Nothing more can be changed from this page.'],
     'ended early': ['The session was ended early.', 'What was recorded is kept; the same run command goes on later.'],
-    killed: ['The session was killed.', 'What was recorded is kept; the same run command goes on later.']
+    killed: ['The session is gone.', 'Its program was killed, or fell. Look at the handle: if it still pulls, switch off ' +
+      'the supply of the motors. What was saved is kept; the same run command goes on.']
   };
   const $ = id => document.getElementById(id);
   const dark = window.matchMedia('(prefers-color-scheme: dark)');
@@ -54,7 +55,8 @@
     }));
   }
   const counted = (n, one, more) => n + ' ' + (n === 1 ? one : more || one + 's');
-  const ago = ms => ms < 1000 ? Math.round(ms) + ' ms ago' : (ms / 1000).toFixed(1) + ' s ago';
+  const ago = ms => ms < 1000 ? Math.round(ms) + ' ms ago' : ms < 120000 ? (ms / 1000).toFixed(1) + ' s ago'
+    : Math.round(ms / 60000) + ' min ago';
   const gone = () => lost !== null || (state !== null && !state.alive);
   const over = () => state !== null && (state.phase === 'ended' || is(state.ended));
 
@@ -66,8 +68,7 @@
       const said = ENDS[state.ended] || ['The session has ended: ' + state.ended + '.', ''];
       all.push([state.ended === 'killed', said[0], said[1]]);
     } else if (state && !state.alive) {
-      all.push([true, 'The session is gone.', 'Its process has ended without saying so. Look at the handle: if it still ' +
-        'pulls, switch off the supply of the motors. What was saved is kept; the same run command goes on.']);
+      all.push([true, ...ENDS.killed]);
     } else if (lost !== null) {
       all.push([true, 'This page has lost the session.', lost + ' What stands below is old. The session may still run: see ' +
         'its window and its terminal; the chords work there.']);
@@ -90,7 +91,7 @@
   }
 
   function showForce() {
-    const now = over() ? 'off' : gone() ? 'unknown' : state.force.on ? 'on' : 'off';
+    const now = over() && state.ended !== 'killed' ? 'off' : gone() ? 'unknown' : state.force.on ? 'on' : 'off';
     document.body.dataset.force = now;
     put($('force-word'), now === 'unknown' ? 'Force not known' : 'Force ' + now);
     put($('force-why'), gone() || !state.force.why ? '' : '(' + state.force.why + ')');
@@ -98,7 +99,6 @@
 
   function trialRows() {
     const rows = [
-      ['Answered', String(state.answered)],
       ['Remaining', counted(state.remaining, 'trial') + (is(state.remaining_min)
         ? ', some ' + Math.max(1, Math.round(state.remaining_min)) + ' min at this pace' : '')],
       ['Next break', is(state.next_break_in) ? 'after ' + counted(state.next_break_in, 'more trial') : 'none'],
@@ -134,7 +134,7 @@
     const sound = state.masking;
     const saved = is(state.saved_ms) ? state.saved_ms + 1000 * (seconds() - stateAt) : null;
     facts($('kept'), [
-      ['Saved', saved === null ? 'nothing yet' : over() ? 'all' : ago(saved), !over() && saved > 10000],
+      ['Saved', saved === null ? 'nothing yet' : ago(saved)],
       ['Disk', is(state.disk_free_mb) ? (state.disk_free_mb / 1000).toFixed(1) + ' GB free' : null, state.disk_free_mb < 1000],
       ['Newest seal', state.seal || 'none yet'],
       ['Masking noise', !sound ? 'none' : (sound.on ? 'on' : 'off') +
@@ -238,9 +238,10 @@
     put($('protocol'), state.title === state.protocol ? '' : '(' + state.protocol + ')');
     put($('shape'), SHAPES[state.phase] || '');
     put($('sentence'), (gone() && !over() ? 'last heard: ' : '') + state.sentence + (state.practice && !/practice/.test(state.sentence) ? ' (practice)' : ''));
-    $('bar').max = Math.max(1, state.trials);
-    $('bar').value = state.trials - state.remaining;
-    put($('left'), state.trials - state.remaining + ' of ' + state.trials + ' done, ' + state.remaining + ' remain');
+    const all = state.answered + state.remaining;
+    $('bar').max = Math.max(1, all);
+    $('bar').value = state.answered;
+    put($('left'), state.answered + ' of ' + all + ' answered, ' + state.remaining + ' remain');
     document.title = (gone() ? 'LOST \u00b7 ' : '') + state.participant + ' \u00b7 ' + state.phase + ' \u00b7 palpate';
     showForce();
     trialRows();
