@@ -127,9 +127,7 @@ std::string begun_json(const Key& key) {
     if ((key.need != Need::optional) || (number && !key.range.has(static_cast<double>(*number)))) {
         return {};
     }
-    Key always = key;
-    always.late = false;
-    const std::string line = toml_lines({&always, 1}, nullptr);
+    const std::string line = toml_lines({&key, 1}, nullptr);
     if (line.empty()) {
         return {};
     }
