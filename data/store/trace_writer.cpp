@@ -36,8 +36,6 @@ void TraceWriter::begin(std::int64_t trial,
 
 void TraceWriter::add(std::span<const engine::TickRecord> ticks) {
     ticks_.insert(ticks_.end(), ticks.begin(), ticks.end());
-    parts_.resize(ticks_.size(), kAllParts);
-    retrace_->parts(ticks, std::span(parts_).last(ticks.size()));
     unsaved_ += ticks.size();
 }
 
@@ -49,6 +47,9 @@ void TraceWriter::write() {
     if (unsaved_ == 0) {
         return;
     }
+    const std::size_t known = parts_.size();
+    parts_.resize(ticks_.size(), kAllParts);
+    retrace_->parts(std::span(ticks_).subspan(known), std::span(parts_).subspan(known));
     // Ticks that go back, were there any, must not replace what stands.
     for (std::size_t first = 0; first < ticks_.size(); first += kChunkTicks) {
         const std::size_t n = std::min(kChunkTicks, ticks_.size() - first);

@@ -56,7 +56,7 @@ private:
     std::unique_ptr<engine::FeltScene> scene_;
     std::unique_ptr<Retrace> retrace_;
     std::vector<engine::TickRecord> ticks_;  ///< from the first of the chunk that is not full
-    std::vector<std::uint8_t> parts_;        ///< of each tick
+    std::vector<std::uint8_t> parts_;        ///< of each tick that write() has seen
     std::size_t unsaved_ = 0;
     bool row_there_ = false;  ///< of the first of them, shorter
 };

@@ -58,30 +58,30 @@ void Retrace::contacts(std::span<TickRecord> ticks) noexcept {
     engine::set_contacts(ticks, scene_, *state_);
 }
 
-void Retrace::find_hips(std::span<const TickRecord> ticks) {
-    hips_.resize(ticks.size());
+/// What follows from the other columns.
+engine::Vec3 Retrace::hip_of(const TickRecord& tick, std::size_t i) const noexcept {
     if (scene_.space != nullptr) {
         const auto whole = [](double metres) {
             return steps_in_metres(in_steps(metres, kHipSteps));
         };
-        std::ranges::transform(ticks, hips_.begin(), [&](const TickRecord& tick) {
-            return engine::Vec3{whole(tick.hip.x), whole(tick.hip.y), whole(tick.hip.z)};
-        });
-        return;
+        return {whole(tick.hip.x), whole(tick.hip.y), whole(tick.hip.z)};
     }
-    in_plane_.assign(ticks.size(), engine::Vec2{});
-    if (machine_) {
-        counts_.resize(ticks.size());
-        std::ranges::transform(ticks, counts_.begin(), &TickRecord::counts);
-        machine_->at(counts_, in_plane_);
-    }
-    std::ranges::transform(in_plane_, hips_.begin(),
-                           [](const engine::Vec2& hip) { return engine::Vec3(hip, 0.0); });
+    return {machine_ ? hips_[i] : engine::Vec2{}, 0.0};
 }
 
 void Retrace::parts(std::span<const TickRecord> ticks, std::span<std::uint8_t> parts) {
-    find_hips(ticks);
-    again_.assign(ticks.begin(), ticks.end());
+    if (machine_) {
+        counts_.resize(ticks.size());
+        hips_.resize(ticks.size());
+        std::ranges::transform(ticks, counts_.begin(), &TickRecord::counts);
+        machine_->at(counts_, hips_);
+    }
+    again_.resize(ticks.size());
+    for (std::size_t i = 0; i < ticks.size(); ++i) {  // what a contact depends on, or leaves alone
+        again_[i].hip = ticks[i].hip;
+        again_[i].v = ticks[i].v;
+        again_[i].flags = ticks[i].flags;
+    }
     contacts(again_);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const TickRecord& tick = ticks[i];
@@ -90,7 +90,7 @@ void Retrace::parts(std::span<const TickRecord> ticks, std::span<std::uint8_t> p
             return follows ? 0U : static_cast<unsigned>(bit);
         };
         parts[i] = static_cast<std::uint8_t>(
-            part(same(hips_[i], tick.hip), part_hip) |
+            part(same(hip_of(tick, i), tick.hip), part_hip) |
             part(has_scene() && same_contact(again_[i], tick), part_contact) |
             part(same(tick.command, tick.force), part_command) |
             part(same(lateness_us(in_steps(us, kLatenessSteps)), tick.lateness_us), part_lateness));

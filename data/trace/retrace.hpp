@@ -9,6 +9,7 @@
 #include "engine/device/many_hips.hpp"
 #include "engine/realtime/scene_view.hpp"
 #include "engine/realtime/tick_record.hpp"
+#include "data/trace/ticks.hpp"
 
 namespace palpate::data {
 
@@ -49,15 +50,14 @@ public:
     [[nodiscard]] bool has_scene() const noexcept { return scene_.any(); }
 
 private:
-    void find_hips(std::span<const engine::TickRecord> ticks);
+    [[nodiscard]] engine::Vec3 hip_of(const engine::TickRecord& tick, std::size_t i) const noexcept;
 
     std::optional<HipFromCounts> machine_;
     engine::SceneView scene_;
     std::unique_ptr<engine::FeltState> state_;  ///< never null
-    std::vector<engine::TickRecord> again_;
+    Ticks again_;
     std::vector<engine::Pantograph::Counts> counts_;
-    std::vector<engine::Vec3> hips_;  ///< that follow from the other columns
-    std::vector<engine::Vec2> in_plane_;
+    std::vector<engine::Vec2> hips_;  ///< of the counts, if there is a machine
 };
 
 }  // namespace palpate::data
