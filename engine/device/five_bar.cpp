@@ -18,7 +18,7 @@ std::optional<double> elbow_angle(double driven, double free, double r) noexcept
 }
 
 double in_line(double driven, double free, double r) noexcept {
-    return std::fmin(driven + free - r, r - std::fabs(driven - free));
+    return std::min(driven + free - r, r - std::fabs(driven - free));
 }
 
 /// x with [u; w] x = right, for inverse = 1 / cross(u, w).
@@ -39,7 +39,7 @@ SingularValues singular_values(const Jacobian& matrix) noexcept {
 }
 
 double Clearance::min() const noexcept {
-    return std::fmin(std::fmin(serial_1, serial_2), parallel);
+    return std::min(std::min(serial_1, serial_2), parallel);
 }
 
 std::optional<FiveBar::Pose> FiveBar::forward(const JointAngles& angles) const noexcept {
@@ -88,7 +88,7 @@ Clearance FiveBar::clearance(const Pose& pose) const noexcept {
     const double reach_2 = in_line(driven_2, free_2, glm::length(pose.handle - Vec2{base, 0.0}));
     const double height =
         width > 0.0 ? std::fabs(cross(between, pose.handle - pose.elbow_1)) / width : 0.0;
-    const double parallel = std::fmin(height, width);
+    const double parallel = std::min(height, width);
     return {.serial_1 = is.elbow_1_left == mode.elbow_1_left ? reach_1 : -reach_1,
             .serial_2 = is.elbow_2_left == mode.elbow_2_left ? reach_2 : -reach_2,
             .parallel = is.handle_left == mode.handle_left ? parallel : -parallel};

@@ -1,5 +1,6 @@
 #include "engine/device/pantograph_plant.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -59,7 +60,7 @@ void check(const PlantModel& model) {
 }
 
 double clamped(double torque, double limit) noexcept {
-    return std::isfinite(torque) ? std::fmin(std::fmax(torque, -limit), limit) : 0.0;
+    return std::isfinite(torque) ? std::clamp(torque, -limit, limit) : 0.0;
 }
 
 /// Rows of a 2 x 2 matrix.
@@ -166,7 +167,7 @@ void PantographPlant::advance(double seconds) noexcept {
     if (!(seconds > 0.0) || lost_) {
         return;
     }
-    const double span = std::fmin(seconds, kLongestAdvance);
+    const double span = std::min(seconds, kLongestAdvance);
     if (rests()) {
         time_ += span;
         return;
