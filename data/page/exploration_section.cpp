@@ -53,7 +53,7 @@ SELECT felt_object AS felt, friction, count(DISTINCT sample.trial_id) AS trials,
        avg(go_x_m) AS x_m, avg(go_y_m) AS y_m, count(*) AS ticks
 FROM shown CROSS JOIN sample ON sample.trial_id = shown.trial_id AND sample.interval = shown.interval
 WHERE place <= {} AND mode <> 'free'
-GROUP BY felt_object, friction, segment, CAST(go_x_m * 400 AS INTEGER), CAST(go_y_m * 400 AS INTEGER)
+GROUP BY CAST(go_x_m * 400 AS INTEGER), CAST(go_y_m * 400 AS INTEGER), segment, friction, felt_object
 ORDER BY felt_object, friction, segment, x_m, y_m)",
         kFelt, kPeopleOfMaps);
 }

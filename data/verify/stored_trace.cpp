@@ -106,8 +106,8 @@ private:
         for (const ColumnId column : kReadable) {
             reader.read(column, stored_);
             stored_values(column, ticks, exact_);
-            const auto wrong = std::ranges::mismatch(stored_, exact_);
-            if (wrong.in1 != stored_.end()) {
+            if (stored_ != exact_) {
+                const auto wrong = std::ranges::mismatch(stored_, exact_);
                 const auto at = static_cast<std::size_t>(wrong.in1 - stored_.begin());
                 differs_from(ticks[at].tick,
                              fmt::format("trace.{}",
