@@ -123,7 +123,8 @@ void ChunkReader::read(ColumnId column, std::span<std::int64_t> values) const {
     require(unpack_column(column, streams_[index], chunk_.first_tick, values),
             stored_columns()[index].name, chunk_.ticks);
     if (stored_columns()[index].rule == Rule::clock) {
-        std::vector<std::int64_t> ticks(values.size());
+        std::array<std::int64_t, kChunkTicks> all;
+        const auto ticks = std::span(all).first(values.size());
         read(ColumnId::tick, ticks);
         for (std::size_t i = 0; i < ticks.size(); ++i) {
             const std::uint64_t due =

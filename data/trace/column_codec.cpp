@@ -101,23 +101,27 @@ bool each_number(std::span<const std::byte> stream,
                  std::span<Value> values,
                  Read value_of) noexcept {
     PackedNumbers numbers(stream);
-    std::array<Word, kBlock> block{};
     for (std::size_t first = 0; first < values.size(); first += kBlock) {
         const auto part = values.subspan(first, std::min(kBlock, values.size() - first));
-        if (!stream.empty() && !numbers.next(std::span<Word>(block).first(part.size()))) {
+        const auto put = [&value_of, at = part.data()](Word number) mutable {
+            *at++ = value_of(number);
+        };
+        if (!numbers.each<Word>(part.size(), put)) {
             return false;
-        }
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            part[i] = value_of(block[i]);
         }
     }
     return numbers.at_end();
 }
 
 /// Numbers of a byte are not negative, and plain.
-constexpr auto kAsItIs = [](std::uint8_t number) {
-    return number;
-};
+template <class Value>
+bool read_bytes(std::span<const std::byte> stream, std::span<Value> values) noexcept {
+    if (stream.empty()) {
+        std::ranges::fill(values, Value{0});
+        return true;
+    }
+    return each_number<std::uint8_t>(stream, values, [](std::uint8_t number) { return number; });
+}
 
 /// What a stream of no bytes says: every number is 0.
 template <class Word, class Value>
@@ -294,7 +298,7 @@ bool unpack_column(ColumnId which,
                    std::int64_t first_tick,
                    std::span<std::int32_t> values) noexcept {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
-    return column.size == 1 ? each_number<std::uint8_t>(stream, values, kAsItIs)
+    return column.size == 1 ? read_bytes(stream, values)
                             : read_words<std::uint32_t>(column.rule, stream, first_tick, values);
 }
 
@@ -303,7 +307,7 @@ bool unpack_column(ColumnId which,
                    std::int64_t first_tick,
                    std::span<std::int64_t> values) noexcept {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
-    return column.size == 1 ? each_number<std::uint8_t>(stream, values, kAsItIs)
+    return column.size == 1 ? read_bytes(stream, values)
          : column.size == sizeof(std::uint32_t)
              ? read_words<std::uint32_t>(column.rule, stream, first_tick, values)
              : read_words<std::uint64_t>(column.rule, stream, first_tick, values);

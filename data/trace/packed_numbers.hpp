@@ -30,19 +30,27 @@ public:
     /// @return false if the stream is too short, or a number does not fit a Word
     template <class Word>
     [[nodiscard]] bool next(std::span<Word> block) noexcept {
+        return each<Word>(block.size(),
+                          [at = block.data()](Word number) mutable { *at++ = number; });
+    }
+    /// The same, one after the other to `use`. @param count  kBlock, or what is left
+    template <class Word, class Use>
+    [[nodiscard]] bool each(std::size_t count, Use use) noexcept {
         if (rest_.empty()) {
             return false;
         }
         const auto width = std::to_integer<std::size_t>(rest_[0]);
-        const std::size_t size = (block.size() * width + 7) / 8;
+        const std::size_t size = (count * width + 7) / 8;
         if (width > std::numeric_limits<Word>::digits || rest_.size() <= size) {
             return false;
         }
         if (width == 0) {
-            std::fill(block.begin(), block.end(), Word{0});
+            for (std::size_t i = 0; i < count; ++i) {
+                use(Word{0});
+            }
         } else {
             std::memcpy(bits_.data(), rest_.data() + 1, size);
-            take(width, block);
+            take<Word>(width, count, use);
         }
         rest_ = rest_.subspan(1 + size);
         return true;
@@ -55,11 +63,10 @@ private:
     static constexpr std::size_t kMore =
         2 * sizeof(std::uint64_t);  ///< may be read behind the last
 
-    template <class Word>
-    void take(std::size_t width, std::span<Word> block) const noexcept {
+    template <class Word, class Use>
+    void take(std::size_t width, std::size_t count, Use& use) const noexcept {
         const std::uint64_t mask = ~std::uint64_t{0} >> (64U - width);
-        std::size_t bit = 0;
-        for (Word& number : block) {
+        for (std::size_t bit = 0; bit < count * width; bit += width) {
             const std::byte* const at = bits_.data() + bit / 8;
             const std::size_t shift = bit % 8;
             std::uint64_t low = 0;
@@ -68,8 +75,7 @@ private:
             if constexpr (sizeof(Word) == sizeof low) {  // may lie in nine bytes
                 low |= std::to_integer<std::uint64_t>(at[sizeof low]) << 1U << (63U - shift);
             }
-            number = static_cast<Word>(low & mask);
-            bit += width;
+            use(static_cast<Word>(low & mask));
         }
     }
 
