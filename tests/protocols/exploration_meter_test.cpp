@@ -4,7 +4,8 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using namespace palpate::engine;
+using engine::Mode;
+using engine::TickRecord;
 using namespace palpate::protocols;
 
 namespace {

@@ -6,7 +6,8 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
-using namespace palpate::engine;
+using engine::Vec2;
+using engine::Vec3;
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
 

@@ -7,7 +7,8 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using namespace palpate::engine;
+using engine::TickRecord;
+using engine::Vec2;
 using protocols::StrokeCounter;
 
 namespace {
