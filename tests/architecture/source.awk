@@ -28,6 +28,7 @@ BEGIN {
     where["SDL2"] = "ui"
     where["libpng"] = "ui/subject ui/session"
     where["CLI11"] = "ui"
+    where["libmicrohttpd"] = "ui/console"
     where["nlohmann"] = "data/csv data/export data/analysis data/fit data/inference data/choice data/page data/tables ui"
     # Curves that yield; nothing that a tick computes.
     where["Eigen"] = "engine/deformation data/statistics"
@@ -125,6 +126,7 @@ function library_of(path) {
     if (path ~ /^xxh(ash|3)\.h$/) return "xxHash"
     if (path ~ /^SDL/) return "SDL2"
     if (path == "png.h") return "libpng"
+    if (path == "microhttpd.h") return "libmicrohttpd"
     if (path ~ /^CLI\//) return "CLI11"
     if (path ~ /^nlohmann\//) return "nlohmann"
     if (path ~ /^Eigen\//) return "Eigen"

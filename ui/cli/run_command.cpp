@@ -42,6 +42,7 @@ struct RunOptions {
     bool new_version = false;   ///< the protocol was changed on purpose
     bool other_device = false;  ///< that the session goes on with one is meant
     std::string operator_name;  ///< kept with the session; empty: not given
+    bool console = false;       ///< the experimenter's page beside it
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     bool handle_free = false;   ///< the operator's word for it, and for home
     std::string stop_button;    ///< a device of evdev; empty: the rig has none
@@ -258,6 +259,7 @@ void declare(CommandWords& words, RunOptions& options) {
     words.add("--other-device", options.other_device,
               "A session that was begun goes on also with another device or calibration than its "
               "last trial had; without the word a terminal is asked, and anything else refused");
+    words.add("--console", options.console, "Serves the page of palpate console as well");
     words.add("--durable", options.durable,
               "Save ticks more often: after a power cut at most 45 ms are lost, not 120 ms");
     words
@@ -291,6 +293,7 @@ RigSpec rig_spec(const RunOptions& options) {
     spec.operator_name = options.operator_name;
     spec.go_on = go_on_command(options.words);
     spec.durable = options.durable;
+    spec.console = options.console;
     spec.spin_share = options.spin;
     spec.handle_free = options.handle_free;
     spec.kind = kind_of(options, spec.device, spec.study.protocol);

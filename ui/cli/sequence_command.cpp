@@ -14,6 +14,7 @@
 #include "data/store/people.hpp"
 #include "ui/cli/plan_text.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/session_choice.hpp"
 
@@ -54,6 +55,7 @@ Sequence make_sequence(const SequenceOptions& options) {
         made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed);
         return made;
     }
+    warn_of_unblinding(options.database);
     data::Database database(options.database, data::Access::read);
     if (const auto other = data::similar_participant(database, options.participant)) {
         warn("{}: nobody is called {}, and {} is there", options.database, options.participant,

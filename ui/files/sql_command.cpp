@@ -11,6 +11,7 @@
 #include "ui/command/beside.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -102,6 +103,7 @@ int run(const SqlOptions& options) {
     if (options.steps < 1) {
         throw std::invalid_argument("--steps: give a number of steps, 1 or more");
     }
+    warn_of_unblinding(options.database);
     data::Database database(options.database, data::Access::inspect);
     if (!options.versions.empty()) {
         analyse(database, options.versions);

@@ -6,8 +6,8 @@
 
 #include "engine/base/text.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/control_call.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/rig/stop_call.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -46,11 +46,10 @@ int run(const StopOptions& options) {
                         *options.database));
     }
     throw std::runtime_error(
-        options.database
-            ? fmt::format("{}: no session runs on it in a window: nothing was "
-                          "stopped; palpate stop without a file stops all of yours",
-                          *options.database)
-            : std::string("no session of yours runs in a window: nothing was stopped"));
+        options.database ? fmt::format("{}: no session runs on it: nothing was "
+                                       "stopped; palpate stop without a file stops all of yours",
+                                       *options.database)
+                         : std::string("no session of yours runs: nothing was stopped"));
 }
 
 }  // namespace

@@ -92,15 +92,21 @@ std::string OperatorLog::left_text(const Progress& progress) const {
         return "none left";
     }
     std::string text = fmt::format("{} left", progress.left());
-    if (!took_s_.empty()) {
-        std::vector<double> sorted = took_s_;  // one that somebody sat at for an hour says nothing
-        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-        std::ranges::nth_element(sorted, middle);
-        const double minutes = *middle * static_cast<double>(progress.left()) / 60.0;
-        text += minutes < 1.0 ? std::string(", less than a minute")
-                              : fmt::format(", about {:.0f} min", minutes);
+    if (const auto left = minutes(progress.left())) {
+        text += *left < 1.0 ? std::string(", less than a minute")
+                            : fmt::format(", about {:.0f} min", *left);
     }
     return text;
+}
+
+std::optional<double> OperatorLog::minutes(std::size_t left) const {
+    if (took_s_.empty()) {
+        return std::nullopt;
+    }
+    std::vector<double> sorted = took_s_;  // one that somebody sat at for an hour says nothing
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::ranges::nth_element(sorted, middle);
+    return *middle * static_cast<double>(left) / 60.0;
 }
 
 std::string OperatorLog::alarm() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -64,6 +65,11 @@ public:
     [[nodiscard]] std::string line(const protocols::Progress& progress,
                                    const std::string& what,
                                    double now_s);
+
+    /// Until `left` trials are done at this person's pace; none: not known yet.
+    [[nodiscard]] std::optional<double> minutes(std::size_t left) const;
+    /// kAlarm of the last kLookBack trials do not count.
+    [[nodiscard]] bool alarms() const { return !alarm().empty(); }
 
 private:
     [[nodiscard]] std::string left_text(const protocols::Progress& progress) const;

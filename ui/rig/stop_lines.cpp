@@ -7,12 +7,14 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "protocols/session/operator_desk.hpp"
+#include "data/csv/json_text.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -69,9 +71,12 @@ StopLines::StopLines(const std::string& database,
                      std::string label,
                      std::shared_ptr<StopButton> button,
                      Acts acts)
-    : call_(database, std::move(label)), button_(std::move(button)), acts_(std::move(acts)) {
+    : control_(database),
+      label_(std::move(label)),
+      button_(std::move(button)),
+      acts_(std::move(acts)) {
     struct stat input {};
-    const bool there = fstat(STDIN_FILENO, &input) == 0;
+    const bool there = acts_.types && fstat(STDIN_FILENO, &input) == 0;
     terminal_ = there && isatty(STDIN_FILENO) != 0 && in_foreground() &&
                 tcgetattr(STDIN_FILENO, &before_) == 0;
     listens_ =
@@ -104,15 +109,16 @@ void StopLines::live() noexcept {
             const auto reads = [](int descriptor) {
                 return pollfd{.fd = descriptor, .events = POLLIN, .revents = 0};
             };
-            std::array lines{reads(types ? STDIN_FILENO : -1), reads(call_.descriptor()),
-                             reads(button_ ? button_->descriptor() : -1)};
+            std::vector lines{reads(types ? STDIN_FILENO : -1),
+                              reads(button_ ? button_->descriptor() : -1)};
+            control_.add_to(lines);
             static_cast<void>(poll(lines.data(), lines.size(), kWaitMs));
-            if (lines[2].revents != 0) {
+            if (lines[1].revents != 0) {
                 look_at_button();
             }
-            if (lines[1].revents != 0) {
-                call_.take([&] { acts_.stop("palpate stop"); });
-            }
+            control_.hear([this](const std::string& line, const std::shared_ptr<Caller>& caller) {
+                obey(line, caller);
+            });
             if (lines[0].revents != 0 && answers == 0) {
                 look_at_terminal();
             }
@@ -121,6 +127,22 @@ void StopLines::live() noexcept {
             }
         } catch (const std::exception&) {  // no memory for a sentence: the force went off before it
         }
+    }
+}
+
+/// No force first, whatever else is in the line.
+void StopLines::obey(const std::string& line, const std::shared_ptr<Caller>& caller) {
+    const data::Json asked = data::Json::parse(line, nullptr, false);
+    if (!asked.is_object() || !asked.contains("do")) {
+        caller->answer(false, R"(a line is one JSON object, as {"do":"stop"}: nothing was done)");
+    } else if (asked["do"] == "stop") {
+        acts_.stop(asked.contains("page") ? "experimenter's page" : "palpate stop");
+        caller->answer(true, label_);
+    } else if (caller->trusted() && acts_.obey) {
+        acts_.obey(line, caller);
+    } else {
+        caller->answer(false, caller->trusted() ? "no session runs here: it can only be stopped"
+                                                : "another user may only stop: nothing was done");
     }
 }
 

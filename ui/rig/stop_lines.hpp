@@ -8,8 +8,8 @@
 
 #include <termios.h>
 
+#include "ui/rig/control_socket.hpp"
 #include "ui/rig/stop_button.hpp"
-#include "ui/rig/stop_call.hpp"
 
 namespace palpate::ui {
 
@@ -27,10 +27,12 @@ public:
         std::function<void(const char*)> stop;  ///< on the thread; by which way
         std::function<void(const char*)>
             bar;            ///< no force while this sentence stands; none: nothing any more
+        bool types = true;  ///< Enter and Escape at the terminal stop
         bool pipes = true;  ///< a line stops where standard input is a pipe, too
+        ControlSocket::Obey obey{};  ///< hears all but "stop", on the thread; none: nobody does
     };
 
-    /// @param database  see StopCall   @param label  of the session, for whoever stops it
+    /// @param database  see ControlSocket   @param label  of the session, for whoever stops it
     /// @param button    none: there is no button
     StopLines(const std::string& database,
               std::string label,
@@ -42,11 +44,13 @@ public:
 
 private:
     void live() noexcept;
+    void obey(const std::string& line, const std::shared_ptr<Caller>& caller);
     void look_at_terminal();
     void look_at_button();
     void await_button();
 
-    StopCall call_;
+    ControlSocket control_;
+    std::string label_;
     std::shared_ptr<StopButton> button_;
     Acts acts_;
     bool listens_ = false;  ///< to standard input

@@ -45,6 +45,7 @@ struct RigSpec {
     bool other_device = false;  ///< it goes on also on another device than its last trial had
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
+    bool console = false;       ///< palpate console runs beside it
     double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec
     std::string go_on;          ///< the command that resumes it; empty: nobody hears it
     std::shared_ptr<StopButton> stop_button{};  ///< of the rig; none: it has none

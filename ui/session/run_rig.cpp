@@ -12,15 +12,17 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
-#include "protocols/observer/simulated_observer.hpp"
-#include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/async_recorder.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/sqlite_recorder.hpp"
+#include "ui/live/live_observer.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/console_child.hpp"
+#include "ui/session/live_facts.hpp"
+#include "ui/session/observers.hpp"
 #include "ui/session/open_apparatus.hpp"
 #include "ui/session/open_masking.hpp"
 #include "ui/session/provenance.hpp"
@@ -28,103 +30,12 @@
 #include "ui/session/stops.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/display.hpp"
-#include "ui/subject/spectator_screen.hpp"
-#include "ui/subject/subject_screen.hpp"
 
 namespace palpate::ui {
 namespace {
 
 using protocols::PlannedTrial;
 using protocols::TrialResult;
-
-std::unique_ptr<protocols::Observer> make_simulated_observer(
-    const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
-    return std::make_unique<protocols::SimulatedObserver>(
-        spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
-        plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
-}
-
-SubjectScreenOptions screen_options(const RigSpec& spec,
-                                    protocols::Apparatus& apparatus,
-                                    protocols::OperatorDesk& desk) {
-    SubjectScreenOptions options;
-    options.desk = &desk;
-    options.window.fullscreen =
-        spec.screen.fullscreen || (spec.kind == data::RunKind::real && !spec.screen.windowed);
-    options.window.monitor = spec.screen.monitor;
-    options.window.font = spec.screen.font;
-    options.window.language = spec.study.protocol.language;
-    options.window.instructions =
-        spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
-    options.asks = spec.study.protocol.response.kind;
-    options.start = spec.study.protocol.apparatus.start;
-    options.gate = protocols::StartGate(spec.study.protocol);
-    options.place = [&apparatus] {
-        return apparatus.place();
-    };
-    options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
-                      : unproved(spec)                        ? "PILOT, NOT PROVED: 0.3 N"
-                      : spec.kind == data::RunKind::pilot     ? "PILOT"
-                                                              : "";
-    options.interrupted = [] {
-        return interrupted();
-    };
-    options.guard_s = spec.study.protocol.timing.guard;
-    options.dead_man = spec.study.protocol.safety.dead_man && gives_force(spec.device.kind);
-    options.on_hold = [&apparatus](bool held) {
-        apparatus.hold(held);
-    };
-    options.on_stop = [&apparatus, &desk](engine::Trip cause, const char* way) {
-        desk.stop(way);
-        apparatus.stop(cause);
-    };
-    options.on_close = [] {
-        say("The participant's window was to be closed, and stays: Ctrl+Shift+Q there, then Y, "
-            "ends the "
-            "session.\n");
-    };
-    if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
-        options.on_pointer = [pointer](const engine::Vec2& position) {
-            pointer->pointer().publish(position);
-        };
-    }
-    return options;
-}
-
-/// Whoever answers, and the simulated observer behind a window that people only watch.
-struct Observers {
-    std::unique_ptr<protocols::Observer> simulated;
-    std::unique_ptr<protocols::Observer> screen;
-
-    [[nodiscard]] protocols::Observer& port() const { return screen ? *screen : *simulated; }
-};
-
-/// The screen of a person needs no plan: a window that cannot be had is said before a session is
-/// made.
-Observers observers_before_the_plan(const RigSpec& spec,
-                                    protocols::Apparatus& apparatus,
-                                    protocols::OperatorDesk& desk) {
-    if (!wants_window(spec.screen) || spec.watch_only) {
-        return {};
-    }
-    return {.simulated = nullptr,
-            .screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk))};
-}
-
-void add_simulated_observer(Observers& observers,
-                            const RigSpec& spec,
-                            const protocols::Plan& plan,
-                            protocols::Apparatus& apparatus,
-                            protocols::OperatorDesk& desk) {
-    if (observers.screen) {
-        return;
-    }
-    observers.simulated = make_simulated_observer(spec, plan, apparatus);
-    if (wants_window(spec.screen)) {
-        observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
-                                                             screen_options(spec, apparatus, desk));
-    }
-}
 
 /// What was felt and answered: of simulated sessions only.
 std::string answer_text(const protocols::Protocol& protocol,
@@ -294,20 +205,47 @@ data::SessionSpec session_of(const RigSpec& spec, const OpenedApparatus& felt) {
     return session;
 }
 
+std::string how_it_ended(const protocols::SessionEnd& end) {
+    return end.why == protocols::SessionEnd::Why::finished ? "finished"
+         : end.why == protocols::SessionEnd::Why::aborted  ? "ended early"
+                                                           : "given up: " + end.fault;
+}
+
+protocols::SessionView view_of(const RigSpec& spec,
+                               const protocols::Plan& plan,
+                               const data::OpenedSession& opened,
+                               const protocols::Apparatus& apparatus) {
+    return {.title = spec.study.protocol.title,
+            .participant = spec.key.participant,
+            .trials = plan.trials.size(),
+            .next = opened.progress.pending().answered(),
+            .practice = opened.progress.pending().left(true),
+            .simulated = spec.kind == data::RunKind::simulated,
+            .device = apparatus.device_name()};
+}
+
 protocols::Ports ports_of(const RigSpec& spec,
                           const OpenedApparatus& felt,
                           protocols::Observer& observer,
                           protocols::Recorder& recorder,
                           OperatorLog& log,
-                          protocols::OperatorDesk& desk) {
+                          protocols::OperatorDesk& desk,
+                          LiveSession& live,
+                          ConsoleChild& console) {
     return {.apparatus = *felt.port,
             .observer = observer,
             .recorder = recorder,
             .opening = opening_events(felt.opening),
-            .interrupted = [] { return interrupted(); },
+            .interrupted =
+                [&live] {
+                    live.pump();
+                    return interrupted();
+                },
             .progress =
                 [&](const protocols::Progress& progress) {
                     say("{}", log.line(progress, answer_line(spec, progress), now_s()));
+                    live.attempted(progress, log.minutes(progress.left()), log.alarms());
+                    console.look();
                 },
             .alarm =
                 [](const protocols::TroubleView& view) {
@@ -315,7 +253,11 @@ protocols::Ports ports_of(const RigSpec& spec,
                     ring();  // they may look elsewhere
                 },
             .paused = [](bool begins) { say("{}", pause_text(begins)); },
-            .marked = [](const protocols::MarkReply& reply) { say("{}", mark_text(reply)); },
+            .marked =
+                [&live](const protocols::MarkReply& reply) {
+                    say("{}", mark_text(reply));
+                    live.marked(reply);
+                },
             .desk = &desk};
 }
 
@@ -339,18 +281,23 @@ RigEnd run_rig(data::Database& database,
     const protocols::Protocol& protocol = spec.study.protocol;
     const OpenedApparatus felt = opened_before ? *std::move(opened_before) : open_and_check(spec);
     protocols::OperatorDesk desk;
-    Observers observers = observers_before_the_plan(spec, *felt.port, desk);
+    LiveSession live(desk);
+    Observers observers = observers_before_the_plan(spec, *felt.port, desk, live);
     const OpenedMasking masking = open_masking(spec);
     data::SessionSpec session = session_of(spec, felt);
     const data::OpenedSession opened = data::plan_and_open_session(database, session);
     const protocols::Plan& plan = session.plan;
-    add_simulated_observer(observers, spec, plan, *felt.port, desk);
+    add_simulated_observer(observers, spec, plan, *felt.port, desk, live);
     print_start(spec, plan, opened, *felt.port);
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
     data::require_space(database.file(), protocol, opened.progress.pending().order().size());
     print_help(database, spec, observers.screen != nullptr);
+    LiveFacts facts = live_facts(spec, felt, database, opened);
+    facts.screen = observers.screen != nullptr;
+    facts.masking_db = masking.player ? std::optional(protocol.masking.level_db) : std::nullopt;
+    const std::string shows_page = spec.console ? facts.uuid : "";
     OperatorLog log(opened.progress.attempts(), now_s());
     const SummaryAtEnd summary(database, opened, spec);
     data::SqliteRecorder recorder(database, protocol, opened.id);
@@ -363,23 +310,17 @@ RigEnd run_rig(data::Database& database,
                           ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
                                                              record, masking.required)
                           : nullptr;
-    const auto lines = observers.screen || spec.stop_button
-                         ? stop_lines(database, spec, *felt.port, desk, observers.screen != nullptr)
-                         : nullptr;
+    live.begin(std::move(facts), protocol, plan, record);
+    LiveObserver shown(masked ? *masked : observers.port(), live, desk, interrupted);
+    LiveRecorder told(record, live);
+    const auto lines = stop_lines(database, spec, *felt.port, desk, live);
+    ConsoleChild console(shows_page);
     protocols::SessionEnd end;
     try {
-        end = run_session(
-            protocol, plan,
-            {.title = protocol.title,
-             .participant = spec.key.participant,
-             .trials = plan.trials.size(),
-             .next = opened.progress.pending().answered(),
-             .practice = opened.progress.pending().left(true),
-             .simulated = spec.kind == data::RunKind::simulated,
-             .device = felt.port->device_name()},
-            opened.progress,
-            ports_of(spec, felt, masked ? *masked : observers.port(), record, log, desk));
+        end = run_session(protocol, plan, view_of(spec, plan, opened, *felt.port), opened.progress,
+                          ports_of(spec, felt, shown, told, log, desk, live, console));
     } catch (const std::exception& e) {
+        live.end(e.what(), false);
         if (!observers.screen || observers.simulated) {
             throw;
         }
@@ -387,6 +328,7 @@ RigEnd run_rig(data::Database& database,
         throw std::runtime_error(
             "the session ended there; what was recorded is kept, the same command goes on");
     }
+    live.end(how_it_ended(end));
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});

@@ -15,7 +15,8 @@ std::unique_ptr<StopLines> stop_lines(const data::Database& database,
                                       const RigSpec& spec,
                                       protocols::Apparatus& apparatus,
                                       protocols::OperatorDesk& desk,
-                                      bool screen) {
+                                      LiveSession& live) {
+    const bool screen = live.board().facts().screen;
     const auto stop = [&apparatus, &desk, screen](const char* way) {
         desk.stop(way);
         apparatus.stop(engine::Trip::stopped);
@@ -30,7 +31,14 @@ std::unique_ptr<StopLines> stop_lines(const data::Database& database,
         fmt::format("{}, participant {}, {}{}\n", spec.study.protocol.id, spec.key.participant,
                     std::filesystem::absolute(database.file()).string(),
                     screen ? ": Ctrl+Shift+P at the participant's screen goes on" : ""),
-        spec.stop_button, StopLines::Acts{.stop = stop, .bar = bar});
+        spec.stop_button,
+        StopLines::Acts{
+            .stop = stop,
+            .bar = bar,
+            .types = screen || spec.stop_button,
+            .obey = [&live](const std::string& line, const std::shared_ptr<Caller>& caller) {
+                live.hear(line, caller);
+            }});
 }
 
 void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why) {

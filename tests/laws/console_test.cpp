@@ -1,0 +1,157 @@
+#include <csignal>
+
+#include "tests/support/browser.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/shown_session.hpp"
+
+// The experimenter's page, asked as a browser does and as nobody should. Nothing is asserted about
+// time.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+using tests::Browser;
+using tests::eventually;
+using tests::ShownSession;
+
+namespace {
+
+/// `palpate console` on a session, and a browser that has its address.
+struct Console {
+    explicit Console(const ShownSession& session)
+        : program({tests::palpate_program(), "console", session.file}) {
+        REQUIRE(eventually([&] { return program.out().find("\nCtrl+C") != std::string::npos; }));
+        browser = std::make_unique<Browser>(program.out());
+    }
+    tests::Process program;
+    std::unique_ptr<Browser> browser;
+};
+
+const std::string kPause = R"({"do":"pause"})";
+constexpr const char* kPauses = "SELECT count(*) FROM event WHERE event_kind = 'pause'";
+
+}  // namespace
+
+TEST_CASE("only who has the token, from the page itself, gets or does anything",
+          "[console][safety][law]") {
+    ShownSession session;
+    const Console console(session);
+    Browser& browser = *console.browser;
+    const auto refused = [](const std::string& answer) {
+        CHECK_THAT(answer, StartsWith("HTTP/1.1 4"));
+        CHECK(answer.find("\"ok\":true") == std::string::npos);
+    };
+    const std::string foreign = "Origin: http://elsewhere.example\r\n";
+
+    refused(browser.get("/"));
+    refused(browser.get("/stream"));
+    refused(browser.get("/?token=" + std::string(32, '0')));
+    refused(browser.get("/?token="));
+    refused(browser.act(kPause, browser.origin()));
+    refused(browser.act(kPause, browser.origin() + "Cookie: palpate_" +
+                                    std::to_string(browser.port) + "=" + browser.token + "\r\n"));
+
+    const std::string traded = browser.trade();
+    CHECK_THAT(traded,
+               StartsWith("HTTP/1.1 303") && ContainsSubstring("; HttpOnly; SameSite=Strict"));
+    CHECK(traded.find(browser.token) == std::string::npos);
+    const std::string page = browser.get("/", browser.cookie);
+    CHECK_THAT(page, StartsWith("HTTP/1.1 200") && ContainsSubstring("default-src 'none'") &&
+                         ContainsSubstring("<!DOCTYPE html>"));
+    for (const char* file : {"/console.js", "/console.css", "/uplot.js", "/uplot.css"}) {
+        CHECK_THAT(browser.get(file, browser.cookie), StartsWith("HTTP/1.1 200"));
+        CHECK(page.find(file) != std::string::npos);
+    }
+    refused(browser.get("/../etc/passwd", browser.cookie));
+
+    const std::string cookie = browser.cookie;
+    refused(browser.get("/", cookie + foreign));
+    refused(browser.act(kPause, cookie));
+    refused(browser.act(kPause, cookie + foreign));
+    refused(browser.act(kPause, cookie + browser.origin() + foreign));
+    refused(browser.act(kPause, cookie + "Origin: null\r\n"));
+    for (const std::string host : {"elsewhere.example", "127.0.0.1", "127.0.0.1:1", ""}) {
+        refused(browser.ask("GET / HTTP/1.1\r\nHost: " + host + "\r\n" + cookie));
+    }
+    refused(browser.ask("GET / HTTP/1.1\r\n" + cookie));
+    refused(browser.ask("PUT /do HTTP/1.1\r\nHost: " + browser.host + "\r\n" + cookie +
+                        browser.origin() + "Content-Length: 0\r\n"));
+    refused(browser.ask("POST /do HTTP/1.1\r\nHost: " + browser.host + "\r\n" + cookie +
+                            browser.origin() + "Content-Type: text/plain\r\nContent-Length: 14\r\n",
+                        kPause));
+    CHECK_THAT(browser.act("[" + kPause + "]", cookie + browser.origin()),
+               ContainsSubstring("\"ok\":false"));
+    CHECK(session.kept(kPauses) == "0");
+
+    CHECK_THAT(browser.act(kPause, cookie + browser.origin()), ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(browser.act(R"({"do":"go on"})", cookie + browser.origin()),
+               ContainsSubstring("\"ok\":true"));  // from the pause
+    CHECK(session.keeps(kPauses, "1"));
+    CHECK_THAT(browser.act(R"({"do":"stop"})", cookie + browser.origin()),
+               ContainsSubstring("\"ok\":true"));
+    CHECK(
+        session.keeps("SELECT value FROM event WHERE event_kind = 'stop'", "experimenter's page"));
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}
+
+TEST_CASE("the page's stream tells nothing of what is felt, and says when the session is gone",
+          "[console][safety][law]") {
+    ShownSession session;
+    const Console console(session);
+    console.browser->trade();
+    tests::HttpLine stream(console.browser->port);
+    stream.say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
+               console.browser->cookie + "\r\n");
+    CHECK_THAT(stream.hear_until("\"alive\":true"), ContainsSubstring("text/event-stream"));
+    CHECK(eventually([&] {
+        stream.forget();
+        return stream.hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
+    }));
+    CHECK(eventually([&] { return session.kept("SELECT count(*) FROM response") >= "1"; }));
+    const std::string heard = stream.hear_until(std::string_view("\0\1", 2));
+    for (const char* word :
+         {"hidden", "convex", "concave", "correct", "friction", "\"hip\"", "strips", "\"f\":"}) {
+        CAPTURE(word);
+        CHECK(heard.find(word) == std::string::npos);
+    }
+    stream.forget();
+    session.program.signal(SIGKILL);
+    CHECK_THAT(stream.hear_until("\"alive\":false"), ContainsSubstring("\"ended\":\"killed\""));
+}
+
+TEST_CASE("whatever becomes of the page's server and its clients, the session goes on",
+          "[console][law]") {
+    ShownSession session(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "1");
+    tests::Random random(33);
+    {
+        Console console(session);
+        console.browser->trade();
+        for (int i = 0; i < 200; ++i) {
+            std::string bytes = random.coin() ? "POST /do HTTP/1.1\r\nHost: " : "GET /";
+            for (int n = random.below(300); n > 0; --n) {
+                bytes += static_cast<char>(random.below(256));
+            }
+            const tests::HttpLine line(console.browser->port);
+            line.say(bytes);
+        }
+        std::vector<std::unique_ptr<tests::HttpLine>>
+            stalled;  // who asks for all and reads nothing
+        for (int i = 0; i < 8; ++i) {
+            stalled.push_back(std::make_unique<tests::HttpLine>(console.browser->port));
+            stalled.back()->say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
+                                console.browser->cookie + "\r\n");
+        }
+        CHECK(eventually([&] {
+            return console.browser->get("/", console.browser->cookie).starts_with("HTTP/1.1 200");
+        }));
+        console.program.signal(SIGSTOP);
+        tests::pause(0.5);
+        console.program.signal(SIGKILL);
+    }
+    CHECK(session.program.wait().code == 0);
+    CHECK(session.kept(kPauses) == "0");
+    CHECK(session.kept("SELECT count(*) FROM response") == "4");
+    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+}

@@ -1,0 +1,262 @@
+#include <csignal>
+#include <functional>
+#include <set>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "ui/rig/control_call.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/shown_session.hpp"
+#include "tests/support/slurp.hpp"
+
+// What others see of a running session and may ask of it: the program itself, its control socket
+// and its shared memory. Nothing is asserted about time.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::eventually;
+using tests::TemporaryFolder;
+
+namespace {
+
+using tests::ShownSession;
+
+std::string events_of(const std::string& kind) {
+    return "SELECT count(*) FROM event WHERE event_kind = '" + kind + "'";
+}
+
+}  // namespace
+
+TEST_CASE("what is asked of a running session is done by its own events, and the file says so",
+          "[live][law]") {
+    ShownSession session;
+    CHECK(session.ask({{"do", "go on"}})["ok"] == false);
+
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);
+    REQUIRE(session.comes_to("pause"));
+    CHECK(session.ask({{"do", "pause"}})["ok"] == false);
+    CHECK(session.kept(events_of("pause")) == "1");
+    CHECK(session.kept(events_of("go on")) == "0");
+
+    CHECK(session.ask({{"do", "note"}, {"text", " \n"}})["ok"] == false);
+    CHECK(session.ask({{"do", "note"}, {"text", "they scratch their nose \u2014 twice"}})["ok"] ==
+          true);
+    CHECK(session.keeps("SELECT text FROM event WHERE event_kind = 'note'",
+                        "they scratch their nose \u2014 twice"));
+    CHECK(session.state()["notes"][0]["text"] == "they scratch their nose \u2014 twice");
+
+    // Another one that runs while something is felt or asked is stored when that is over.
+    CHECK(session.ask({{"do", "go on"}})["ok"] == true);
+    REQUIRE(session.comes_to("explore"));
+    CHECK(session.ask({{"do", "note"}, {"text", "the second"}})["ok"] == true);
+    CHECK(session.ask({{"do", "mark"}, {"reason", "a sneeze"}})["ok"] == true);
+    CHECK(session.keeps("SELECT text FROM event WHERE event_kind = 'note' AND trial_id IS NOT NULL",
+                        "the second"));
+    CHECK(session.keeps("SELECT count(*) FROM trial WHERE invalid_reason LIKE '%: a sneeze'", "1"));
+    CHECK(eventually([&] { return !session.state()["not_counting"].empty(); }));
+    CHECK_THAT(session.state()["not_counting"][0]["why"].get<std::string>(),
+               ContainsSubstring("a sneeze"));
+
+    const data::Json asked = session.ask({{"do", "end"}});
+    CHECK(asked["ok"] == false);
+    CHECK(session.ask({{"do", "end"}, {"word", "no"}})["ok"] == false);
+    CHECK(session.ask({{"do", "end"}, {"word", asked["word"]}})["ok"] == false);  // another by now
+    CHECK(session.program.running());
+    const data::Json again = session.ask({{"do", "end"}});
+    CHECK(session.ask({{"do", "end"}, {"word", again["word"]}})["ok"] == true);
+    CHECK(session.program.wait().code == 3);
+    CHECK(session.state()["ended"] == "ended early");
+    CHECK_FALSE(session.shown.process.alive());
+    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+}
+
+TEST_CASE("nothing of what is felt or answered leaves a session before it was revealed",
+          "[live][safety][law]") {
+    ShownSession session(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "1");
+    std::set<std::string> said;
+    std::uint64_t seen = 0;
+    const auto look = [&] {
+        if (const auto state = session.shown.reader->state()) {
+            said.insert(state->json);
+        }
+        const auto [ticks, count] = session.shown.reader->ticks_after(std::exchange(seen, 0));
+        seen = count;
+        for (const ui::LiveTick& tick : ticks) {
+            const ui::LiveTick blind{
+                .t_s = tick.t_s, .late_us = tick.late_us, .force_on = tick.force_on};
+            REQUIRE(std::memcmp(&tick, &blind, sizeof tick) == 0);
+        }
+        return session.kept("SELECT count(*) FROM response") >= "2";
+    };
+    REQUIRE(eventually(look));
+    CHECK(seen > 0);
+    for (const std::string& state : said) {
+        for (const char* word : {"hidden", "convex", "concave", "correct", "friction"}) {
+            CHECK(state.find(word) == std::string::npos);
+        }
+    }
+
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);
+    REQUIRE(session.comes_to("pause"));
+    const data::Json asked = session.ask({{"do", "reveal"}});
+    CHECK(asked["ok"] == false);
+    CHECK(session.kept(events_of("reveal")) == "0");
+    CHECK_FALSE(session.state().contains("hidden"));
+    CHECK(session.ask({{"do", "reveal"}, {"word", asked["word"]}})["ok"] == true);
+    CHECK(session.keeps("SELECT value FROM event WHERE event_kind = 'reveal'", "Ada"));
+    REQUIRE(eventually([&] { return session.state().contains("hidden"); }));
+    CHECK(session.state()["reveal"] == "shown");
+    CHECK(session.state()["hidden"]["answers"].size() >= 2);
+    CHECK(session.state()["hidden"]["outline"].size() > 10);
+    CHECK(session.ask({{"do", "go on"}})["ok"] == true);
+    CHECK(eventually([&] {
+        const auto ticks = session.shown.reader->ticks_after(0).first;
+        return !ticks.empty() && ticks.back().hip != std::array<float, 2>{};
+    }));
+    CHECK(session.program.wait().code == 0);
+    CHECK(session.kept(events_of("reveal")) == "1");
+    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+}
+
+TEST_CASE("a protocol that says reveal = \"never\" shows nothing to anybody", "[live][law]") {
+    const TemporaryFolder folder;
+    tests::write(folder.file("never.toml"),
+                 tests::replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                                 "participants = 1", "participants = 1\nreveal = \"never\""));
+    ShownSession session(folder.file("never.toml"));
+    CHECK(session.state()["reveal"] == "never");
+    const data::Json asked = session.ask({{"do", "reveal"}});
+    CHECK(asked["ok"] == false);
+    CHECK_FALSE(asked.contains("word"));
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    CHECK(session.kept(events_of("reveal")) == "0");
+}
+
+TEST_CASE("nobody obeys what is no order, and nobody writes into what a session shows",
+          "[live][safety][law]") {
+    ShownSession session;
+    tests::Random random(32);
+    const std::vector<std::string> pieces{
+        "{", "}",        "\"do\"",       ":",        "\"stop",  "\"end\"", "\"mark\"",
+        "[", "]",        "null",         "1e999",    "\\u0000", "\xff",    "\"word\"",
+        ",", "\"pause ", " \"go on\"\"", "\"note\"", "\"text\""};
+    for (int i = 0; i < 2000; ++i) {
+        std::string line;
+        for (int n = random.below(12); n > 0; --n) {
+            line += pieces[static_cast<std::size_t>(random.below(static_cast<int>(pieces.size())))];
+        }
+        const data::Json asked = data::Json::parse(line, nullptr, false);
+        if (asked.is_object() && asked.contains("do")) {
+            continue;  // that one may be an order
+        }
+        CAPTURE(line);
+        const data::Json answer =
+            data::Json::parse(ui::ask_session(session.shown.name, line).line, nullptr, false);
+        REQUIRE(answer.is_object());
+        REQUIRE(answer["ok"] == false);
+    }
+    // What has no end, what is too long, who says nothing, and who hangs up at once.
+    std::vector<ui::Descriptor> silent;
+    for (int i = 0; i < 40; ++i) {
+        silent.push_back(ui::connect_to(session.shown.name));
+        const ui::Descriptor gone = ui::connect_to(session.shown.name);
+    }
+    const ui::Descriptor endless = ui::connect_to(session.shown.name);
+    for (int i = 0; i < 10; ++i) {
+        ui::send_line(endless.get(), std::string(4000, '{'));
+    }
+    const ui::ControlAnswer state = ui::ask_session(session.shown.name, R"({"do":"state"})");
+    REQUIRE(state.file.get() >= 0);
+    CHECK(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, state.file.get(), 0) ==
+          MAP_FAILED);
+    CHECK(ftruncate(state.file.get(), 0) != 0);
+    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind IN ('note', 'mark', 'pause', "
+                       "'stop', 'reveal')") == "0");
+    CHECK(tests::palpate_command({"stop", session.file}).code == 0);
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+}
+
+TEST_CASE("palpate status says who ran and what runs, and follows it to its end", "[live][law]") {
+    ShownSession session;
+    const data::Json now =
+        data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
+    CHECK(now["studies"][0]["planned"] == 1);
+    CHECK(now["running"][0]["participant"] == "P1");
+    CHECK(now["running"][0]["kind"] == "simulated");
+    CHECK_THAT(tests::palpate_command({"status", session.file}).out,
+               ContainsSubstring("running: P1, simulated, session 1: "));
+    tests::Process follows(
+        {tests::palpate_program(), "status", session.file, "--follow", "--json"});
+    REQUIRE(eventually([&] { return follows.out().find('\n') != std::string::npos; }));
+    session.program.signal(SIGKILL);
+    const tests::Finished finished = follows.wait();
+    CHECK(finished.code == 0);
+    const tests::Finished after = tests::palpate_command({"status", session.file});
+    CHECK_THAT(after.out, ContainsSubstring("Nothing runs on it now"));
+    CHECK_THAT(after.out, ContainsSubstring("0 of 1 person planned ran, 1 to go"));
+}
+
+namespace {
+
+/// Whether it holds for a user whom nobody knows; true where this one may not become another.
+bool holds_for_a_stranger(const std::function<bool()>& law) {
+    if (geteuid() != 0) {
+        WARN("only root can become another user");
+        return true;
+    }
+    const pid_t child = fork();
+    if (child == 0) {
+        constexpr uid_t kNobody = 65534;
+        _exit(setresgid(kNobody, kNobody, kNobody) == 0 &&
+                      setresuid(kNobody, kNobody, kNobody) == 0 && law()
+                  ? 0
+                  : 1);
+    }
+    int status = 1;
+    waitpid(child, &status, 0);
+    return status == 0;
+}
+
+}  // namespace
+
+TEST_CASE("another user is heard only with the file open for writing, and then only a stop",
+          "[live][safety][law]") {
+    ShownSession session;
+    const std::string name = session.shown.name;
+    const auto answer_to = [&](const std::string& line, int right) {
+        const ui::Descriptor to = ui::connect_to(name);
+        ui::send_line(to.get(), line, right);
+        static_cast<void>(ui::readable(to.get(), 5000));
+        return ui::receive(to.get()).bytes;
+    };
+    const ui::Descriptor reads(open(session.file.c_str(), O_RDONLY | O_CLOEXEC));
+    const ui::Descriptor writes(open(session.file.c_str(), O_RDWR | O_CLOEXEC));
+    const TemporaryFolder folder;
+    const ui::Descriptor other(
+        open(folder.file("another").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR));
+    const std::string kStop = R"({"do":"stop"})";
+    CHECK(holds_for_a_stranger([&] {
+        return answer_to(R"({"do":"state"})", -1).empty() && answer_to(kStop, -1).empty() &&
+               answer_to(kStop, reads.get()).empty() && answer_to(kStop, other.get()).empty();
+    }));
+    CHECK(session.kept(events_of("stop")) == "0");
+    CHECK(holds_for_a_stranger([&] {
+        return answer_to(R"({"do":"pause"})", writes.get()).find("only stop") !=
+                   std::string::npos &&
+               answer_to(R"({"do":"state"})", writes.get()).find("only stop") !=
+                   std::string::npos &&
+               answer_to(kStop, writes.get()).find("\"ok\":true") != std::string::npos;
+    }));
+    CHECK((geteuid() != 0 || session.keeps(events_of("stop"), "1")));
+    CHECK(session.kept(events_of("pause")) == "0");
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "data/csv/json_text.hpp"
+#include "data/store/database.hpp"
+#include "ui/live/live_call.hpp"
+#include "ui/rig/control_call.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/process.hpp"
+
+namespace palpate::tests {
+
+/// `palpate run` without a window, slow enough to be looked at.
+class ShownSession {
+public:
+    explicit ShownSession(const std::string& protocol = PALPATE_SOURCE_DIR
+                          "/tests/golden/four_trials.toml",
+                          const std::string& speed = "0.3")
+        : file(folder_.file("d.sqlite")),
+          program({palpate_program(), "run", protocol, "--participant", "P1", "--db", file,
+                   "--headless", "--speed", speed, "--operator", "Ada", "--secret", kRunSecret}) {
+        REQUIRE(eventually([&] {
+            auto all = ui::running_sessions(file);
+            if (!all.empty()) {
+                shown = std::move(all.front());
+            }
+            return shown.reader != nullptr;
+        }));
+    }
+    [[nodiscard]] data::Json ask(const data::Json& line) const {
+        return data::Json::parse(ui::ask_session(shown.name, line.dump()).line, nullptr, false);
+    }
+    [[nodiscard]] data::Json state() const {
+        const auto state = shown.reader->state();
+        return state ? data::Json::parse(state->json, nullptr, false) : data::Json();
+    }
+    [[nodiscard]] bool comes_to(const std::string& phase) const {
+        return eventually([&] { return state().value("phase", "") == phase; });
+    }
+    [[nodiscard]] std::string kept(const std::string& sql) const {
+        data::Database database(file, data::Access::read);
+        data::Statement row = database.prepare(sql);
+        return row.step() ? row.text(0) : "nothing";
+    }
+    [[nodiscard]] bool keeps(const std::string& sql, const std::string& value) const {
+        return eventually([&] { return kept(sql) == value; });
+    }
+
+private:
+    TemporaryFolder folder_;
+
+public:
+    std::string file;
+    Process program;
+    ui::RunningSession shown;
+};
+
+}  // namespace palpate::tests

@@ -1,0 +1,79 @@
+#include <cstring>
+#include <vector>
+
+#include <unistd.h>
+
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/library/shipped.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+#include "ui/live/live_board.hpp"
+
+// What a session shows to other programs, byte for byte.
+
+using namespace palpate;
+using namespace palpate::protocols;
+
+namespace {
+
+Protocol demo() {
+    for (const ShippedProtocol& one : shipped_protocols()) {
+        if (one.name == "shape_friction_demo") {
+            return parse_protocol(one.text, one.name);
+        }
+    }
+    throw std::runtime_error("no demo protocol");
+}
+
+/// All that another program can read of it, but for when its phase began.
+std::vector<std::uint64_t> memory_of(const ui::LiveBoard& board) {
+    std::vector<std::uint64_t> words(1U << 15U);
+    const ssize_t got = pread(board.descriptor(), words.data(), words.size() * 8, 0);
+    REQUIRE(got > 0);
+    words.resize(static_cast<std::size_t>(got) / 8);
+    words[1] = words[2] = 0;  // and how often it was written
+    return words;
+}
+
+}  // namespace
+
+TEST_CASE("two conditions that the same hand feels are shown alike, byte for byte",
+          "[live][blind][law]") {
+    const Protocol protocol = demo();
+    const Plan plan = make_plan(protocol, "hash", {.participant = "P1", .session = 1}, 3);
+    OperatorDesk desk;
+    const auto felt = [&](std::size_t object, std::size_t friction) {
+        return Presentation{.object = protocol.objects.at(object),
+                            .friction = protocol.frictions.at(friction)};
+    };
+    const auto shown = [&](const Presentation& presentation, double force, bool reveals) {
+        tests::Random hand(7);  // the same
+        ui::LiveBoard board({.uuid = "u", .participant = "P1", .gives_force = true, .left = 9},
+                            protocol, plan, desk);
+        TrialView view{.number = 3, .total = 9};
+        if (reveals) {
+            board.reveal();
+        }
+        board.enter(ui::LivePhase::ready, &view);
+        board.feels(presentation);
+        board.enter(ui::LivePhase::explore, &view);
+        for (int i = 0; i < 3000; ++i) {
+            const engine::Vec2 hip = hand.point(-0.03, 0.03);
+            engine::TickRecord tick{.tick = i, .time_ns = i * 1'000'000, .hip = {hip, 0.0}};
+            tick.lateness_us = static_cast<float>(hand.in(0.0, 300.0));
+            tick.force = {0.0, force, 0.0};  // and all that follows from the object
+            tick.normal_force = force;
+            tick.tangential_force = 0.3 * force;
+            tick.cp = tick.go = tick.hip + engine::Vec3{0.0, force, 0.0};
+            tick.mode = force > 1.0 ? engine::Mode::slip : engine::Mode::stuck;
+            board.feel({&tick, 1});
+        }
+        board.enter(ui::LivePhase::question, &view);
+        return memory_of(board);
+    };
+    const auto one = shown(felt(0, 0), 0.5, false);
+    CHECK(one == shown(felt(1, 1), 2.5, false));
+    CHECK(one != shown(felt(0, 0), 0.5, true));  // there was something to hide
+    CHECK(shown(felt(0, 0), 0.5, true) != shown(felt(1, 1), 2.5, true));
+}

@@ -1,0 +1,114 @@
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/files.hpp"
+#include "data/page/trial_trace.hpp"
+#include "ui/command/command.hpp"
+#include "ui/console/session_stream.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+
+// As they lie in page/.
+std::string_view console_page(), console_style(), console_script();
+
+namespace {
+
+constexpr std::int64_t kLinger = 10'000 * kMillisecond;
+
+struct ConsoleOptions {
+    std::optional<std::string> of;
+    std::string listen;
+    std::vector<std::string> tls;
+    bool act = false;
+    bool while_runs = false;
+};
+
+void declare(CommandWords& words, ConsoleOptions& options) {
+    words.add("SESSION", options.of,
+              "Its database, or its uuid; without it the only one that runs on this machine");
+    words
+        .add("--listen", options.listen,
+             "An address of this machine for other machines to look at, such as 192.168.1.5; they "
+             "may only look")
+        .needs("--tls");
+    words.add("--tls", options.tls, "Certificate and key of that address, two PEM files")
+        .needs("--listen");
+    words.add("--act", options.act, "Other machines may act as well").needs("--listen");
+    words.add("--while-runs", options.while_runs, "Ends 10 s after the session does");
+}
+
+RunningSession the_session(const std::optional<std::string>& of) {
+    std::vector<RunningSession> all = running_sessions(of);
+    if (all.empty()) {
+        throw std::invalid_argument(
+            of ? fmt::format("{}: no session of yours runs on it, and none has that uuid", *of)
+               : std::string("no session of yours runs: begin one with palpate run"));
+    }
+    if (all.size() > 1) {
+        std::string text = "several sessions run; name one of these:";
+        for (const RunningSession& one : all) {
+            text += fmt::format("\n    palpate console {}  ({})", one.uuid, one.file);
+        }
+        throw std::invalid_argument(text);
+    }
+    return std::move(all.front());
+}
+
+std::optional<PageFile> console_file(std::string_view path) {
+    constexpr const char* kHtml = "text/html; charset=utf-8";
+    constexpr const char* kScript = "text/javascript; charset=utf-8";
+    constexpr const char* kStyle = "text/css; charset=utf-8";
+    return path == "/"            ? std::optional(PageFile{kHtml, std::string(console_page())})
+         : path == "/console.css" ? std::optional(PageFile{kStyle, std::string(console_style())})
+         : path == "/console.js"  ? std::optional(PageFile{kScript, std::string(console_script())})
+         : path == "/uplot.css" ? std::optional(PageFile{kStyle, std::string(data::uplot_style())})
+         : path == "/uplot.js" ? std::optional(PageFile{kScript, std::string(data::uplot_script())})
+                               : std::nullopt;
+}
+
+int run(const ConsoleOptions& options) {
+    catch_signals();
+    if (!options.tls.empty() && options.tls.size() != 2) {
+        throw std::invalid_argument("--tls takes two files: --tls CERT KEY");
+    }
+    auto watched = std::make_shared<WatchedSession>(the_session(options.of));
+    PageServerSpec spec;
+    spec.file = console_file;
+    spec.open = [watched] {
+        return std::make_unique<SessionStream>(watched);
+    };
+    if (!options.listen.empty()) {
+        spec.address = options.listen;
+        spec.certificate = file_text(options.tls[0]);
+        spec.key = file_text(options.tls[1]);
+    }
+    if (options.listen.empty() || options.act) {
+        spec.act = [watched](const std::string& line) {
+            return watched->ask(line);
+        };
+    }
+    const PageServer server(std::move(spec));
+    say("The experimenter's page, for your eyes alone: {}\nCtrl+C ends it; the session goes on.\n",
+        server.address());
+    std::int64_t seen_ns = monotonic_ns();
+    while (!interrupted() && (!options.while_runs || monotonic_ns() - seen_ns < kLinger)) {
+        if (watched->alive()) {
+            seen_ns = monotonic_ns();
+        }
+        sleep_until(monotonic_ns() + 200 * kMillisecond);
+    }
+    return 0;
+}
+
+}  // namespace
+
+Command console_command() {
+    return make_command<ConsoleOptions>(
+        "console", "Serve a page on a running session to your browser", declare, run);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,288 @@
+#include "ui/console/page_server.hpp"
+
+#include <array>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <microhttpd.h>
+#include <netinet/in.h>
+
+#include "data/store/uuid.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr unsigned kConnections = 24;
+constexpr std::size_t kConnectionMemory = 32768;
+constexpr unsigned kSilence = 15;  ///< s
+
+constexpr std::array<std::pair<const char*, const char*>, 8> kHeaders{{
+    {"Content-Security-Policy",
+     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' "
+     "data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"X-Frame-Options", "DENY"},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cache-Control", "no-store"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Permissions-Policy", "camera=(), microphone=(), geolocation=()"},
+}};
+
+/// In a time that says nothing of where they differ.
+bool same_secret(std::string_view given, std::string_view secret) {
+    unsigned differs = given.size() == secret.size() ? 0U : 1U;
+    for (std::size_t i = 0; i < secret.size(); ++i) {
+        differs |= static_cast<unsigned>(secret[i]) ^
+                   static_cast<unsigned>(i < given.size() ? given[i] : 0);
+    }
+    return differs == 0;
+}
+
+std::string_view value_of(MHD_Connection* connection, MHD_ValueKind kind, const char* key) {
+    const char* value = MHD_lookup_connection_value(connection, kind, key);
+    return value == nullptr ? std::string_view() : std::string_view(value);
+}
+
+/// How often a key came: two Hosts are nobody's.
+std::size_t times(MHD_Connection* connection, const char* key) {
+    struct Count {
+        std::string_view key;
+        std::size_t times = 0;
+    } count{.key = key};
+    MHD_get_connection_values(
+        connection, MHD_HEADER_KIND,
+        [](void* at, MHD_ValueKind, const char* name, const char*) {
+            auto& counted = *static_cast<Count*>(at);
+            counted.times += strcasecmp(name, counted.key.data()) == 0 ? 1U : 0U;
+            return MHD_YES;
+        },
+        &count);
+    return count.times;
+}
+
+struct Stream {
+    std::unique_ptr<EventSource> source;
+    const std::atomic<bool>* ends = nullptr;
+    std::string waiting;
+    std::int64_t asked_ns = 0;
+};
+
+ssize_t read_stream(void* at, std::uint64_t /*from*/, char* bytes, std::size_t room) {
+    auto& stream = *static_cast<Stream*>(at);
+    try {
+        while (stream.waiting.empty()) {
+            if (*stream.ends) {
+                return MHD_CONTENT_READER_END_OF_STREAM;
+            }
+            sleep_until(stream.asked_ns + PageServer::kPace);
+            stream.asked_ns = monotonic_ns();
+            stream.waiting = stream.source->next();
+        }
+    } catch (const std::exception&) {
+        return MHD_CONTENT_READER_END_WITH_ERROR;
+    }
+    const std::size_t part = std::min(room, stream.waiting.size());
+    std::memcpy(bytes, stream.waiting.data(), part);
+    stream.waiting.erase(0, part);
+    return static_cast<ssize_t>(part);
+}
+
+}  // namespace
+
+/// One request, from its head to its answer.
+struct PageRequest {
+    std::string body{};
+    bool too_long = false;
+
+    static MHD_Result answer(MHD_Connection* connection,
+                             unsigned code,
+                             std::string_view text,
+                             std::string_view type = "text/plain; charset=utf-8",
+                             const std::vector<std::pair<std::string, std::string>>& more = {}) {
+        MHD_Response* response = MHD_create_response_from_buffer(
+            text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY);  // NOLINT: copied
+        return queue(connection, code, response, type, more);
+    }
+    static MHD_Result queue(MHD_Connection* connection,
+                            unsigned code,
+                            MHD_Response* response,
+                            std::string_view type,
+                            const std::vector<std::pair<std::string, std::string>>& more = {}) {
+        MHD_add_response_header(response, "Content-Type", std::string(type).c_str());
+        for (const auto& [key, value] : kHeaders) {
+            MHD_add_response_header(response, key, value);
+        }
+        for (const auto& [key, value] : more) {
+            MHD_add_response_header(response, key.c_str(), value.c_str());
+        }
+        const MHD_Result queued = MHD_queue_response(connection, code, response);
+        MHD_destroy_response(response);
+        return queued;
+    }
+
+    /// Whoever asks came by this server's own name, and from its own page or by hand.
+    static bool comes_from_here(const PageServer& server, MHD_Connection* connection, bool acts) {
+        const std::string_view host = value_of(connection, MHD_HEADER_KIND, "Host");
+        const std::string local = "localhost:" + server.port_;
+        const bool here = host == server.host_ ||
+                          (server.spec_.address == "127.0.0.1" && host == std::string_view(local));
+        const std::string_view origin = value_of(connection, MHD_HEADER_KIND, "Origin");
+        const std::string own =
+            fmt::format("{}://{}", server.spec_.certificate.empty() ? "http" : "https", host);
+        return here && times(connection, "Host") == 1 && times(connection, "Origin") <= 1 &&
+               (origin.empty() ? !acts : origin == own);
+    }
+
+    static MHD_Result trade(const PageServer& server, MHD_Connection* connection) {
+        const std::string_view token = value_of(connection, MHD_GET_ARGUMENT_KIND, "token");
+        if (!same_secret(token, server.token_)) {
+            return answer(connection, MHD_HTTP_FORBIDDEN, "not the token of this page\n");
+        }
+        return answer(
+            connection, MHD_HTTP_SEE_OTHER, "", "text/plain",
+            {{"Location", "/"},
+             {"Set-Cookie",
+              fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", server.cookie_name_,
+                          server.cookie_, server.spec_.certificate.empty() ? "" : "; Secure")}});
+    }
+
+    static MHD_Result get(PageServer& server, MHD_Connection* connection, std::string_view path) {
+        if (path == "/stream") {
+            auto stream = std::make_unique<Stream>();
+            stream->source = server.spec_.open();
+            stream->ends = &server.ends_;
+            MHD_Response* response = MHD_create_response_from_callback(
+                MHD_SIZE_UNKNOWN, 16384, &read_stream, stream.release(),
+                [](void* at) { delete static_cast<Stream*>(at); });  // NOLINT: as it was released
+            return queue(connection, MHD_HTTP_OK, response, "text/event-stream");
+        }
+        const auto file = server.spec_.file(path);
+        return !file ? answer(connection, MHD_HTTP_NOT_FOUND, "there is no such page\n")
+                     : answer(connection, MHD_HTTP_OK, file->text, file->type);
+    }
+
+    MHD_Result act(const PageServer& server, MHD_Connection* connection) const {
+        if (!server.spec_.act) {
+            return answer(connection, MHD_HTTP_FORBIDDEN,
+                          R"({"ok":false,"text":"this page may only look: --act lets it act"})",
+                          "application/json");
+        }
+        if (too_long ||
+            value_of(connection, MHD_HEADER_KIND, "Content-Type") != "application/json") {
+            return answer(connection, MHD_HTTP_BAD_REQUEST,
+                          R"({"ok":false,"text":"one short JSON object is taken"})",
+                          "application/json");
+        }
+        return answer(connection, MHD_HTTP_OK, server.spec_.act(body), "application/json");
+    }
+
+    MHD_Result handle(PageServer& server,
+                      MHD_Connection* connection,
+                      std::string_view method,
+                      std::string_view path) const {
+        const bool acts = method == "POST" && path == "/do";
+        if (!acts && method != "GET") {
+            return answer(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "not here\n");
+        }
+        if (!comes_from_here(server, connection, acts)) {
+            return answer(connection, MHD_HTTP_FORBIDDEN, "not from this page\n");
+        }
+        if (!acts && path == "/" &&
+            MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "token") != nullptr) {
+            return trade(server, connection);
+        }
+        const std::string_view cookie =
+            value_of(connection, MHD_COOKIE_KIND, server.cookie_name_.c_str());
+        if (!same_secret(cookie, server.cookie_)) {
+            return answer(connection, MHD_HTTP_FORBIDDEN,
+                          "open the address that palpate console printed\n");
+        }
+        return acts ? act(server, connection) : get(server, connection, path);
+    }
+
+    static MHD_Result heard(void* at,
+                            MHD_Connection* connection,
+                            const char* url,
+                            const char* method,
+                            const char* /*version*/,
+                            const char* upload,
+                            std::size_t* upload_size,
+                            void** request) {
+        try {
+            if (*request == nullptr) {
+                *request = new PageRequest;  // NOLINT: deleted by completed()
+                return MHD_YES;
+            }
+            auto& self = *static_cast<PageRequest*>(*request);
+            if (*upload_size > 0) {
+                self.too_long |= self.body.size() + *upload_size > PageServer::kLongestBody;
+                if (!self.too_long) {
+                    self.body.append(upload, *upload_size);
+                }
+                *upload_size = 0;
+                return MHD_YES;
+            }
+            return self.handle(*static_cast<PageServer*>(at), connection, method, url);
+        } catch (const std::exception&) {  // the connection is closed
+            return MHD_NO;
+        }
+    }
+    static void completed(void* /*at*/,
+                          MHD_Connection* /*connection*/,
+                          void** request,
+                          MHD_RequestTerminationCode /*why*/) {
+        delete static_cast<PageRequest*>(*request);  // NOLINT: of heard()
+        *request = nullptr;
+    }
+};
+
+PageServer::PageServer(PageServerSpec spec)
+    : spec_(std::move(spec)), token_(data::random_secret()), cookie_(data::random_secret()) {
+    sockaddr_in where{};
+    where.sin_family = AF_INET;
+    where.sin_port = htons(spec_.port);
+    if (inet_pton(AF_INET, spec_.address.c_str(), &where.sin_addr) != 1) {
+        throw std::invalid_argument(
+            fmt::format("{} is no address of this machine, such as 192.168.1.5", spec_.address));
+    }
+    const bool tls = !spec_.certificate.empty();
+    const unsigned flags = MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
+                           MHD_USE_POLL | (tls ? unsigned{MHD_USE_TLS} : 0U);
+    const MHD_OptionItem certificates[]{{MHD_OPTION_HTTPS_MEM_CERT, 0, spec_.certificate.data()},
+                                        {MHD_OPTION_HTTPS_MEM_KEY, 0, spec_.key.data()},
+                                        {MHD_OPTION_END, 0, nullptr}};
+    daemon_ = MHD_start_daemon(flags, 0, nullptr, nullptr, &PageRequest::heard, this,
+                               MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_NOTIFY_COMPLETED,
+                               &PageRequest::completed, nullptr, MHD_OPTION_CONNECTION_LIMIT,
+                               kConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory,
+                               MHD_OPTION_CONNECTION_TIMEOUT, kSilence, MHD_OPTION_ARRAY,
+                               tls ? certificates : certificates + 2, MHD_OPTION_END);
+    const MHD_DaemonInfo* bound =
+        daemon_ == nullptr ? nullptr : MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT);
+    if (bound == nullptr) {
+        throw std::runtime_error(fmt::format(
+            "a page cannot be served at {}{}", spec_.address,
+            tls ? ": check the address, and that certificate and key are PEM and belong together"
+                : ""));
+    }
+    port_ = std::to_string(bound->port);
+    host_ = spec_.address + ":" + port_;
+    cookie_name_ = "palpate_" + port_;
+}
+
+PageServer::~PageServer() {
+    ends_ = true;
+    MHD_stop_daemon(daemon_);
+}
+
+std::string PageServer::address() const {
+    return fmt::format("{}://{}/?token={}", spec_.certificate.empty() ? "http" : "https", host_,
+                       token_);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/base/clock.hpp"
+
+struct MHD_Daemon;
+
+/// A page for the experimenter's browser, served to whoever was given its address.
+///
+/// The address has a token of 128 bits, which is traded for a cookie of another 128 that no script
+/// reads and no other site sends. Host and Origin must be this server's own: neither another page
+/// in the same browser nor a name that was made to point here gets an answer. Nothing is loaded
+/// from anywhere else, and nothing is kept by the browser. Connections, their memory and their
+/// silence have limits.
+namespace palpate::ui {
+
+/// A part of a page.
+struct PageFile {
+    const char* type;  ///< "text/javascript"
+    std::string text;
+};
+
+/// What one open page gets: server-sent events.
+class EventSource {
+public:
+    EventSource() = default;
+    EventSource(const EventSource&) = delete;
+    EventSource& operator=(const EventSource&) = delete;
+    virtual ~EventSource() = default;
+
+    /// What is new since the last call, as "event: ...\ndata: ...\n\n"; empty: nothing. Called
+    /// again and again on a thread of the page's own.
+    [[nodiscard]] virtual std::string next() = 0;
+};
+
+struct PageServerSpec {
+    std::string address = "127.0.0.1";
+    std::uint16_t port = 0;     ///< 0: a free one
+    std::string certificate{};  ///< PEM; empty: http
+    std::string key{};          ///< PEM
+    /// What is at "/", "/console.js", ...; none: nothing is. On any thread.
+    std::function<std::optional<PageFile>(std::string_view path)> file{};
+    std::function<std::unique_ptr<EventSource>()> open{};
+    /// A JSON object -> a JSON object, on any thread. None: the page may only look.
+    std::function<std::string(const std::string&)> act{};
+};
+
+class PageServer {
+public:
+    /// Events are looked for so often.
+    static constexpr std::int64_t kPace = 33 * kMillisecond;
+    static constexpr std::size_t kLongestBody = 8192;
+
+    /// @throws std::runtime_error if it cannot listen there
+    explicit PageServer(PageServerSpec spec);
+    PageServer(const PageServer&) = delete;
+    PageServer& operator=(const PageServer&) = delete;
+    ~PageServer();
+
+    /// With its token.
+    [[nodiscard]] std::string address() const;
+
+private:
+    friend struct PageRequest;
+
+    PageServerSpec spec_;
+    std::string token_;
+    std::string cookie_;
+    std::string cookie_name_;
+    std::string host_;  ///< "127.0.0.1:34567"
+    std::string port_;
+    std::atomic<bool> ends_{false};
+    MHD_Daemon* daemon_ = nullptr;
+};
+
+}  // namespace palpate::ui

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "data/store/database.hpp"
+#include "ui/console/page_server.hpp"
+#include "ui/live/live_call.hpp"
+
+namespace palpate::ui {
+
+/// What all pages of one session share: the session, and what its file and its disk say beside.
+class WatchedSession {
+public:
+    explicit WatchedSession(RunningSession session);
+
+    [[nodiscard]] const RunningSession& session() const noexcept { return session_; }
+    /// The state as the page takes it; empty: none could be read. Any thread.
+    [[nodiscard]] std::string state();
+    /// The process is there. Any thread.
+    [[nodiscard]] bool alive() const { return session_.process.alive(); }
+    /// Hands a line of the page on to the session. @return its answer
+    [[nodiscard]] std::string ask(const std::string& line) const;
+
+private:
+    void look_beside();
+
+    RunningSession session_;
+    std::mutex mutex_;
+    std::unique_ptr<data::Database> database_;
+    std::int64_t looked_ns_ = 0;
+    std::string seal_;
+    double disk_free_mb_ = 0.0;
+    std::int64_t written_ms_ = -1;  ///< since something was; < 0: not known
+};
+
+/// Events of a session for one page: "state" at each change and at least once a second, "live"
+/// with the newest tick.
+class SessionStream : public EventSource {
+public:
+    explicit SessionStream(std::shared_ptr<WatchedSession> watched)
+        : watched_(std::move(watched)) {}
+    [[nodiscard]] std::string next() override;
+
+private:
+    [[nodiscard]] std::string live();
+
+    std::shared_ptr<WatchedSession> watched_;
+    std::uint64_t version_ = 1;  ///< odd: of no state
+    std::uint64_t ticks_ = 0;
+    std::int64_t said_ns_ = 0;
+    bool alive_ = true;
+};
+
+}  // namespace palpate::ui

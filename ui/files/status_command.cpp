@@ -1,0 +1,226 @@
+#include <chrono>
+#include <map>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/text.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "data/csv/json_text.hpp"
+#include "data/store/counterbalance_query.hpp"
+#include "data/store/database.hpp"
+#include "ui/command/command.hpp"
+#include "ui/live/live_call.hpp"
+#include "ui/live/live_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using data::Json;
+
+struct StatusOptions {
+    std::string database;
+    bool follow = false;
+    bool json = false;
+};
+
+void declare(CommandWords& words, StatusOptions& options) {
+    words.add("FILE", options.database, "A palpate database; it is only read").required();
+    words.add("--follow", options.follow,
+              "Goes on with a line for each change of what runs, until nothing runs on it");
+    words.add("--json", options.json, "For programs: one JSON object a line");
+}
+
+/// How many orders are taken, and by how many people the one that most have.
+Json rows_of(const data::LevelOrders& orders) {
+    std::map<std::vector<std::string>, std::size_t> people;
+    std::size_t most = 0;
+    for (const auto& order : orders.others) {
+        if (!order.empty()) {
+            most = std::max(most, ++people[order]);
+        }
+    }
+    return {{"used", people.size()}, {"most_people", most}};
+}
+
+Json sessions_of(data::Database& database, const std::string& study) {
+    data::Statement row = database.prepare(
+        "SELECT participant_code, session_number, session_kind, answered - invalid_answers, "
+        "planned, finished, withdrawn_reason IS NOT NULL FROM session_health WHERE study_name = ?1 "
+        "ORDER BY session_id");
+    row.bind(1, study);
+    Json all = Json::array();
+    while (row.step()) {
+        all.push_back({{"participant", row.text(0)},
+                       {"number", row.integer(1)},
+                       {"kind", row.text(2)},
+                       {"answered", row.integer(3)},
+                       {"planned", row.integer(4)},
+                       {"finished", row.integer(5) != 0},
+                       {"withdrawn", row.integer(6) != 0}});
+    }
+    return all;
+}
+
+/// Who really ran, and of these whose consent nobody noted; withdrawn sessions left out.
+Json people_of(data::Database& database, const std::string& study) {
+    data::Statement row = database.prepare(
+        "SELECT participant_code, consent, max(finished) FROM session JOIN study USING (study_id) "
+        "JOIN participant USING (participant_id) WHERE study_name = ?1 AND session_kind = 'real' "
+        "AND withdrawn_reason IS NULL GROUP BY participant_id ORDER BY min(session_id)");
+    row.bind(1, study);
+    std::size_t ran = 0;
+    Json unfinished = Json::array();
+    Json missing = Json::array();
+    while (row.step()) {
+        ++ran;
+        if (row.integer(2) == 0) {
+            unfinished.push_back(row.text(0));
+        }
+        if (row.null(1)) {
+            missing.push_back(row.text(0));
+        }
+    }
+    return {{"ran", ran}, {"unfinished", unfinished}, {"consent_missing", missing}};
+}
+
+Json studies_of(data::Database& database) {
+    data::Statement row = database.prepare(
+        "SELECT study_name, study_title, protocol_toml, max(study_id) FROM study GROUP BY "
+        "study_name ORDER BY study_id");
+    Json all = Json::array();
+    while (row.step()) {
+        const std::string study = row.text(0);
+        const std::size_t planned = protocols::stored_protocol(row.text(2)).participants;
+        Json people = people_of(database, study);
+        const std::size_t ran = people["ran"];
+        all.push_back({{"protocol", study},
+                       {"title", row.text(1)},
+                       {"planned", planned},
+                       {"remaining", planned > ran ? planned - ran : 0},
+                       {"people", std::move(people)},
+                       {"picture_orders", rows_of(data::picture_orders(database, study, {}))},
+                       {"friction_orders", rows_of(data::friction_orders(database, study, {}))},
+                       {"sessions", sessions_of(database, study)}});
+    }
+    return all;
+}
+
+std::string listed(const Json& names) {
+    std::string text;
+    for (const Json& name : names) {
+        text += (text.empty() ? "" : ", ") + name.get<std::string>();
+    }
+    return text.empty() ? "nobody" : text;
+}
+
+std::string orders_text(const char* of, const Json& rows) {
+    return rows["used"] == 0
+             ? std::string()
+             : fmt::format("  orders of {}: {} taken, one by up to {}\n", of,
+                           rows["used"].get<std::size_t>(),
+                           counted(rows["most_people"].get<std::size_t>(), "person", "people"));
+}
+
+std::string study_text(const Json& study) {
+    const Json& people = study["people"];
+    std::string text = fmt::format(
+        "{}: {} of {} planned ran, {} to go\n  not finished: {}\n  consent missing: {}\n",
+        study["protocol"].get<std::string>(), people["ran"].get<std::size_t>(),
+        counted(study["planned"].get<std::size_t>(), "person", "people"),
+        study["remaining"].get<std::size_t>(), listed(people["unfinished"]),
+        listed(people["consent_missing"]));
+    text += orders_text("pictures", study["picture_orders"]) +
+            orders_text("friction blocks", study["friction_orders"]);
+    for (const Json& session : study["sessions"]) {
+        text += fmt::format("  {:<12} session {}  {:<9}  {} of {} answered{}{}\n",
+                            session["participant"].get<std::string>(), session["number"].get<int>(),
+                            session["kind"].get<std::string>(), session["answered"].get<int>(),
+                            session["planned"].get<int>(),
+                            session["finished"].get<bool>() ? ", finished" : "",
+                            session["withdrawn"].get<bool>() ? ", withdrawn" : "");
+    }
+    return text;
+}
+
+std::string running_text(const Json& state) {
+    const auto minutes = state.find("remaining_min");
+    return fmt::format("running: {}, {}, session {}: {}; {} left{}{}\n",
+                       state.value("participant", ""), state.value("kind", ""),
+                       state.value("number", 0), state.value("sentence", ""),
+                       state.value("remaining", 0),
+                       minutes != state.end() && minutes->is_number()
+                           ? fmt::format(", about {:.0f} min", minutes->get<double>())
+                           : "",
+                       state.value("alarm", false) ? "; ATTENTION: many trials do not count" : "");
+}
+
+/// As it stands; null: it ended.
+Json state_of(const RunningSession& session) {
+    const auto state = session.process.alive() ? session.reader->state() : std::nullopt;
+    Json json = state ? Json::parse(state->json, nullptr, false) : Json(nullptr);
+    return json.is_object() ? json : Json(nullptr);
+}
+
+/// A line for each change, until all have ended.
+void follow(const std::vector<RunningSession>& running, bool json) {
+    std::map<std::string, std::string> said;
+    for (bool any = true; any && !interrupted();) {
+        any = false;
+        for (const RunningSession& session : running) {
+            const Json state = state_of(session);
+            const bool over = state.is_null() || state["ended"].is_string();
+            any = any || !over;
+            const std::string text = state.is_null() ? ""
+                                   : json            ? one_line(state) + '\n'
+                                                     : running_text(state);
+            if (!text.empty() && std::exchange(said[session.uuid], text) != text) {
+                say("{}", text);
+            }
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+}
+
+int run(const StatusOptions& options) {
+    catch_signals();
+    const std::vector<RunningSession> running = running_sessions(options.database);
+    Json status{{"file", options.database}, {"studies", nullptr}, {"running", Json::array()}};
+    {
+        data::Database database(options.database, data::Access::read);
+        const data::Snapshot snapshot(database);
+        status["studies"] = studies_of(database);
+    }
+    for (const RunningSession& session : running) {
+        if (Json state = state_of(session); !state.is_null()) {
+            status["running"].push_back(std::move(state));
+        }
+    }
+    if (options.json) {
+        say("{}\n", one_line(status));
+    } else {
+        for (const Json& study : status["studies"]) {
+            say("{}", study_text(study));
+        }
+        for (const Json& state : status["running"]) {
+            say("{}", running_text(state));
+        }
+        say("{}", status["running"].empty() ? "Nothing runs on it now.\n" : "");
+    }
+    if (options.follow) {
+        follow(running, options.json);
+    }
+    return 0;
+}
+
+}  // namespace
+
+Command status_command() {
+    return make_command<StatusOptions>(
+        "status", "Who ran, what remains, and what runs now, also while it runs", declare, run);
+}
+
+}  // namespace palpate::ui

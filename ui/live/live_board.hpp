@@ -1,0 +1,139 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/realtime/tick_record.hpp"
+#include "protocols/session/operator_desk.hpp"
+#include "protocols/session/ports.hpp"
+#include "protocols/trial/presentation.hpp"
+#include "ui/live/live_segment.hpp"
+
+namespace palpate::ui {
+
+/// What is known of a session before it runs.
+struct LiveFacts {
+    std::string uuid{};
+    std::string file{};  ///< the database
+    std::string kind{};
+    std::string participant{};
+    std::size_t number = 1;  ///< of the session
+    std::string operator_name{};
+    std::string device{};
+    std::string calibration{};  ///< its name; empty: none
+    std::string check{};        ///< of the rig; empty: none
+    std::string guard{};        ///< what ends the force when this machine does not; empty: nothing
+    bool gives_force = false;
+    bool screen = false;                 ///< a person sits at one
+    std::optional<double> masking_db{};  ///< none: no noise is played
+    std::size_t answered = 0;
+    std::size_t left = 0;
+};
+
+enum class LivePhase : std::uint8_t {
+    welcome,
+    ready,
+    explore,
+    question,
+    feedback,
+    gap,
+    rest,
+    pause,
+    trouble,
+    ended
+};
+
+/// A session as it is shown: blind until reveal(), which means that nothing of what is felt or
+/// answered is handed to another program before. One thread; throws nothing and waits for nobody.
+class LiveBoard {
+public:
+    /// All outlive the board.
+    LiveBoard(LiveFacts facts,
+              const protocols::Protocol& protocol,
+              const protocols::Plan& plan,
+              const protocols::OperatorDesk& desk);
+
+    [[nodiscard]] const LiveFacts& facts() const noexcept { return facts_; }
+    [[nodiscard]] const protocols::Protocol& protocol() const noexcept { return protocol_; }
+    [[nodiscard]] int descriptor() const noexcept { return writer_.descriptor(); }
+    [[nodiscard]] LivePhase phase() const noexcept { return phase_; }
+    [[nodiscard]] bool revealed() const noexcept { return revealed_; }
+
+    /// Where the session is; shown if that is new.
+    void enter(LivePhase phase, const protocols::TrialView* trial = nullptr) noexcept;
+    void enter(const protocols::TroubleView& trouble) noexcept;
+    void end(std::string_view how) noexcept;
+    /// What the running interval lets one feel.
+    void feels(const protocols::Presentation& felt) noexcept;
+    void feel(std::span<const engine::TickRecord> ticks) noexcept;
+    /// @param minutes  until the end at this person's pace; none: not known yet
+    void attempted(const protocols::Progress& progress,
+                   std::optional<double> minutes,
+                   bool alarm) noexcept;
+    void marked(const protocols::MarkReply& reply, const std::string& reason) noexcept;
+    void noted(const std::string& text) noexcept;
+    void reveal() noexcept;
+    void show() noexcept;
+
+private:
+    static constexpr std::array<double, 8> kEdges{5, 10, 20, 50, 100, 200, 500, 1000};
+    using Bins = std::array<std::uint64_t, kEdges.size() + 1>;
+    struct Line {
+        std::size_t trial = 0;
+        std::string what{};
+        std::string advice{};
+    };
+    struct Note {
+        std::string at;
+        std::optional<std::size_t> trial;
+        std::string text;
+    };
+    struct Answer {
+        std::size_t trial = 0;
+        std::string object{};
+        std::string friction{};
+        std::string answer{};
+        std::optional<bool> correct{};
+    };
+    class Text;
+
+    void draw_outline();
+    void show(const engine::TickRecord& tick) noexcept;
+
+    LiveFacts facts_;
+    const protocols::Protocol& protocol_;
+    const protocols::Plan& plan_;
+    const protocols::OperatorDesk& desk_;
+    LiveWriter writer_;
+    LivePhase phase_ = LivePhase::welcome;
+    std::int64_t phase_ns_ = 0;
+    std::int64_t shown_ns_ = 0;
+    protocols::TrialNumber trial_{};
+    std::size_t interval_ = 1;
+    protocols::TroubleView trouble_{};
+    std::optional<double> minutes_{};
+    bool alarm_ = false;
+    std::string ended_{};
+    std::vector<Line> not_counting_;
+    std::vector<Line> faults_;
+    std::vector<Note> notes_;
+    Bins late_trial_{};
+    Bins late_session_{};
+    std::uint64_t ticks_ = 0;
+    std::uint64_t stale_ = 0;
+    std::size_t per_shown_;  ///< ticks
+    std::uint64_t fed_ = 0;
+    engine::TickRecord last_{};  ///< that was shown
+    bool revealed_ = false;
+    std::optional<protocols::Presentation> felt_{};
+    std::vector<engine::Vec2> outline_;  ///< of what is felt, m; nothing before it is revealed
+    std::vector<Answer> answers_;
+};
+
+}  // namespace palpate::ui

@@ -1,0 +1,218 @@
+#include "ui/live/live_segment.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace palpate::ui {
+
+namespace {
+
+using Word = std::atomic<std::uint64_t>;
+static_assert(Word::is_always_lock_free && sizeof(Word) == 8, "it lies in shared memory");
+
+constexpr std::uint64_t kMagic = 0x3176696c706c6170;  // "palplive", version 1
+constexpr std::size_t kTickWords = sizeof(LiveTick) / sizeof(Word);
+constexpr std::size_t kStateWords = LiveWriter::kStateRoom / sizeof(Word);
+constexpr int kTries = 1000;
+
+}  // namespace
+
+/// Odd sequence: its words are being written.
+struct LiveMemory {
+    Word magic;
+    Word state_sequence;
+    Word phase_ns;
+    Word length;
+    std::array<Word, kStateWords> state;
+    Word tick_sequence;
+    Word ticks;  ///< shown so far
+    std::array<std::array<Word, kTickWords>, LiveWriter::kRing> ring;
+};
+
+namespace {
+
+/// Runs `write` between two steps of the sequence.
+template <class Write>
+void with_sequence(Word& sequence, const Write& write) {
+    const std::uint64_t before = sequence.load(std::memory_order_relaxed);
+    sequence.store(before + 1, std::memory_order_relaxed);
+    std::atomic_thread_fence(std::memory_order_release);
+    write();
+    sequence.store(before + 2, std::memory_order_release);
+}
+
+/// Runs `read` until nothing was written meanwhile. @return the sequence; none: never
+template <class Read>
+std::optional<std::uint64_t> at_rest(const Word& sequence, const Read& read) {
+    for (int tries = 0; tries < kTries; ++tries) {
+        const std::uint64_t before = sequence.load(std::memory_order_acquire);
+        if ((before & 1U) == 0) {
+            read();
+            std::atomic_thread_fence(std::memory_order_acquire);
+            if (sequence.load(std::memory_order_relaxed) == before) {
+                return before;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+LiveWriter::LiveWriter() noexcept {
+    Descriptor file(memfd_create("palpate-live", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    if (file.get() < 0 || fchmod(file.get(), S_IRUSR | S_IWUSR) != 0 ||
+        posix_fallocate(file.get(), 0, sizeof(LiveMemory)) != 0) {
+        return;
+    }
+    void* at = mmap(nullptr, sizeof(LiveMemory), PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
+    if (at == MAP_FAILED) {
+        return;
+    }
+    // Nobody makes it shorter under a writer, and who gets it later can map it for reading alone.
+    if (fcntl(file.get(), F_ADD_SEALS,
+              F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) != 0) {
+        munmap(at, sizeof(LiveMemory));
+        return;
+    }
+    memory_ = new (at) LiveMemory{};
+    memory_->magic = kMagic;
+    file_ = std::move(file);
+}
+
+LiveWriter::~LiveWriter() {
+    if (memory_ != nullptr) {
+        munmap(memory_, sizeof(LiveMemory));
+    }
+}
+
+void LiveWriter::show(std::string_view state, std::int64_t phase_ns) noexcept {
+    if (memory_ == nullptr || state.size() > kStateRoom) {
+        return;
+    }
+    with_sequence(memory_->state_sequence, [&] {
+        memory_->phase_ns.store(static_cast<std::uint64_t>(phase_ns), std::memory_order_relaxed);
+        memory_->length.store(state.size(), std::memory_order_relaxed);
+        for (std::size_t at = 0; at < state.size(); at += sizeof(Word)) {
+            std::uint64_t word = 0;
+            std::memcpy(&word, state.data() + at, std::min(sizeof word, state.size() - at));
+            memory_->state[at / sizeof word].store(word, std::memory_order_relaxed);
+        }
+    });
+}
+
+void LiveWriter::show(const LiveTick& tick) noexcept {
+    if (memory_ == nullptr) {
+        return;
+    }
+    const auto words = std::bit_cast<std::array<std::uint64_t, kTickWords>>(tick);
+    with_sequence(memory_->tick_sequence, [&] {
+        const std::uint64_t count = memory_->ticks.load(std::memory_order_relaxed);
+        for (std::size_t i = 0; i < kTickWords; ++i) {
+            memory_->ring[count % kRing][i].store(words[i], std::memory_order_relaxed);
+        }
+        memory_->ticks.store(count + 1, std::memory_order_relaxed);
+    });
+}
+
+LiveReader::LiveReader(int descriptor) {
+    struct stat file {};
+    void* at = fstat(descriptor, &file) == 0 && file.st_size == sizeof(LiveMemory)
+                 ? mmap(nullptr, sizeof(LiveMemory), PROT_READ, MAP_SHARED, descriptor, 0)
+                 : MAP_FAILED;
+    if (at != MAP_FAILED) {
+        memory_ = static_cast<const LiveMemory*>(at);
+    }
+    if (memory_ == nullptr || memory_->magic != kMagic) {
+        throw std::runtime_error(
+            "the session shows nothing that this palpate reads: use the one that runs it");
+    }
+}
+
+LiveReader::~LiveReader() {
+    munmap(const_cast<LiveMemory*>(memory_), sizeof(LiveMemory));  // NOLINT: as mmap gave it
+}
+
+std::uint64_t LiveReader::version() const noexcept {
+    return memory_->state_sequence.load(std::memory_order_acquire);
+}
+
+std::optional<LiveState> LiveReader::state() const {
+    LiveState state;
+    const auto version = at_rest(memory_->state_sequence, [&] {
+        state.phase_ns =
+            static_cast<std::int64_t>(memory_->phase_ns.load(std::memory_order_relaxed));
+        const std::size_t length = std::min<std::size_t>(
+            memory_->length.load(std::memory_order_relaxed), LiveWriter::kStateRoom);
+        state.json.resize(length);
+        for (std::size_t at = 0; at < length; at += sizeof(Word)) {
+            const std::uint64_t word =
+                memory_->state[at / sizeof(Word)].load(std::memory_order_relaxed);
+            std::memcpy(state.json.data() + at, &word, std::min(sizeof word, length - at));
+        }
+    });
+    if (!version) {
+        return std::nullopt;
+    }
+    state.version = *version;
+    return state;
+}
+
+std::pair<std::vector<LiveTick>, std::uint64_t> LiveReader::ticks_after(std::uint64_t seen) const {
+    std::vector<LiveTick> ticks;
+    std::uint64_t count = seen;
+    const auto whole = at_rest(memory_->tick_sequence, [&] {
+        ticks.clear();
+        count = memory_->ticks.load(std::memory_order_relaxed);
+        const std::uint64_t kept = std::min<std::uint64_t>(count, LiveWriter::kRing);
+        for (std::uint64_t i = std::max(std::min(seen, count), count - kept); i < count; ++i) {
+            std::array<std::uint64_t, kTickWords> words{};
+            for (std::size_t k = 0; k < kTickWords; ++k) {
+                words[k] = memory_->ring[i % LiveWriter::kRing][k].load(std::memory_order_relaxed);
+            }
+            ticks.push_back(std::bit_cast<LiveTick>(words));
+        }
+    });
+    return whole ? std::pair{std::move(ticks), count} : std::pair{std::vector<LiveTick>(), seen};
+}
+
+namespace {
+
+/// Field 22 of /proc/PID/stat; the name before it may hold spaces and brackets. 0: no such process,
+/// or one that has ended.
+std::uint64_t start_of(std::int64_t pid) {
+    std::ifstream file(fmt::format("/proc/{}/stat", pid));
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::size_t name = text.rfind(')');
+    if (name == std::string::npos || name + 2 >= text.size() || text[name + 2] == 'Z') {
+        return 0;
+    }
+    std::size_t at = name + 2;
+    for (int field = 3; field < 22 && at != std::string::npos; ++field) {
+        at = text.find(' ', at + 1);
+    }
+    return at == std::string::npos ? 0 : std::strtoull(text.c_str() + at, nullptr, 10);
+}
+
+}  // namespace
+
+bool ProcessIdentity::alive() const {
+    return started != 0 && start_of(pid) == started;
+}
+
+ProcessIdentity this_process() {
+    return {.pid = getpid(), .started = start_of(getpid())};
+}
+
+}  // namespace palpate::ui

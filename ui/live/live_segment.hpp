@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ui/rig/control_line.hpp"
+
+/// What a running session shows to other programs: shared memory with one writer, that neither
+/// waits for a reader nor hears of one. It has no name: whoever may call the session's control
+/// socket gets it from there, can only read it, and nothing of it is left when the session ends.
+namespace palpate::ui {
+
+/// A tick as it is shown: m, N, m/s. Until what is felt is revealed all of it but the time, the
+/// lateness and whether there may be force is 0.
+struct LiveTick {
+    double t_s = 0.0;  ///< since the interval's first tick
+    std::array<float, 2> hip{};
+    std::array<float, 2> go{};
+    std::array<float, 2> cp{};
+    std::array<float, 2> force{};
+    float normal = 0.0F;
+    float tangential = 0.0F;
+    float speed = 0.0F;
+    float late_us = 0.0F;
+    std::uint8_t mode = 0;  ///< engine::Mode
+    bool force_on = false;
+    bool felt = false;  ///< what is felt is in here
+    std::array<std::uint8_t, 5> unused{};
+};
+static_assert(sizeof(LiveTick) == 64);
+
+struct LiveMemory;
+
+/// The session's side.
+class LiveWriter {
+public:
+    /// 4 s of ticks at 125 Hz.
+    static constexpr std::size_t kRing = 500;
+    static constexpr std::size_t kStateRoom = 1U << 17U;  ///< bytes
+
+    /// A system that gives no memory: nothing is shown, and that is no error.
+    LiveWriter() noexcept;
+    LiveWriter(const LiveWriter&) = delete;
+    LiveWriter& operator=(const LiveWriter&) = delete;
+    ~LiveWriter();
+
+    /// To be handed on; whoever has it can only read. < 0: none.
+    [[nodiscard]] int descriptor() const noexcept { return file_.get(); }
+    /// @param state  JSON; one that is too long is not shown
+    /// @param phase_ns  when its phase began, CLOCK_MONOTONIC
+    void show(std::string_view state, std::int64_t phase_ns) noexcept;
+    void show(const LiveTick& tick) noexcept;
+
+private:
+    Descriptor file_;
+    LiveMemory* memory_ = nullptr;
+};
+
+/// What was read.
+struct LiveState {
+    std::string json;  ///< empty: nothing yet
+    std::int64_t phase_ns = 0;
+    std::uint64_t version = 0;  ///< another one for each state
+};
+
+/// Another program's side; also the session's own, for its other threads.
+class LiveReader {
+public:
+    /// @throws std::runtime_error if that is no live state of this version of palpate
+    explicit LiveReader(int descriptor);
+    LiveReader(const LiveReader&) = delete;
+    LiveReader& operator=(const LiveReader&) = delete;
+    ~LiveReader();
+
+    /// Changes with each state.
+    [[nodiscard]] std::uint64_t version() const noexcept;
+    /// A whole state, never half of one; none: it was always being written.
+    [[nodiscard]] std::optional<LiveState> state() const;
+    /// Those that came after the first `seen` of all, oldest first, and how many there were then.
+    [[nodiscard]] std::pair<std::vector<LiveTick>, std::uint64_t> ticks_after(
+        std::uint64_t seen) const;
+
+private:
+    const LiveMemory* memory_ = nullptr;
+};
+
+/// A process, and not another one that has its number now.
+struct ProcessIdentity {
+    std::int64_t pid = 0;
+    std::uint64_t started = 0;  ///< in the kernel's clock ticks since boot
+
+    [[nodiscard]] bool alive() const;
+};
+[[nodiscard]] ProcessIdentity this_process();
+
+}  // namespace palpate::ui

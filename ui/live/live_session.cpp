@@ -1,0 +1,255 @@
+#include "ui/live/live_session.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/random.h>
+
+#include "engine/base/clock.hpp"
+#include "engine/base/text.hpp"
+#include "ui/live/live_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/operator_log.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::size_t kLongestText = 2000;
+constexpr std::size_t kInbox = 64;
+constexpr std::int64_t kWordNs = 60'000 * kMillisecond;
+
+std::string text_in(const data::Json& asked, const char* key) {
+    const auto at = asked.find(key);
+    return at != asked.end() && at->is_string() ? at->get<std::string>() : std::string();
+}
+
+/// Four letters that nobody sends by accident.
+std::string random_word() {
+    std::array<unsigned char, 4> bytes{};
+    if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+        throw std::runtime_error("no random numbers");
+    }
+    std::string word;
+    for (const unsigned char byte : bytes) {
+        word += "bcdfghjklmnpqrstvwxz"[byte % 20];
+    }
+    return word;
+}
+
+}  // namespace
+
+void LiveSession::begin(LiveFacts facts,
+                        const protocols::Protocol& protocol,
+                        const protocols::Plan& plan,
+                        protocols::Recorder& recorder) {
+    operator_ = facts.operator_name;
+    never_reveals_ = protocol.reveal == protocols::Reveal::never;
+    recorder_ = &recorder;
+    board_ = std::make_unique<LiveBoard>(std::move(facts), protocol, plan, desk_);
+    const ProcessIdentity process = this_process();
+    head_ = one_line({{"ok", true},
+                      {"text", "what runs"},
+                      {"file", board_->facts().file},
+                      {"pid", process.pid},
+                      {"started", process.started}});
+    head_.pop_back();
+    try {
+        reader_ = std::make_unique<LiveReader>(board_->descriptor());
+    } catch (const std::runtime_error&) {  // the session runs, and shows nothing
+    }
+    open_ = true;
+}
+
+void LiveSession::end(std::string_view how, bool keep) {
+    if (!open_.exchange(false)) {
+        return;
+    }
+    if (keep) {
+        obey_all();
+        keep_all();
+    }
+    board_->end(how);
+}
+
+// ---- on the socket's thread
+
+bool LiveSession::confirmed(Word& word,
+                            const std::string& given,
+                            const Caller& caller,
+                            std::string_view question) const {
+    const bool same = !word.word.empty() && given == word.word && monotonic_ns() < word.until_ns;
+    word = same ? Word{} : Word{.word = random_word(), .until_ns = monotonic_ns() + kWordNs};
+    if (!same) {
+        caller.answer(false, question, word.word);
+    }
+    return same;
+}
+
+void LiveSession::end_early(const std::string& word, const Caller& caller) {
+    if (confirmed(end_, word, caller, "ends the session: ask again with this word, within 60 s")) {
+        interrupt();
+        caller.answer(true, "the session ends; what was recorded is kept");
+    }
+}
+
+bool LiveSession::may_reveal(const std::string& word, const Caller& caller) {
+    if (never_reveals_) {
+        caller.answer(false, "the protocol says reveal = \"never\": nothing is shown");
+        return false;
+    }
+    if (revealed_) {
+        caller.answer(true, "it is shown already");
+        return false;
+    }
+    return confirmed(reveal_, word, caller,
+                     "shows what is felt and answered, and that is kept with the session: ask "
+                     "again with this word, within 60 s");
+}
+
+void LiveSession::answer_state(const Caller& caller) const {
+    const auto state = reader_->state();
+    const std::string json = state && !state->json.empty() ? state->json : "null";
+    caller.answer_line(head_ + ",\"state\":" + json + "}", board_->descriptor());
+}
+
+void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& caller) {
+    const data::Json asked = data::Json::parse(line, nullptr, false);
+    const std::string what = asked.is_object() ? text_in(asked, "do") : "";
+    const std::string text = text_in(asked, what == "mark" ? "reason" : "text");
+    if (what == "state" && reader_) {
+        answer_state(*caller);
+    } else if (!open_) {
+        caller->answer(false, "no session runs here now: nothing was done");
+    } else if (what == "end") {
+        end_early(text_in(asked, "word"), *caller);
+    } else if (text.size() > kLongestText) {
+        caller->answer(false, fmt::format("{} bytes: {} are the most", text.size(), kLongestText));
+    } else if (what == "note" && trimmed(text, " \t\r\n").empty()) {
+        caller->answer(false, "the note is empty: say it in a few words");
+    } else if (what == "pause" || what == "go on" || what == "mark" || what == "note" ||
+               (what == "reveal" && may_reveal(text_in(asked, "word"), *caller))) {
+        const std::scoped_lock lock(mutex_);
+        if (inbox_.size() < kInbox) {
+            inbox_.push_back({what, text, caller});
+            asked_ = true;
+        } else {
+            caller->answer(false, "too much was asked for at once: nothing was done");
+        }
+    } else if (what != "reveal") {
+        caller->answer(false,
+                       "\"do\" is stop, state, pause, go on, mark, note, end or reveal: nothing "
+                       "was done");
+    }
+}
+
+// ---- on the session's thread
+
+bool LiveSession::may_wait() const noexcept {
+    const LivePhase phase = board_->phase();
+    return phase != LivePhase::explore && phase != LivePhase::question;
+}
+
+void LiveSession::obey_all() {
+    std::deque<Asked> all;
+    {
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (!lock) {
+            return;
+        }
+        all.swap(inbox_);
+        asked_ = false;
+    }
+    for (const Asked& asked : all) {
+        obey(asked);
+    }
+    if (may_wait()) {
+        keep_all();
+    }
+}
+
+void LiveSession::obey(const Asked& asked) {
+    if (board_->phase() == LivePhase::ended) {
+        asked.caller->answer(false, "the session is over: nothing was done");
+    } else if (asked.what == "pause") {
+        pause(*asked.caller);
+    } else if (asked.what == "go on") {
+        go_on(*asked.caller);
+    } else if (asked.what == "mark") {
+        mark(asked);
+    } else if (asked.what == "note") {
+        notes_.push_back({asked.text, trial_});
+        board_->noted(asked.text);
+        asked.caller->answer(true, may_wait() ? "noted" : "noted; stored after this answer");
+    } else {
+        reveal_wanted_ = true;
+        asked.caller->answer(true, may_wait() ? "shown from now on" : "shown after this answer");
+    }
+}
+
+void LiveSession::pause(const Caller& caller) {
+    if (board_->phase() == LivePhase::pause || board_->phase() == LivePhase::trouble) {
+        caller.answer(false, "it waits already");
+    } else if (desk_.wants_pause()) {
+        caller.answer(true, "it pauses before the next trial, as was asked before");
+    } else {
+        desk_.pause();
+        caller.answer(true, "it pauses before the next trial");
+    }
+}
+
+/// A pause alone: after a stop weak pulses may move the handle, and whoever goes on is to see it.
+void LiveSession::go_on(const Caller& caller) {
+    const LivePhase phase = board_->phase();
+    if (phase == LivePhase::trouble) {
+        caller.answer(
+            false,
+            "at the participant's screen alone, where the handle is seen: Ctrl+Shift+P, or "
+            "what it says there");
+    } else if (phase == LivePhase::pause || desk_.wants_pause()) {
+        desk_.pause();
+        caller.answer(true,
+                      phase == LivePhase::pause ? "it goes on" : "it does not pause after all");
+    } else {
+        caller.answer(false, "nothing waits for the experimenter");
+    }
+}
+
+void LiveSession::mark(const Asked& asked) {
+    reply_.reset();
+    reason_ = asked.text;
+    desk_.mark(asked.text);
+    asked.caller->answer(!reply_ || reply_->found,
+                         reply_ ? std::string(trimmed(mark_text(*reply_), "\n"))
+                                : "it is marked, once the trial that runs is over");
+}
+
+void LiveSession::marked(const protocols::MarkReply& reply) {
+    reply_ = reply;
+    board_->marked(reply, std::exchange(reason_, {}));
+}
+
+void LiveSession::attempted(const protocols::Progress& progress,
+                            std::optional<double> minutes,
+                            bool alarm) {
+    board_->attempted(progress, minutes, alarm);
+    keep_all();
+}
+
+/// Each is forgotten first: one that the disk refuses ends the session, and once is enough.
+void LiveSession::keep_all() {
+    for (const Kept& note : std::exchange(notes_, {})) {
+        recorder_->event(
+            {.kind = protocols::EventKind::note, .text = note.text, .trial = note.trial});
+    }
+    if (std::exchange(reveal_wanted_, false) && !revealed_) {
+        recorder_->event({.kind = protocols::EventKind::reveal,
+                          .text = "what is felt and answered is shown to the experimenter",
+                          .value = operator_});
+        revealed_ = true;
+        board_->reveal();
+    }
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "protocols/session/operator_desk.hpp"
+#include "protocols/session/ports.hpp"
+#include "ui/live/live_board.hpp"
+#include "ui/rig/control_socket.hpp"
+
+namespace palpate::ui {
+
+/// What others see of a running session, and what they may ask of it. Whatever is asked for goes
+/// the way of the experimenter's chords: on the session's thread, through its desk and its events.
+/// Nothing in here gives force, changes a limit, or answers for a participant.
+class LiveSession {
+public:
+    /// @param desk  outlives this
+    explicit LiveSession(protocols::OperatorDesk& desk) : desk_(desk) {}
+
+    /// From here on it is shown. All outlive the session.
+    void begin(LiveFacts facts,
+               const protocols::Protocol& protocol,
+               const protocols::Plan& plan,
+               protocols::Recorder& recorder);
+    /// What was asked for and still can be is done; nothing after that is.
+    /// @param how   "finished", "ended early", ...
+    /// @param keep  the recorder still takes what was asked to be kept
+    void end(std::string_view how, bool keep = true);
+    [[nodiscard]] LiveBoard& board() noexcept { return *board_; }
+
+    /// Does what was asked for; called again and again on the session's thread.
+    void pump() {
+        if (asked_.load(std::memory_order_relaxed)) {
+            obey_all();
+        }
+    }
+    /// The running trial, for notes; none between trials.
+    void in_trial(std::optional<protocols::TrialId> trial) noexcept { trial_ = trial; }
+    void attempted(const protocols::Progress& progress, std::optional<double> minutes, bool alarm);
+    void marked(const protocols::MarkReply& reply);
+
+    /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
+    /// "end" | "reveal" | "state", "text": ..., "reason": ..., "word": ...}. On the socket's thread.
+    void hear(const std::string& line, const std::shared_ptr<Caller>& caller);
+
+private:
+    struct Asked {
+        std::string what;
+        std::string text;
+        std::shared_ptr<Caller> caller;
+    };
+    /// A second step: the word that has to come back, and until when.
+    struct Word {
+        std::string word;
+        std::int64_t until_ns = 0;
+    };
+    struct Kept {
+        std::string text;
+        std::optional<protocols::TrialId> trial;
+    };
+    [[nodiscard]] bool confirmed(Word& word,
+                                 const std::string& given,
+                                 const Caller& caller,
+                                 std::string_view question) const;
+    void answer_state(const Caller& caller) const;
+    void end_early(const std::string& word, const Caller& caller);
+    [[nodiscard]] bool may_reveal(const std::string& word, const Caller& caller);
+
+    void obey_all();
+    void obey(const Asked& asked);
+    void pause(const Caller& caller);
+    void go_on(const Caller& caller);
+    void mark(const Asked& asked);
+    void keep_all();
+    /// Storing waits for the disk: not while something is felt or an answer is timed.
+    [[nodiscard]] bool may_wait() const noexcept;
+
+    protocols::OperatorDesk& desk_;
+    protocols::Recorder* recorder_ = nullptr;
+    std::unique_ptr<LiveBoard> board_;
+    std::unique_ptr<LiveReader> reader_;  ///< of the board, for the socket's thread
+    std::string head_;                    ///< of every answer to "state", a JSON object unended
+    std::string operator_;
+    bool never_reveals_ = false;
+
+    std::mutex mutex_;
+    std::deque<Asked> inbox_;
+    std::atomic<bool> asked_{false};
+    std::atomic<bool> open_{false};
+    std::atomic<bool> revealed_{false};
+    Word end_{};
+    Word reveal_{};
+
+    std::optional<protocols::TrialId> trial_{};
+    std::vector<Kept> notes_;
+    bool reveal_wanted_ = false;
+    std::string reason_;  ///< of the mark that is on its way
+    std::optional<protocols::MarkReply> reply_{};
+};
+
+}  // namespace palpate::ui

@@ -1,0 +1,164 @@
+#include "ui/rig/control_line.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <fstream>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::string_view kPrefix = "palpate-control/";
+constexpr const char* kNoFile = "/proc/self/exe";  ///< stands for a database that is not there yet
+constexpr int kSessions = 8;                       ///< of one file
+
+std::string control_name(const FileIdentity& file, int k) {
+    return fmt::format("{}{:x}-{:x}-{}", kPrefix, file.device, file.inode, k);
+}
+
+/// An abstract name: the first byte is 0.
+std::pair<sockaddr_un, socklen_t> address_of(std::string_view name) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    name = name.substr(0, sizeof address.sun_path - 1);
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size())};
+}
+
+Descriptor control_socket() {
+    return Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+}
+
+/// Bytes, and room for an open file beside them.
+struct Packet {
+    explicit Packet(void* bytes, std::size_t size) : part{.iov_base = bytes, .iov_len = size} {
+        head.msg_iov = &part;
+        head.msg_iovlen = 1;
+        head.msg_control = room.data();
+        head.msg_controllen = room.size();
+    }
+    Packet(const Packet&) = delete;
+    Packet& operator=(const Packet&) = delete;
+
+    iovec part;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
+    msghdr head{};
+};
+
+}  // namespace
+
+std::optional<FileIdentity> identity_of(const std::string& database) {
+    struct stat file {};
+    if (stat(database.empty() ? kNoFile : database.c_str(), &file) != 0) {
+        return std::nullopt;
+    }
+    return FileIdentity{.device = file.st_dev, .inode = file.st_ino};
+}
+
+Descriptor listen_for(const FileIdentity& file) {
+    for (int k = 0; k < kSessions; ++k) {
+        Descriptor listening = control_socket();
+        const auto [address, length] = address_of(control_name(file, k));
+        const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
+        if (listening.get() >= 0 && bind(listening.get(), at, length) == 0 &&
+            listen(listening.get(), 16) == 0) {
+            return listening;
+        }
+    }
+    return Descriptor();
+}
+
+Descriptor connect_to(const std::string& name) {
+    Descriptor line = control_socket();
+    const auto [address, length] = address_of(name);
+    const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
+    return connect(line.get(), at, length) == 0 ? std::move(line) : Descriptor();
+}
+
+std::vector<std::string> session_names(const std::optional<std::string>& database) {
+    std::vector<std::string> names;
+    if (!database) {
+        std::ifstream table("/proc/net/unix");
+        for (std::string line; std::getline(table, line);) {
+            const std::size_t at = line.find("@" + std::string(kPrefix));
+            if (at != std::string::npos && line.find(" 00010000 ") != std::string::npos) {
+                names.push_back(line.substr(at + 1));
+            }
+        }
+        return names;
+    }
+    for (const std::string& of : {*database, std::string()}) {
+        const auto file = identity_of(of);
+        for (int k = 0; k < kSessions && file; ++k) {
+            names.push_back(control_name(*file, k));
+        }
+    }
+    return names;
+}
+
+void warn_of_unblinding(const std::string& database) {
+    const auto file = database.empty() ? std::nullopt : identity_of(database);
+    for (int k = 0; k < kSessions && file; ++k) {
+        if (connect_to(control_name(*file, k)).get() >= 0) {
+            warn("{}: a session runs on it, and this may tell you what its participant feels",
+                 database);
+            return;
+        }
+    }
+}
+
+bool readable(int descriptor, int wait_ms) {
+    pollfd one{.fd = descriptor, .events = POLLIN, .revents = 0};
+    return poll(&one, 1, wait_ms) > 0;
+}
+
+bool send_line(int to, std::string_view line, int file) noexcept {
+    std::array<char, 2> end{'\n', 0};
+    Packet packet(const_cast<char*>(line.data()), line.size());  // NOLINT: it is only read
+    const std::array parts{packet.part, iovec{.iov_base = end.data(), .iov_len = 1}};
+    packet.head.msg_iov = const_cast<iovec*>(parts.data());  // NOLINT: as above
+    packet.head.msg_iovlen = parts.size();
+    if (file < 0) {
+        packet.head.msg_control = nullptr;
+        packet.head.msg_controllen = 0;
+    } else {
+        cmsghdr* head = CMSG_FIRSTHDR(&packet.head);
+        head->cmsg_level = SOL_SOCKET;
+        head->cmsg_type = SCM_RIGHTS;
+        head->cmsg_len = CMSG_LEN(sizeof file);
+        std::memcpy(CMSG_DATA(head), &file, sizeof file);
+    }
+    return sendmsg(to, &packet.head, MSG_NOSIGNAL | MSG_DONTWAIT) ==
+           static_cast<ssize_t>(line.size() + 1);
+}
+
+Received receive(int from) {
+    std::array<char, 4096> bytes{};
+    Packet packet(bytes.data(), bytes.size());
+    const ssize_t got = recvmsg(from, &packet.head, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+    Received received;
+    if (got <= 0) {
+        received.ended = got == 0 || (errno != EAGAIN && errno != EINTR);
+        return received;
+    }
+    received.bytes.assign(bytes.data(), static_cast<std::size_t>(got));
+    const cmsghdr* head = CMSG_FIRSTHDR(&packet.head);
+    if (head != nullptr && head->cmsg_type == SCM_RIGHTS) {
+        int file = -1;
+        std::memcpy(&file, CMSG_DATA(head), sizeof file);
+        received.file = Descriptor(file);
+    }
+    return received;
+}
+
+}  // namespace palpate::ui

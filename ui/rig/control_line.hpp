@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+/// Names and lines of the sockets by which running sessions are called: in Linux's abstract names,
+/// which end with their process, so that nothing is left of a crash. One is named for its
+/// database's file system and inode; several sessions on one file have one each.
+namespace palpate::ui {
+
+/// Closed at the end.
+class Descriptor {
+public:
+    explicit Descriptor(int number = -1) noexcept : number_(number) {}
+    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(number_, other.number_);
+        return *this;
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor() {
+        if (number_ >= 0) {
+            close(number_);
+        }
+    }
+    [[nodiscard]] int get() const noexcept { return number_; }
+
+private:
+    int number_;
+};
+
+/// What a file is, whatever it is called.
+struct FileIdentity {
+    unsigned long long device = 0;
+    unsigned long long inode = 0;
+
+    friend bool operator==(const FileIdentity&, const FileIdentity&) = default;
+};
+/// @param database  empty: what stands for one that is not there yet. @return none: no such file
+[[nodiscard]] std::optional<FileIdentity> identity_of(const std::string& database);
+
+/// A listening socket under a free name of the file; < 0: all are taken, nobody can call.
+[[nodiscard]] Descriptor listen_for(const FileIdentity& file);
+/// < 0: nobody listens there.
+[[nodiscard]] Descriptor connect_to(const std::string& name);
+/// Where sessions of a file may listen; without one, of every session on this machine.
+[[nodiscard]] std::vector<std::string> session_names(const std::optional<std::string>& database);
+
+/// Of a command that shows stimuli and answers of a file: says so where a session runs on it.
+void warn_of_unblinding(const std::string& database);
+
+/// Whether something can be read within `wait_ms`.
+[[nodiscard]] bool readable(int descriptor, int wait_ms);
+/// A line and its end, and with it an open file (< 0: none). Waits for nobody. @return all of it
+/// went out
+bool send_line(int to, std::string_view line, int file = -1) noexcept;
+
+/// What came in one piece.
+struct Received {
+    std::string bytes;
+    Descriptor file;     ///< that came with them
+    bool ended = false;  ///< nothing more will
+};
+/// What has come so far; waits for nothing.
+[[nodiscard]] Received receive(int from);
+
+}  // namespace palpate::ui
