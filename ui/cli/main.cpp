@@ -18,13 +18,13 @@ namespace palpate::ui {
 
 // Every command, each in its file, in the order of --help: declared here, listed below.
 Command demo_command(), new_command(), check_command(), run_command(), stop_command(),
-    status_command(), console_command(), simulate_command(), power_command(), sequence_command(),
-    summary_command(), fit_command(), stats_command(), audit_command(), report_command(),
-    analysis_command(), participant_command(), note_command(), mark_command(), session_command(),
-    verify_command(), sql_command(), extension_command(), trace_command(), export_command(),
-    merge_command(), push_command(), calibrate_command(), commission_command(), doctor_command(),
-    emulator_command(), closest_command(), deform_command(), figures_command(), procedure_command(),
-    screenshots_command();
+    status_command(), console_command(), preview_command(), simulate_command(), power_command(),
+    sequence_command(), summary_command(), fit_command(), stats_command(), audit_command(),
+    report_command(), analysis_command(), participant_command(), note_command(), mark_command(),
+    session_command(), verify_command(), sql_command(), extension_command(), trace_command(),
+    export_command(), merge_command(), push_command(), calibrate_command(), commission_command(),
+    doctor_command(), emulator_command(), closest_command(), deform_command(), figures_command(),
+    procedure_command(), screenshots_command();
 Command render_command(MakePlaneFeel thesis);
 Command words_command(std::vector<Command> (*all)());
 
@@ -42,25 +42,20 @@ namespace {
 using namespace palpate::ui;
 
 std::vector<Command> all_commands() {
-    return {demo_command(),        new_command(),
-            check_command(),       run_command(),
-            stop_command(),        status_command(),
-            console_command(),     simulate_command(),
-            power_command(),       sequence_command(),
-            summary_command(),     fit_command(),
-            stats_command(),       audit_command(),
-            report_command(),      analysis_command(),
-            participant_command(), note_command(),
-            mark_command(),        session_command(),
-            verify_command(),      sql_command(),
-            extension_command(),   trace_command(),
-            export_command(),      merge_command(),
-            push_command(),        calibrate_command(),
-            commission_command(),  doctor_command(),
-            emulator_command(),    render_command(palpate::figures::thesis_feel),
-            closest_command(),     deform_command(),
-            figures_command(),     procedure_command(),
-            screenshots_command(), words_command(all_commands)};
+    return {
+        demo_command(),      new_command(),         check_command(),
+        run_command(),       stop_command(),        status_command(),
+        console_command(),   preview_command(),     simulate_command(),
+        power_command(),     sequence_command(),    summary_command(),
+        fit_command(),       stats_command(),       audit_command(),
+        report_command(),    analysis_command(),    participant_command(),
+        note_command(),      mark_command(),        session_command(),
+        verify_command(),    sql_command(),         extension_command(),
+        trace_command(),     export_command(),      merge_command(),
+        push_command(),      calibrate_command(),   commission_command(),
+        doctor_command(),    emulator_command(),    render_command(palpate::figures::thesis_feel),
+        closest_command(),   deform_command(),      figures_command(),
+        procedure_command(), screenshots_command(), words_command(all_commands)};
 }
 
 /// Everybody can list the words of a command (ps): the address of a server may hold a password.

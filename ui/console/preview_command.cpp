@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <mutex>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/base/files.hpp"
+#include "data/csv/json_text.hpp"
+#include "ui/command/command.hpp"
+#include "ui/console/page_server.hpp"
+#include "ui/live/live_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+
+// As they lie in page/.
+std::string_view preview_page(), preview_style(), preview_script();
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PreviewOptions {
+    std::string protocol;
+};
+
+void declare(CommandWords& words, PreviewOptions& options) {
+    words.add("PROTOCOL", options.protocol, "A protocol file, looked at again when it is saved")
+        .required();
+}
+
+/// A folder that is gone with it.
+class DrawingFolder {
+public:
+    DrawingFolder() {
+        std::string name = (fs::temp_directory_path() / "palpate-preview-XXXXXX").string();
+        if (mkdtemp(name.data()) == nullptr) {
+            throw std::runtime_error(name + ": cannot be made; check TMPDIR");
+        }
+        path_ = name;
+    }
+    DrawingFolder(const DrawingFolder&) = delete;
+    DrawingFolder& operator=(const DrawingFolder&) = delete;
+    ~DrawingFolder() {
+        std::error_code kept;
+        fs::remove_all(path_, kept);
+    }
+    [[nodiscard]] std::string file(std::string_view name) const { return path_ / name; }
+    [[nodiscard]] const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
+
+/// What a command of this program says, both ways, and whether it said that all is right.
+std::pair<std::string, bool> said_by(std::vector<std::string> words, const std::string& into) {
+    std::vector<char*> line{const_cast<char*>("palpate")};  // NOLINT: it is only read
+    for (std::string& word : words) {
+        line.push_back(word.data());
+    }
+    line.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, into.c_str(),
+                                     O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
+    posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+    pid_t child = -1;
+    int status = -1;
+    if (posix_spawn(&child, "/proc/self/exe", &files, nullptr, line.data(), environ) == 0) {
+        while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+        }
+    }
+    posix_spawn_file_actions_destroy(&files);
+    return {file_text(into), WIFEXITED(status) && WEXITSTATUS(status) == 0};
+}
+
+/// A protocol as it was when it was saved last: check, order, screens and objects as the commands
+/// of these names have them.
+class Drawn {
+public:
+    explicit Drawn(std::string protocol) : protocol_(std::move(protocol)) { draw(); }
+
+    /// Draws it again if it was saved.
+    void look() {
+        if (stamp() != stamp_) {
+            draw();
+        }
+    }
+    [[nodiscard]] std::pair<std::string, std::uint64_t> event() const {
+        const std::scoped_lock lock(mutex_);
+        return {event_, version_};
+    }
+    [[nodiscard]] std::optional<PageFile> file(std::string_view path) const {
+        const std::scoped_lock lock(mutex_);
+        const std::string name(path.substr(std::min<std::size_t>(1, path.size())));
+        if (!std::ranges::count(shown_, name)) {
+            return std::nullopt;
+        }
+        return PageFile{name.ends_with(".svg") ? "image/svg+xml" : "image/png",
+                        file_text(folder_.file(name))};
+    }
+
+private:
+    using Stamp = std::pair<fs::file_time_type, std::uintmax_t>;
+    [[nodiscard]] Stamp stamp() const {
+        std::error_code gone;
+        return {fs::last_write_time(protocol_, gone), fs::file_size(protocol_, gone)};
+    }
+
+    void draw() {
+        stamp_ = stamp();
+        const std::string said = folder_.file("said.txt");
+        const auto [check, right] =
+            said_by({"check", protocol_, "--long", "--svg", folder_.file("objects.svg")}, said);
+        const auto [order, ordered] =
+            said_by({"sequence", protocol_, "--participant", "P01"}, said);
+        const auto [taken, pictured] =
+            said_by({"screenshots", "--protocol", protocol_, "--width", "960", "--height", "600",
+                     "-o", folder_.path().string()},
+                    said);
+        std::vector<std::string> shown;
+        if (pictured) {
+            for (const auto& entry : fs::directory_iterator(folder_.path())) {
+                if (taken.find(entry.path().string()) != std::string::npos) {
+                    shown.push_back(entry.path().filename().string());
+                }
+            }
+        }
+        std::ranges::sort(shown, {}, [&](const std::string& name) { return taken.find(name); });
+        const data::Json screens = shown;
+        const bool drawn = pictured && fs::exists(folder_.file("objects.svg"));
+        if (drawn) {
+            shown.emplace_back("objects.svg");
+        }
+        const std::scoped_lock lock(mutex_);
+        shown_ = std::move(shown);
+        ++version_;
+        event_ = fmt::format(
+            "event: drawn\ndata: {}\n\n",
+            one_line({{"protocol", protocol_},
+                      {"version", version_},
+                      {"right", right},
+                      {"check", check},
+                      {"order", ordered ? order : ""},
+                      {"screens", screens},
+                      {"objects", drawn ? data::Json("objects.svg") : data::Json(nullptr)}}));
+    }
+
+    std::string protocol_;
+    DrawingFolder folder_;
+    Stamp stamp_{};
+    mutable std::mutex mutex_;
+    std::vector<std::string> shown_;
+    std::string event_;
+    std::uint64_t version_ = 0;
+};
+
+class DrawnStream : public EventSource {
+public:
+    explicit DrawnStream(const Drawn& drawn) : drawn_(drawn), said_ns_(monotonic_ns()) {}
+    [[nodiscard]] std::string next() override {
+        const auto [event, version] = drawn_.event();
+        const bool quiet = monotonic_ns() - said_ns_ > 5'000 * kMillisecond;
+        if (version == version_ && !quiet) {
+            return {};
+        }
+        said_ns_ = monotonic_ns();
+        return std::exchange(version_, version) != version ? event : ": still here\n\n";
+    }
+
+private:
+    const Drawn& drawn_;
+    std::uint64_t version_ = 0;
+    std::int64_t said_ns_;
+};
+
+int run(const PreviewOptions& options) {
+    if (std::error_code unknown; !fs::exists(options.protocol, unknown)) {
+        throw std::invalid_argument(
+            fmt::format("{}: there is no such file; palpate new makes one of a shipped protocol",
+                        options.protocol));
+    }
+    catch_signals();
+    Drawn drawn(options.protocol);
+    PageServerSpec spec;
+    spec.file = [&drawn](std::string_view path) {
+        return path == "/" ? PageFile{"text/html; charset=utf-8", std::string(preview_page())}
+             : path == "/preview.css"
+                 ? PageFile{"text/css; charset=utf-8", std::string(preview_style())}
+             : path == "/preview.js"
+                 ? PageFile{"text/javascript; charset=utf-8", std::string(preview_script())}
+                 : drawn.file(path);
+    };
+    spec.open = [&drawn] {
+        return std::make_unique<DrawnStream>(drawn);
+    };
+    const PageServer server(std::move(spec));
+    say("{} as its participants will see it, drawn again when it is saved: {}\nCtrl+C ends it.\n",
+        options.protocol, server.address());
+    while (!interrupted()) {
+        sleep_until(monotonic_ns() + 300 * kMillisecond);
+        drawn.look();
+    }
+    return 0;
+}
+
+}  // namespace
+
+Command preview_command() {
+    return make_command<PreviewOptions>(
+        "preview", "Serve a page with all that a protocol shows, drawn again when it is saved",
+        declare, run);
+}
+
+}  // namespace palpate::ui
