@@ -82,6 +82,12 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
         }
         CHECK(same);
     }
+    const auto first = [](const auto& row) {
+        return row.front();
+    };
+    const auto numbered = rows_of(database, "SELECT rowid, tick FROM sample WHERE trial_id = 2");
+    const auto alone = rows_of(database, "SELECT rowid FROM sample WHERE trial_id = 2");
+    CHECK(std::ranges::equal(alone, numbered, {}, first, first));
 }
 
 TEST_CASE("no row is lost where a range begins or ends beside a chunk's border", "[sample][law]") {
