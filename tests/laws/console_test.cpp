@@ -4,6 +4,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/shown_session.hpp"
+#include "tests/support/slurp.hpp"
 
 // The experimenter's page, asked as a browser does and as nobody should. Nothing is asserted about
 // time.
@@ -110,7 +111,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
         return stream.hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
     }));
     CHECK(eventually([&] { return session.kept("SELECT count(*) FROM response") >= "1"; }));
-    const std::string heard = stream.hear_until(std::string_view("\0\1", 2));
+    const std::string heard = stream.hear_until(std::string_view("\0\1", 2), 3);
     for (const char* word :
          {"hidden", "convex", "concave", "correct", "friction", "\"hip\"", "strips", "\"f\":"}) {
         CAPTURE(word);
@@ -154,4 +155,30 @@ TEST_CASE("whatever becomes of the page's server and its clients, the session go
     CHECK(session.kept(kPauses) == "0");
     CHECK(session.kept("SELECT count(*) FROM response") == "4");
     CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+}
+
+TEST_CASE("a preview shows what a protocol shows, and each problem at its line once it is saved",
+          "[console][law]") {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder.file("mine.toml");
+    const std::string good = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    tests::write(file, good);
+    tests::Process preview({tests::palpate_program(), "preview", file});
+    REQUIRE(eventually([&] { return preview.out().find("\nCtrl+C") != std::string::npos; }));
+    Browser browser(preview.out());
+    browser.trade();
+    tests::HttpLine stream(browser.port);
+    stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
+    CHECK_THAT(stream.hear_until("\"objects\":\"objects.svg\"}"),
+               ContainsSubstring("\"right\":true") && ContainsSubstring("\"welcome.png\""));
+    CHECK_THAT(browser.get("/choose.png", browser.cookie), ContainsSubstring("image/png"));
+    CHECK_THAT(browser.get("/objects.svg", browser.cookie), ContainsSubstring("<svg"));
+    CHECK_THAT(browser.get("/said.txt", browser.cookie), StartsWith("HTTP/1.1 404"));
+    stream.forget();
+    tests::write(file, tests::replaced(good, "rate_hz = 1000", "rate_hz = 1"));
+    CHECK_THAT(stream.hear_until("\"objects\":null}"),
+               ContainsSubstring("mine.toml:11:11: rate_hz is 1"));
+    CHECK_THAT(browser.get("/choose.png", browser.cookie), StartsWith("HTTP/1.1 404"));
+    preview.signal(SIGTERM);
+    CHECK(preview.wait().code == 0);
 }

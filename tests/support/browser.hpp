@@ -34,9 +34,9 @@ public:
     void say(std::string_view text) const {
         static_cast<void>(send(socket_, text.data(), text.size(), MSG_NOSIGNAL));
     }
-    /// What has come until `text` is in it, nothing more comes, or 10 s are over.
-    const std::string& hear_until(std::string_view text) {
-        const std::int64_t end = monotonic_ns() + 10'000 * kMillisecond;
+    /// What has come until `text` is in it, nothing more comes, or the seconds are over.
+    const std::string& hear_until(std::string_view text, int seconds = 50) {
+        const std::int64_t end = monotonic_ns() + seconds * 1000 * kMillisecond;
         std::string piece(65536, '\0');
         while (open_ && heard_.find(text) == std::string::npos && monotonic_ns() < end) {
             pollfd one{.fd = socket_, .events = POLLIN, .revents = 0};

@@ -103,7 +103,10 @@ private:
     };
     class Text;
 
+    /// All of it as JSON, in one line.
+    [[nodiscard]] std::string text() const;
     void draw_outline();
+    [[nodiscard]] bool forget_half();
     void show(const engine::TickRecord& tick) noexcept;
 
     LiveFacts facts_;

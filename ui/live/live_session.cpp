@@ -66,11 +66,11 @@ void LiveSession::end(std::string_view how, bool keep) {
     if (!open_.exchange(false)) {
         return;
     }
+    board_->end(how);
     if (keep) {
         obey_all();
         keep_all();
     }
-    board_->end(how);
 }
 
 // ---- on the socket's thread

@@ -31,7 +31,7 @@ public:
                const protocols::Protocol& protocol,
                const protocols::Plan& plan,
                protocols::Recorder& recorder);
-    /// What was asked for and still can be is done; nothing after that is.
+    /// What was asked for and not yet done is not done any more; what is to be kept is kept.
     /// @param how   "finished", "ended early", ...
     /// @param keep  the recorder still takes what was asked to be kept
     void end(std::string_view how, bool keep = true);
