@@ -6,8 +6,7 @@
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
-using tests::TemporaryFolder;
+using namespace palpate::tests;
 
 namespace {
 

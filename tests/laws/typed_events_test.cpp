@@ -3,8 +3,8 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
+using namespace palpate::tests;
 using namespace palpate::data;
-using tests::palpate_command;
 
 namespace {
 
