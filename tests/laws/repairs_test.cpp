@@ -55,8 +55,9 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     record(file, "P3");
     const std::string before = copied(file, folder.file("before.sqlite"));
     ran({"participant", file, "P2", "--new", "--handedness=-60"});
-    CHECK_THAT(ran({"participant", file}), ContainsSubstring("1 session, consent not noted\n") &&
-                                               ContainsSubstring("3 people in " + file));
+    CHECK_THAT(ran({"participant", file}).out,
+               ContainsSubstring("1 session, consent not noted\n") &&
+                   ContainsSubstring("3 people in " + file));
     CHECK_THAT(said_no({"participant", file, "--consent", "yes"}),
                ContainsSubstring("nobody is named"));
     CHECK_THAT(said_no({"participant", file, "P3", "--is-really", "P9", "--reason", "typed"}),
