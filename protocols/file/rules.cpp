@@ -234,7 +234,8 @@ private:
 };
 
 /// Keys of [response] that only some kinds have.
-void check_labels(ResponseKind kind, const Places& places, Problems& problems) {
+void check_labels(const ResponseSpec& response, const Places& places, Problems& problems) {
+    const ResponseKind kind = response.kind;
     const auto only_for = [&](std::string_view key, bool has_it, std::string_view kinds) {
         const std::string path = fmt::format("response.{}", key);
         if (!has_it && places.has(path)) {
@@ -245,7 +246,8 @@ void check_labels(ResponseKind kind, const Places& places, Problems& problems) {
     };
     const bool rating = kind == ResponseKind::rating;
     const bool labelled = rating || kind == ResponseKind::yes_no;
-    only_for("levels", rating, "\"rating\"");
+    // As it begins it is in the canonical text of every kind.
+    only_for("levels", rating || response.levels == ResponseSpec{}.levels, "\"rating\"");
     only_for("low", labelled, "\"yes_no\" or \"rating\"");
     only_for("high", labelled, "\"yes_no\" or \"rating\"");
 }
@@ -258,7 +260,7 @@ void check_response(const Protocol& protocol, const Places& places, Problems& pr
         problems.add(places.of(fmt::format("response.{}", key)), std::move(what));
     };
     const bool labelled = kind == ResponseKind::rating || kind == ResponseKind::yes_no;
-    check_labels(kind, places, problems);
+    check_labels(response, places, problems);
     if (kind == ResponseKind::two_interval && !protocol.procedure) {
         add("kind",
             "kind is \"two_interval\", but nothing says what the two intervals hold: add the table "
