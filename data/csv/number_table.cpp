@@ -4,74 +4,17 @@
 #include <cerrno>
 #include <cmath>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
+#include "data/csv/csv_row.hpp"
 
 namespace palpate::data {
 namespace {
-
-constexpr std::string_view kBlank = " \t\r";
-
-/// A field of a line, without blanks and quotes around it.
-struct Field {
-    std::string_view text;
-    std::size_t character = 1;  ///< where it begins, from 1
-};
-
-/// Where the field at the start of `line` ends: at a comma outside of quotes, or with the line.
-std::size_t end_of_field(std::string_view line) {
-    const std::size_t first = line.find_first_not_of(" \t");
-    if (first == std::string_view::npos || line[first] != '"') {
-        return std::min(line.find(','), line.size());
-    }
-    bool quoted = false;
-    for (std::size_t i = first; i < line.size(); ++i) {
-        if (line[i] == '"') {
-            quoted = !quoted;
-        } else if (line[i] == ',' && !quoted) {
-            return i;
-        }
-    }
-    return line.size();
-}
-
-std::string_view unquoted(std::string_view name) {
-    return name.size() >= 2 && name.front() == '"' && name.back() == '"'
-             ? name.substr(1, name.size() - 2)
-             : name;
-}
-
-std::vector<Field> fields_of(std::string_view line) {
-    std::vector<Field> fields;
-    const char* const begin = line.data();
-    while (true) {
-        const std::size_t end = end_of_field(line);
-        const std::string_view text = trimmed(line.substr(0, end), kBlank);
-        const char* const at = text.empty() ? line.data() : text.data();
-        fields.push_back({unquoted(text), static_cast<std::size_t>(at - begin) + 1});
-        if (end == line.size()) {
-            return fields;
-        }
-        line.remove_prefix(end + 1);
-    }
-}
-
-/// "" inside of quotes means one of them.
-std::string plain_text(std::string_view field) {
-    std::string text;
-    for (std::size_t i = 0; i < field.size(); ++i) {
-        text += field[i];
-        i += std::size_t{field[i] == '"' && i + 1 < field.size() && field[i + 1] == '"'};
-    }
-    return text;
-}
-
-/// A line longer than this is none of a table, and would fill the memory.
-constexpr std::size_t kMaxLine = std::size_t{1} << 20U;
 
 class Parser {
 public:
@@ -155,10 +98,6 @@ private:
         buffer_.erase(0, buffer_.size() - rest_.size());
         const bool more = pieces_->next(buffer_);
         rest_ = buffer_;
-        if (rest_.size() > kMaxLine && rest_.find('\n') == std::string_view::npos) {
-            fail(number_ + 1,
-                 fmt::format("the line is longer than {} bytes: give a row a line", kMaxLine));
-        }
         return more;
     }
 
@@ -202,17 +141,38 @@ private:
         throw CsvError(fmt::format("{}:{}:{}: {}", file_, number_, character, what));
     }
 
-    /// The next line that is not blank.
+    /// Bytes of the next row, to its line break or the end of the text.
+    std::size_t row_length() {
+        const std::size_t line = std::min(rest_.find('\n'), rest_.size());
+        if (line < rest_.size() && rest_.substr(0, line).find('"') == std::string_view::npos) {
+            return line;
+        }
+        RowEnd end;
+        std::size_t length = end.in(rest_);
+        while (length == std::string_view::npos && fill()) {
+            length = end.in(rest_);
+            if (std::min(length, rest_.size()) > kMaxLine) {
+                break;
+            }
+        }
+        if (length == std::string_view::npos && end.open()) {
+            fail(number_ + 1, "a quote opens in this row and does not end: end it, or take it out");
+        }
+        if (pieces_ != nullptr && std::min(length, rest_.size()) > kMaxLine) {
+            fail(number_ + 1,
+                 fmt::format("the line is longer than {} bytes: give a row a line", kMaxLine));
+        }
+        return std::min(length, rest_.size());
+    }
+
+    /// The next row that is not blank: a line, or several where quotes hold line breaks.
     bool next_line() {
         while (!rest_.empty() || fill()) {
-            std::size_t end = rest_.find('\n');
-            while (end == std::string_view::npos && fill()) {
-                end = rest_.find('\n');
-            }
-            end = std::min(end, rest_.size());
+            const std::size_t end = row_length();
+            number_ += std::exchange(breaks_, 0) + 1;
             line_ = rest_.substr(0, end);
+            breaks_ = static_cast<std::size_t>(std::ranges::count(line_, '\n'));
             rest_.remove_prefix(std::min(end + 1, rest_.size()));
-            ++number_;
             if (!trimmed(line_, kBlank).empty()) {
                 return true;
             }
@@ -277,7 +237,8 @@ private:
     std::string_view file_;
     std::string head_line_;
     std::string_view line_;
-    std::size_t number_ = 0;
+    std::size_t number_ = 0;  ///< of the line that the row begins in
+    std::size_t breaks_ = 0;  ///< of lines, in the row
     std::vector<std::string_view> head_;
     std::vector<std::size_t> head_characters_;
     std::vector<std::size_t> places_;  ///< of the table's columns among the fields

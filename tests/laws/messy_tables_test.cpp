@@ -30,6 +30,13 @@ TEST_CASE(
     // A column that nobody reads may be there twice, and in any bytes.
     write(csv, "\xEF\xBB\xBFstimulus,n,k,note,note\r\n1,20,2,x,\xFC\r\n2,20,9,,\r\n3,20,18,,\r\n");
     CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 60);
+    // A quoted field may hold line breaks (RFC 4180); places are of the line a row begins in.
+    const std::string broken =
+        "stimulus,note,n,k\n1,\"a\nb \"\"c\"\",\n\n,\r\nd\",20,2\n2,5\" x,20,9\n3,,20,";
+    write(csv, broken + "18\n");
+    CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 60);
+    of("fit", broken + "y\n", "d.csv:8:6: k is \"y\"");
+    of("fit", broken + "18,\"\n\n", "d.csv:8: a quote opens in this row and does not end");
 }
 
 TEST_CASE(
