@@ -159,7 +159,7 @@ std::string left_out_text(const LeftOut& account) {
                     {account.invalid, "invalid"},
                     {account.by_rule.answers, "of who is left out by rule"}});
     std::string text = fmt::format("  Who and what is left out of study {}, {} sessions\n",
-                                   account.study, account.kind);
+                                   plain(account.study), account.kind);
     text += fmt::format("    people: {} in the file; left out: {}; analysed: {}\n",
                         account.in_file.people, people.empty() ? "nobody" : people,
                         account.analysed.people);
@@ -167,14 +167,14 @@ std::string left_out_text(const LeftOut& account) {
                         account.in_file.answers, answers.empty() ? "none" : answers,
                         account.analysed.answers);
     for (const LeftOut::Reason& one : account.broken) {
-        text += fmt::format("    by rule: {}  {}\n", one.person, one.why);
+        text += fmt::format("    by rule: {}  {}\n", plain(one.person), plain(one.why));
     }
     for (const LeftOut::Reason& one : account.withdrawals) {
-        text += fmt::format("    withdrawn: {}  {}\n", one.person, one.why);
+        text += fmt::format("    withdrawn: {}  {}\n", plain(one.person), plain(one.why));
     }
     for (const StudyVersion& one : account.elsewhere) {
-        text += fmt::format("    not in these numbers: {}, {} sessions: {}\n", one.study, one.kind,
-                            counted(one.people, "person", "people"));
+        text += fmt::format("    not in these numbers: {}, {} sessions: {}\n", plain(one.study),
+                            one.kind, counted(one.people, "person", "people"));
     }
     return text;
 }

@@ -33,7 +33,7 @@ std::vector<Group> groups(Database& database) {
 }
 
 std::string title(const Group& group) {
-    std::string text = fmt::format("Study {}, {} data", group.study, group.kind);
+    std::string text = fmt::format("Study {}, {} data", plain(group.study), group.kind);
     if (group.kind == "simulated") {
         text += ": participant and device are SIMULATED";
     } else if (group.kind == "pilot") {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "data/page/trial_trace.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
@@ -142,7 +143,7 @@ Owner owner_of(Database& database, const TrialPageOptions& options) {
     if (!row.null(6)) {
         throw std::invalid_argument(
             fmt::format("trial {} is of a session that was withdrawn ({}): there is no page of it",
-                        options.trial, row.text(6)));
+                        options.trial, plain(row.text(6))));
     }
     return {row.integer(0), row.text(1), row.text(2), row.text(3),
             row.null(4) ? std::string() : row.text(4)};

@@ -97,11 +97,12 @@ std::vector<StudyVersion> versions_of(Database& database) {
 std::string versions_text(const std::vector<StudyVersion>& versions) {
     std::string text;
     for (const StudyVersion& one : versions) {
-        text += fmt::format("    {:<40}  {} ({})\n",
-                            one.study.find('@') == std::string::npos
-                                ? fmt::format("{}@{}", one.study, one.protocol_sha256.substr(0, 8))
-                                : one.study,
-                            counted(one.people, "person", "people"), one.kind);
+        text += fmt::format(
+            "    {:<40}  {} ({})\n",
+            plain(one.study.find('@') == std::string::npos
+                      ? fmt::format("{}@{}", one.study, one.protocol_sha256.substr(0, 8))
+                      : one.study),
+            counted(one.people, "person", "people"), one.kind);
     }
     if (text.empty()) {
         return text;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "data/tables/table.hpp"
 
 namespace palpate::data {
@@ -85,7 +86,7 @@ std::string text_of(const Table& table, std::size_t row, std::size_t column) {
     const auto* none = std::get_if<Nothing>(&cell);
     return none != nullptr && none->why.empty() && table.columns[column].words == " "
              ? std::string()  // a column without a head says nothing of nothing
-             : said(cell, table.columns[column], scale_of(table.rows[row]));
+             : plain(said(cell, table.columns[column], scale_of(table.rows[row])));
 }
 
 /// Heads first; what names a row and stands in the line above, as all to its left does, is not said

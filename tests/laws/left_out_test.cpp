@@ -48,7 +48,7 @@ std::string mixed_study(const TemporaryFolder& folder) {
     ran({"mark", file,
          ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
          "--invalid", "moved"});
-    ran({"session", file, "D", "1", "--withdraw", "was asleep"});
+    ran({"session", file, "D", "1", "--withdraw", "was\nasleep"});
     edit(file,
          "UPDATE session SET finished = 0 WHERE participant_id = (SELECT participant_id FROM "
          "participant WHERE participant_code = 'C')");
