@@ -17,6 +17,8 @@ namespace {
 
 /// Rows of a table that decide how wide its columns are.
 constexpr std::size_t kLookedAt = 1000;
+constexpr std::size_t kHeldBytes = 16'000'000;  ///< or so much of rows
+constexpr std::size_t kWidestCell = 1000;       ///< characters of a table's cell
 
 std::string hexadecimal(const std::string& bytes) {
     std::string text;
@@ -46,6 +48,24 @@ std::size_t width_of(std::string_view text) {
     return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
         return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
     }));
+}
+
+/// A text or blob of a table as its beginning and an ellipsis. @return bytes
+std::size_t cut(SqlValue& cell) {
+    if (auto* blob = std::get_if<BlobCell>(&cell)) {
+        const bool longer = 2 * blob->bytes.size() > kWidestCell;
+        std::string text = hexadecimal(blob->bytes.substr(0, kWidestCell / 2));
+        cell = longer ? text + "…" : std::move(text);
+    } else if (auto* text = std::get_if<std::string>(&cell);
+               text != nullptr && text->size() > kWidestCell) {
+        std::size_t end = 0;
+        for (std::size_t i = 0; i < kWidestCell && end < text->size(); ++i) {
+            end += std::max<std::size_t>(utf8_length(std::string_view(*text).substr(end)), 1);
+        }
+        cell = end < text->size() ? text->substr(0, end) + "…" : *text;
+    }
+    const auto* text = std::get_if<std::string>(&cell);
+    return sizeof cell + (text == nullptr ? 0 : text->size());
 }
 
 std::string csv_of(const SqlValue& cell) {
@@ -94,11 +114,20 @@ void RowPrinter::row(std::vector<SqlValue> cells) {
         fmt::print(out_, "{}\n", looked_at ? plain(line, Lines::kept) : line);
     } else if (format_ == RowFormat::json) {
         print_json_row(cells);
-    } else if (head_printed_) {
+    } else {
+        table_row(std::move(cells));
+    }
+}
+
+void RowPrinter::table_row(std::vector<SqlValue> cells) {
+    for (SqlValue& cell : cells) {
+        held_ += cut(cell);
+    }
+    if (head_printed_) {
         print_table_row(cells);
     } else {
         waiting_.push_back(std::move(cells));
-        if (waiting_.size() == kLookedAt) {
+        if (waiting_.size() == kLookedAt || held_ > kHeldBytes) {
             print_table_rows();
         }
     }

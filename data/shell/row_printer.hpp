@@ -16,8 +16,10 @@ using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string,
 
 /// What rows look like.
 enum class RowFormat : std::uint8_t {
-    table,  ///< aligned by the first 1,000 rows, for people; NULL is empty
-    csv,    ///< texts by csv_field(), "\n"; NULL is empty; a blob is hexadecimal
+    /// Aligned by the first 1,000 rows or 16 MB, for people; NULL is empty; of a cell the first
+    /// 1,000 characters.
+    table,
+    csv,  ///< texts by csv_field(), "\n"; NULL is empty; a blob is hexadecimal
     /// One array of objects; NULL is null; a blob is hexadecimal. JSON has no infinity: it is
     /// 1e999, which is JSON and which JavaScript, Python, R and SQLite read as infinity; -1e999 the
     /// other one.
@@ -35,6 +37,7 @@ public:
     void end();
 
 private:
+    void table_row(std::vector<SqlValue> cells);
     void print_table_rows();
     void print_table_row(const std::vector<SqlValue>& cells) const;
     void print_json_row(const std::vector<SqlValue>& cells);
@@ -44,6 +47,7 @@ private:
     std::vector<std::string> names_;
     std::vector<std::size_t> widths_;
     std::vector<std::vector<SqlValue>> waiting_;  ///< rows of a table until its widths are known
+    std::size_t held_ = 0;                        ///< bytes of these
     bool head_printed_ = false;
     std::size_t rows_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <limits>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -21,28 +22,49 @@ constexpr int kLongestValue = 50'000'000;  // bytes; the longest that palpate st
 constexpr std::int64_t kMaxMemory = std::int64_t{1} << 30U;
 
 /// A function of SQLite's own cannot be ended: instr of 1 MB takes 5 s, LIKE of 0.25 MB 18 s.
-/// SIGPROF comes when the statement's time is over, and SQLite ends it when it next looks; and once
-/// more a second later, when one step goes on for ever: then the program ends.
+/// SIGPROF comes after ten seconds, to say so, and each second from then on. When the statement's
+/// time is over SQLite ends it when it next looks; and a second later, when one step goes on for
+/// ever, the program ends.
 volatile std::sig_atomic_t time_is_over = 0;
+volatile std::sig_atomic_t seconds_left = 0;  ///< when SIGPROF comes
+volatile std::sig_atomic_t at_it_said = 0;
+constexpr std::int64_t kSaidAfter = 10'000'000;  // us of the processor
+
+void to_stderr(std::string_view text) {
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
+}
 
 void on_time(int /*signal*/) {
+    if (time_is_over == 0 && seconds_left > 0) {
+        seconds_left = seconds_left - 1;
+        if (at_it_said == 0) {
+            at_it_said = 1;
+            to_stderr(
+                "palpate: still at it; Ctrl-C ends it, and --steps says when it ends by itself\n");
+        }
+        return;
+    }
     if (time_is_over != 0) {
-        constexpr std::string_view kSaid =
+        to_stderr(
             "palpate: one step of this takes longer than a statement may, --steps gives it more; "
-            "of rows before it the last may be missing\n";
-        [[maybe_unused]] const auto said = write(STDERR_FILENO, kSaid.data(), kSaid.size());
+            "of rows before it the last may be missing\n");
         _exit(1);
     }
     time_is_over = 1;
 }
 
 /// @param us  of the processor, from now on; 0: as much as it takes
-void limit_time(std::int64_t us) {
+void limit_time(std::int64_t us, bool tells = false) {
+    const std::int64_t first = std::min(us, kSaidAfter);
+    const std::int64_t more = us - first + 999'999;
     time_is_over = 0;
+    at_it_said = tells ? 0 : 1;
+    seconds_left = static_cast<std::sig_atomic_t>(
+        std::min<std::int64_t>(more / 1'000'000, std::numeric_limits<std::sig_atomic_t>::max()));
     std::signal(SIGPROF, on_time);
     const itimerval limit{
         .it_interval = {.tv_sec = us == 0 ? 0 : 1, .tv_usec = 0},
-        .it_value = {.tv_sec = us / 1'000'000, .tv_usec = us % 1'000'000},
+        .it_value = {.tv_sec = first / 1'000'000, .tv_usec = first % 1'000'000},
     };
     setitimer(ITIMER_PROF, &limit, nullptr);
 }
@@ -132,7 +154,8 @@ SqlGuard::~SqlGuard() {
 void SqlGuard::begin() noexcept {
     steps_left_ = limits_.steps;
     attached_ = false;
-    limit_time(std::max(limits_.steps, std::int64_t{1'000}));  // a step takes 0.02 to 0.1 us
+    // A step takes 0.02 to 0.1 us.
+    limit_time(std::max(limits_.steps, std::int64_t{1'000}), limits_.tells);
 }
 
 int SqlGuard::count(void* guard) noexcept {

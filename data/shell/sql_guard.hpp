@@ -11,6 +11,7 @@ namespace palpate::data {
 /// What a query may.
 struct SqlLimits {
     bool attach = false;  ///< read other files too
+    bool tells = false;   ///< after 10 s of the processor, to stderr, how to end it
     std::int64_t steps =
         2'000'000'000;  ///< of SQLite's machine, and us of processor time, a statement
 };

@@ -167,10 +167,15 @@ bool SqlShell::run(std::string_view text, std::size_t first_line) {
 }
 
 void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t first_line) {
-    const char* why = sqlite3_errmsg(database_.handle());
+    std::string why = plain(sqlite3_errmsg(database_.handle()));
+    if (why.starts_with("access to view")) {
+        why +=
+            ": the file's schema is not palpate's, so none of its views is read; palpate's own "
+            "go by their names without main";
+    }
     if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
         const int code = sqlite3_errcode(database_.handle());
-        fmt::print(error_, "palpate: {}{}\n", plain(why),
+        fmt::print(error_, "palpate: {}{}\n", why,
                    code == SQLITE_NOMEM
                        ? ": more than 1 GB is asked for; sort, group or join less at once"
                    : code == SQLITE_TOOBIG
@@ -184,7 +189,7 @@ void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t fi
     const std::string_view line =
         all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
     fmt::print(error_, "palpate: {}:{}: {}\n  {}\n  {}^\n", first_line + lines, offset - begin + 1,
-               plain(why), plain(line), std::string(offset - begin, ' '));
+               why, plain(line), std::string(offset - begin, ' '));
 }
 
 int SqlShell::print_rows(sqlite3_stmt* raw) {

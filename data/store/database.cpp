@@ -169,10 +169,11 @@ void Database::open(Access access) {
     if (access == Access::write) {
         make_private_file(plain_name(connection_.file));
     } else if (::access(plain_name(connection_.file).c_str(), R_OK) != 0) {
-        throw WrongFile(fmt::format("{}: {}", connection_.file,
-                                    errno == ENOENT || errno == ENOTDIR
-                                        ? "there is no such file: check the path"
-                                        : "it may not be read: change its rights"));
+        throw WrongFile(fmt::format(
+            "{}: {}", connection_.file,
+            errno == ENOENT || errno == ENOTDIR ? "there is no such file: check the path"
+            : errno == ELOOP ? "it is a link that leads back to itself: name the file"
+                             : "it may not be read: change its rights"));
     }
     connect(plain_name(connection_.file),
             access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
@@ -255,9 +256,9 @@ void Database::check_schema(Access access) {
     if (access == Access::read && has(Of::table)) {
         refuse_schema(connection_, found, "what its tables say is not believed");
     }
-    if (has(Of::view)) {
+    if (has(Of::view) || has(Of::table)) {
         make_own_views(connection_);
-    } else if (!has(Of::table)) {
+    } else {
         sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_ENABLE_VIEW, 1, nullptr);
     }
     if (access != Access::write && !found.empty()) {

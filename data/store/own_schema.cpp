@@ -264,8 +264,9 @@ void refuse_schema(const Connection& file,
 }
 
 void remark_schema(const Connection& file, const std::vector<SchemaDifference>& differences) {
-    const bool views = std::ranges::any_of(
-        differences, [](const SchemaDifference& one) { return one.of == Of::view; });
+    const bool views = std::ranges::any_of(differences, [](const SchemaDifference& one) {
+        return one.of == Of::view || one.of == Of::table;
+    });
     remark(fmt::format(
         "{}: its schema is not as this palpate makes it: {}; {}palpate verify says what differs",
         file.file, names_of(differences),

@@ -82,6 +82,12 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     const Finished shared =
         ran({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
     CHECK(tests::count_of(shared.error, "view analysis_trial") == 1);  // said once
+    // Of a file whose tables are others palpate's own views are asked, and no other.
+    const std::string added = files.with("ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5");
+    CHECK(palpate_command({"sql", added, "-c", "SELECT sum(correct) FROM main_trial"}).out ==
+          palpate_command({"sql", files.clean, "-c", "SELECT sum(correct) FROM main_trial"}).out);
+    CHECK_THAT(ran({"sql", added, "-c", "SELECT 1 FROM main.confusion"}, 1).error,
+               ContainsSubstring("palpate's own go by their names without main"));
     const std::string endless = files.with(kEndless);
     for (const Words& words :
          std::vector<Words>{{"summary", endless},

@@ -88,6 +88,18 @@ TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
     // JSON has no infinity: a number that is too large is read as one.
     CHECK(sql("SELECT 9e999 AS x, -9e999 AS y, 9e999 - 9e999 AS z", {"--json"}).out ==
           "[{\"x\": 1e999, \"y\": -1e999, \"z\": null}]\n");
+    // A table shows the beginning of what is long, in whole characters.
+    const auto repeated = [](std::string_view text, int times) {
+        std::string all;
+        for (int i = 0; i < times; ++i) {
+            all += text;
+        }
+        return all;
+    };
+    const std::string wide = "SELECT replace(hex(zeroblob(1000)), '0', 'ö') AS t";
+    CHECK_THAT(sql(wide + ", zeroblob(501) AS b").out,
+               ContainsSubstring("\n" + repeated("ö", 1000) + "…  " + repeated("0", 1000) + "…\n"));
+    CHECK(sql(wide, {"--csv"}).out == "t\n" + repeated("ö", 2000) + "\n");
     CHECK(sql("SELECT 1; SELECT 2 AS b -- and\n;", {"--csv"}).out == "1\n1\nb\n2\n");
 }
 

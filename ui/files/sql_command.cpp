@@ -115,7 +115,7 @@ int run(const SqlOptions& options) {
                                  : options.json ? data::RowFormat::json
                                                 : data::RowFormat::table;
     data::SqlShell shell(database, format, stdout, stderr,
-                         {.attach = options.attach, .steps = options.steps});
+                         {.attach = options.attach, .tells = true, .steps = options.steps});
     if (options.query) {
         return shell.run(*options.query) ? 0 : kExitFailure;
     }
