@@ -163,7 +163,31 @@ Counts counts_of(Database& database, const Group& group) {
     return {row.integer(0), row.integer(1), row.integer(2), row.integer(3)};
 }
 
-std::string counts_text(const Counts& counts) {
+/// For a POSIX shell.
+std::string quoted(const std::string& word) {
+    std::string text = "'";
+    for (const char c : word) {
+        text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    }
+    return text + "'";
+}
+
+/// The command that lists them, for a POSIX shell.
+std::string invalid_query(const std::string& file, const Group& group) {
+    std::string sql;
+    for (const char c : fmt::format(
+             "SELECT * FROM analysis_trial WHERE invalid_reason IS NOT NULL AND study_name = {} "
+             "AND session_kind = {}",
+             quoted_text(group.study), quoted_text(group.kind))) {
+        sql += std::string_view("\\\"$`").find(c) == std::string_view::npos ? "" : "\\";
+        sql += c;
+    }
+    const bool apart = group.study.find('@') != std::string::npos;
+    return fmt::format("palpate sql {} --versions {} -c \"{}\"", quoted(file),
+                       apart ? "apart" : "together", sql);
+}
+
+std::string counts_text(const Counts& counts, const std::string& query) {
     std::string text;
     if (counts.no_correct > 0) {
         text += fmt::format("\n  {} of {} have no correct (NULL): neither right nor wrong\n",
@@ -174,10 +198,9 @@ std::string counts_text(const Counts& counts) {
                             counted(counts.faulted, "trial"));
     }
     if (counts.invalid > 0) {
-        text += fmt::format(
-            "\n  {} invalid and left out: SELECT * FROM analysis_trial WHERE invalid_reason IS "
-            "NOT NULL\n",
-            counted(counts.invalid, "answered trial is", "answered trials are"));
+        text += fmt::format("\n  {} invalid and left out:\n    {}\n",
+                            counted(counts.invalid, "answered trial is", "answered trials are"),
+                            plain(query));
     }
     return text;
 }
@@ -206,15 +229,6 @@ Table devices_table(Database& database, const Group& group) {
     return table;
 }
 
-/// For a POSIX shell.
-std::string quoted(const std::string& word) {
-    std::string text = "'";
-    for (const char c : word) {
-        text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    }
-    return text + "'";
-}
-
 }  // namespace
 
 std::string summary_text(Database& database) {
@@ -224,8 +238,8 @@ std::string summary_text(Database& database) {
         const RuleRuns runs = rule_runs(database, group);
         text += title(group) + confusion_text(database, group) + answers_text(database, group) +
                 runs_text(runs) + exclusions_text(database, group, runs) +
-                counts_text(counts_of(database, group)) + '\n' +
-                left_out_text(left_out_of(database, group.study, group.kind, true)) +
+                counts_text(counts_of(database, group), invalid_query(database.file(), group)) +
+                '\n' + left_out_text(left_out_of(database, group.study, group.kind, true)) +
                 table_text(devices_table(database, group)) + '\n';
     }
     if (text.empty()) {

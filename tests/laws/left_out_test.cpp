@@ -233,6 +233,22 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CHECK_THAT(
         palpate_command({"report", file, "--trial", theirs, "-o", folder.file("t.html")}).error,
         ContainsSubstring("withdrawn (was asleep)"));
+    CHECK_THAT(ran({"trace", file, theirs}, 2).error,
+               ContainsSubstring("of a session that was withdrawn: its ticks are not shown"));
+    const std::string refused =
+        ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'A'");
+    CHECK_THAT(ran({"trace", file, refused}, 2).error, ContainsSubstring("not consenting"));
+    // The command that lists what is invalid gives as many as are said: none of who refuses.
+    ran({"mark", file, refused, "--invalid", "moved"});
+    const std::string summary = ran({"summary", file}).out;
+    const std::string said = "1 answered trial is invalid and left out:\n    palpate ";
+    REQUIRE_THAT(summary, ContainsSubstring(said));
+    const std::size_t from = summary.find(said) + said.size();
+    const std::string command = tests::palpate_program() + ' ' +
+                                summary.substr(from, summary.find('\n', from) - from) + " --csv";
+    const Finished listed = tests::Process({"sh", "-c", command}).wait();
+    CAPTURE(command, listed.out, listed.error);
+    CHECK(std::ranges::count(listed.out, '\n') == 2);
     // Where nobody is left it is said why.
     edit(file, "UPDATE participant SET consent = 0 WHERE participant_code = 'F'");
     for (const std::vector<std::string>& words :

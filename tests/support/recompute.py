@@ -146,7 +146,8 @@ def answer_questions(db, document, trials):
         grouped([t for t in main_ones if t["confidence"] is not None], ["study_name", "confidence"], count, "correct", "reaction_s"),
         grouped(main_ones, ["study_name", "planned_object", "friction"], "contact_s", "path_length_m", "strokes", "slip_share",
                 "mean_normal_force_n"),
-        grouped([t for t in trials if not t["counts"]], ["study_name", "session_kind", "outcome", "exclusion"], count)]
+        grouped([{**t, "why": "no consent" if t["consent"] == 0 else t["exclusion"]} for t in trials
+                 if not t["counts"] or t["consent"] == 0], ["study_name", "session_kind", "outcome", "why"], count)]
     expect("docs/data.md", {"questions": len(queries)}, {"questions": len(answers)})
     for number, (query, wanted) in enumerate(zip(queries, answers), 1):
         got = [tuple(r) for r in db.execute(query)]

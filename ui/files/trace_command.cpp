@@ -24,12 +24,22 @@ void declare(CommandWords& words, TraceOptions& options) {
         .with_default();
 }
 
-/// Empty: it counts, or has no answer.
+/// @return why it is in no analysis; empty: it counts, or has no answer
+/// @throws std::invalid_argument of who does not consent and of a session that was withdrawn: as
+///         palpate report --trial
 std::string why_left_out(data::Database& database, std::int64_t trial) {
     data::Statement row = database.prepare(
-        "SELECT iif(consent = 0, 'its participant does not consent', exclusion) FROM "
-        "analysis_trial JOIN participant USING (participant_code) WHERE trial_id = ?1");
-    return row.bind(1, trial).step() && !row.null(0) ? row.text(0) : "";
+        "SELECT iif(consent = 0, 'of somebody who is noted as not consenting', iif(exclusion = "
+        "'withdrawn', 'of a session that was withdrawn', '')), exclusion FROM analysis_trial JOIN "
+        "participant USING (participant_code) WHERE trial_id = ?1");
+    if (!row.bind(1, trial).step()) {
+        return {};
+    }
+    if (!row.text(0).empty()) {
+        throw std::invalid_argument(fmt::format("{}: trial {} is {}: its ticks are not shown",
+                                                database.file(), trial, row.text(0)));
+    }
+    return row.null(1) ? "" : row.text(1);
 }
 
 /// A line a tick.
@@ -57,6 +67,7 @@ int run(const TraceOptions& options) {
                                                 options.database, options.trial, options.interval,
                                                 fmt::join(intervals, " or ")));
     }
+    const std::string why = why_left_out(database, options.trial);
     data::TraceReader reader(database);
     std::vector<std::vector<std::int64_t>> columns;
     std::string line;
@@ -69,7 +80,7 @@ int run(const TraceOptions& options) {
         warn("{}: no ticks are kept of trial {} (simulate --no-traces keeps none)",
              options.database, options.trial);
     }
-    if (const std::string why = why_left_out(database, options.trial); !why.empty()) {
+    if (!why.empty()) {
         warn("{}: trial {} is in no analysis: {}", options.database, options.trial, why);
     }
     say_to(stdout, line + '\n' + rows_text(columns));
