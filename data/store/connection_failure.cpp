@@ -48,6 +48,11 @@ void Connection::fail(std::string_view doing) const {
                                     "({}): take its rows or its reference away, and try again",
                                     theirs);
     }
+    if (message.starts_with("CHECK constraint")) {
+        what =
+            "a value that is to be written is none that its table takes, and no palpate made it: "
+            "palpate verify says which file holds it; take a copy from before";
+    }
     const std::string text =
         fmt::format("{}: {} failed: {}{}{}", file, doing, message, what.empty() ? "" : "; ", what);
     if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {

@@ -210,14 +210,28 @@ bool merge_into(Database& out,
     return destroyed;
 }
 
-}  // namespace
-
-MergeReport merge_files(const std::string& file,
-                        const std::vector<std::string>& files,
-                        const std::string& prefer) {
-    const auto inputs = open_all(files);  // before anything is made
+/// A file that was made for nothing is not left behind.
+void remove_if_empty(const std::string& file) {
     std::error_code unknown;
-    const bool is_new = !std::filesystem::exists(file, unknown);
+    try {
+        Database made(file, Access::read);
+        if (made.prepare("SELECT 1 FROM session UNION ALL SELECT 1 FROM participant").step()) {
+            return;
+        }
+    } catch (const StoreError&) {
+        if (std::filesystem::file_size(file, unknown) != 0) {
+            return;
+        }
+    }
+    for (const char* beside : {"", "-wal", "-shm", "-journal"}) {
+        std::filesystem::remove(file + beside, unknown);
+    }
+}
+
+MergeReport merge_all(const std::string& file,
+                      const std::vector<std::unique_ptr<Input>>& inputs,
+                      const std::string& prefer,
+                      bool is_new) {
     Database out(file, Access::write);
     MergeReport report;
     bool destroyed = false;
@@ -232,6 +246,26 @@ MergeReport merge_files(const std::string& file,
     }
     destroyed ? empty_free_pages(out) : out.checkpoint();
     return report;
+}
+
+}  // namespace
+
+MergeReport merge_files(const std::string& file,
+                        const std::vector<std::string>& files,
+                        const std::string& prefer) {
+    const auto inputs = open_all(files);  // before anything is made
+    std::error_code unknown;
+    const bool is_new = !std::filesystem::exists(file, unknown);
+    try {
+        return merge_all(file, inputs, prefer, is_new);
+    } catch (const LockedFile&) {  // another program is at it
+        throw;
+    } catch (const StoreError&) {
+        if (is_new) {
+            remove_if_empty(file);
+        }
+        throw;
+    }
 }
 
 }  // namespace palpate::data

@@ -1,6 +1,7 @@
 #include "data/sync/postgres.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -130,7 +131,9 @@ std::string word_of(PGconn* connection, std::string_view keyword) {
 
 /// This machine: a socket, or an address that goes no further.
 bool stays_here(std::string_view host) {
-    return host.empty() || host.front() == '/' || host.front() == '@' || host == "localhost" ||
+    constexpr std::string_view kName = "localhost";  // in any letters
+    return host.empty() || host.front() == '/' || host.front() == '@' ||
+           std::ranges::equal(host, kName, {}, [](unsigned char c) { return std::tolower(c); }) ||
            host == "::1" ||
            (host.starts_with("127.") &&
             host.find_first_not_of("0123456789.") == std::string_view::npos);

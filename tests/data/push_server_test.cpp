@@ -254,6 +254,9 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
         ran({"push", file, "--to", "postgresql://rig:word@192.0.2.1/lab?sslmode=require"}, 2);
     CHECK_THAT(beyond.error, ContainsSubstring("192.0.2.1 is another machine") &&
                                  ContainsSubstring("--insecure"));
+    CHECK_THAT(
+        palpate_command({"push", file, "--to", "postgresql://rig:word@LOCALHOST:1/lab"}).error,
+        !ContainsSubstring("another machine"));
 }
 
 TEST_CASE("what is repaired after a push reaches the server as events, and nothing twice",

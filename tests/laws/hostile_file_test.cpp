@@ -82,6 +82,17 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     const Finished shared =
         ran({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
     CHECK(tests::count_of(shared.error, "view analysis_trial") == 1);  // said once
+    // What no table takes is no merge, which leaves nothing behind.
+    const std::string odd = files.with(
+        "PRAGMA ignore_check_constraints = 1;UPDATE participant SET participant_code = 'a b'");
+    const std::string merged = files.folder.file("odd_merged.sqlite");
+    CHECK_THAT(palpate_command({"merge", merged, odd}).error,
+               ContainsSubstring("none that its table takes, and no palpate made it"));
+    CHECK(!std::filesystem::exists(merged));
+    const std::string loop = files.folder.file("loop.sqlite");
+    std::filesystem::create_symlink("loop.sqlite", loop);
+    CHECK_THAT(palpate_command({"summary", loop}).error,
+               ContainsSubstring("it is a link that leads back to itself"));
     // Of a file whose tables are others palpate's own views are asked, and no other.
     const std::string added = files.with("ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5");
     CHECK(palpate_command({"sql", added, "-c", "SELECT sum(correct) FROM main_trial"}).out ==
