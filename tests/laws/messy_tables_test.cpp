@@ -35,7 +35,7 @@ TEST_CASE(
         "stimulus,note,n,k\n1,\"a\nb \"\"c\"\",\n\n,\r\nd\",20,2\n2,5\" x,20,9\n3,,20,";
     write(csv, broken + "18\n");
     CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 60);
-    of("fit", broken + "y\n", "d.csv:8:6: k is \"y\"");
+    of("fit", broken + "y\n", "d.csv:8:7: k is \"y\"");
     of("fit", broken + "18,\"\n\n", "d.csv:8: a quote opens in this row and does not end");
 }
 
