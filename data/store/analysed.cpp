@@ -75,8 +75,9 @@ bool hides(Database& database) {
 }
 
 std::string several_studies(Database& database, const std::set<std::string>& studies) {
-    std::string text = fmt::format("{} holds several studies: give --study and one of {}",
-                                   database.file(), fmt::join(studies, ", "));
+    std::string text =
+        fmt::format("{} holds several studies: give --study and one of {}", database.file(),
+                    plain(fmt::format("{}", fmt::join(studies, ", "))));
     const std::string versions = versions_text(versions_of(database));
     return versions.empty() ? text : text + "\n" + versions;
 }
