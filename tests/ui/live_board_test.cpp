@@ -6,9 +6,9 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
+#include "ui/live/live_board.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
-#include "ui/live/live_board.hpp"
 
 // What a session shows to other programs, byte for byte.
 
