@@ -161,6 +161,7 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
         REQUIRE(answer.is_object());
         REQUIRE(answer["ok"] == false);
     }
+    CHECK(session.ask({{"do", "stop"}, {"people", true}})["ok"] == false);  // of palpate stop alone
     // What has no end, what is too long, who says nothing, and who hangs up at once.
     std::vector<ui::Descriptor> silent;
     for (int i = 0; i < 40; ++i) {

@@ -18,7 +18,7 @@ struct StopOptions {
 
 void declare(CommandWords& words, StopOptions& options) {
     words.add("FILE", options.database,
-              "The database of the session; without it every session of this user");
+              "The database of the session; without it every session of this user that somebody feels");
 }
 
 int run(const StopOptions& options) {
@@ -49,7 +49,7 @@ int run(const StopOptions& options) {
         options.database ? fmt::format("{}: no session runs on it: nothing was "
                                        "stopped; palpate stop without a file stops all of yours",
                                        *options.database)
-                         : std::string("no session of yours runs: nothing was stopped"));
+                         : std::string("no session that somebody feels is yours: nothing was stopped"));
 }
 
 }  // namespace

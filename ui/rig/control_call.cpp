@@ -39,7 +39,8 @@ StopResult stop_sessions(const std::optional<std::string>& database) {
     std::vector<Descriptor> lines;
     for (const std::string& name : session_names(database)) {
         if (Descriptor line = connect_to(name); line.get() >= 0) {
-            send_line(line.get(), R"({"do":"stop"})", right.get());
+            send_line(line.get(), database ? R"({"do":"stop"})" : R"({"do":"stop","people":true})",
+                      right.get());
             lines.push_back(std::move(line));
         }
     }

@@ -135,6 +135,8 @@ void StopLines::obey(const std::string& line, const std::shared_ptr<Caller>& cal
     const data::Json asked = data::Json::parse(line, nullptr, false);
     if (!asked.is_object() || !asked.contains("do")) {
         caller->answer(false, R"(a line is one JSON object, as {"do":"stop"}: nothing was done)");
+    } else if (asked["do"] == "stop" && asked.contains("people") && !acts_.types) {
+        caller->answer(false, "nobody feels this session: it is stopped by its file");
     } else if (asked["do"] == "stop") {
         acts_.stop(asked.contains("page") ? "experimenter's page" : "palpate stop");
         caller->answer(true, label_);

@@ -27,7 +27,7 @@ public:
         std::function<void(const char*)> stop;  ///< on the thread; by which way
         std::function<void(const char*)>
             bar;            ///< no force while this sentence stands; none: nothing any more
-        bool types = true;  ///< Enter and Escape at the terminal stop
+        bool types = true;  ///< somebody feels it: Enter and Escape at the terminal stop
         bool pipes = true;  ///< a line stops where standard input is a pipe, too
         ControlSocket::Obey obey{};  ///< hears all but "stop", on the thread; none: nobody does
     };
