@@ -99,7 +99,7 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
 
 TEST_CASE("the page's stream tells nothing of what is felt, and says when the session is gone",
           "[console][safety][law]") {
-    ShownSession session;
+    ShownSession session(tests::kFourTrials, "1");
     const Console console(session);
     console.browser->trade();
     tests::HttpLine stream(console.browser->port);
@@ -124,7 +124,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
 
 TEST_CASE("whatever becomes of the page's server and its clients, the session goes on",
           "[console][law]") {
-    ShownSession session(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "1");
+    ShownSession session(tests::kFourTrials, "1");
     tests::Random random(33);
     {
         Console console(session);

@@ -77,7 +77,7 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
 
 TEST_CASE("nothing of what is felt or answered leaves a session before it was revealed",
           "[live][safety][law]") {
-    ShownSession session(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "1");
+    ShownSession session(tests::kFourTrials, "1");
     std::set<std::string> said;
     std::uint64_t seen = 0;
     const auto look = [&] {
@@ -186,7 +186,7 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
 }
 
 TEST_CASE("palpate status says who ran and what runs, and follows it to its end", "[live][law]") {
-    ShownSession session;
+    ShownSession session(tests::kFourTrials, "0.3");
     const data::Json now =
         data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
     CHECK(now["studies"][0]["planned"] == 1);

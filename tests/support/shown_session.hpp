@@ -15,12 +15,14 @@
 
 namespace palpate::tests {
 
-/// `palpate run` without a window, slow enough to be looked at.
+inline const std::string kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+
+/// `palpate run` without a window, slow enough to be looked at; the study is longer than any test.
+/// kFourTrials is short.
 class ShownSession {
 public:
-    explicit ShownSession(const std::string& protocol = PALPATE_SOURCE_DIR
-                          "/tests/golden/four_trials.toml",
-                          const std::string& speed = "0.3")
+    explicit ShownSession(const std::string& protocol = "shape_friction",
+                          const std::string& speed = "2")
         : file(folder_.file("d.sqlite")),
           program({palpate_program(), "run", protocol, "--participant", "P1", "--db", file,
                    "--headless", "--speed", speed, "--operator", "Ada", "--secret", kRunSecret}) {
