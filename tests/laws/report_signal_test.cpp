@@ -25,9 +25,11 @@ std::string asked_study(const TemporaryFolder& folder) {
 
 /// In a table of the page, to four digits.
 bool has_number(const std::string& html, double number) {
-    return html.find(fmt::format(">{:.4g}<", number)) != std::string::npos ||
-           html.find(fmt::format(">{:.4f}<", number)) != std::string::npos ||
-           html.find(fmt::format(">{:.3f}<", number)) != std::string::npos;
+    const char* sign = number < 0.0 ? "\u2212" : "";
+    const double size = std::fabs(number);
+    return html.find(fmt::format(">{}{:.4g}<", sign, size)) != std::string::npos ||
+           html.find(fmt::format(">{}{:.4f}<", sign, size)) != std::string::npos ||
+           html.find(fmt::format(">{}{:.3f}<", sign, size)) != std::string::npos;
 }
 
 }  // namespace
