@@ -57,7 +57,6 @@ void add_felt(Json& event, const std::vector<LiveTick>& ticks) {
     const bool free = newest.mode == static_cast<std::uint8_t>(engine::Mode::free);
     event["hip"] = point(newest.hip, kPlace);
     event["go"] = free ? Json(nullptr) : point(newest.go, kPlace);
-    event["cp"] = free ? Json(nullptr) : point(newest.cp, kPlace);
     event["f"] = point(newest.force, kForce);
     Json strips{{"t", Json::array()},
                 {"fn", Json::array()},

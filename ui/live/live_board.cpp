@@ -137,7 +137,6 @@ void LiveBoard::show(const engine::TickRecord& tick) noexcept {
         const double seconds = static_cast<double>(tick.time_ns - last_.time_ns) * 1e-9;
         shown.hip = plane(tick.hip);
         shown.go = plane(tick.go);
-        shown.cp = plane(tick.cp);
         shown.force = plane(tick.force);
         shown.normal = static_cast<float>(tick.normal_force);
         shown.tangential = static_cast<float>(tick.tangential_force);

@@ -22,7 +22,6 @@ struct LiveTick {
     double t_s = 0.0;  ///< since the interval's first tick
     std::array<float, 2> hip{};
     std::array<float, 2> go{};
-    std::array<float, 2> cp{};
     std::array<float, 2> force{};
     float normal = 0.0F;
     float tangential = 0.0F;
@@ -33,7 +32,7 @@ struct LiveTick {
     bool felt = false;  ///< what is felt is in here
     std::array<std::uint8_t, 5> unused{};
 };
-static_assert(sizeof(LiveTick) == 64);
+static_assert(sizeof(LiveTick) == 56);
 
 struct LiveMemory;
 

@@ -331,16 +331,6 @@
       c.fill();
     }
     if (is(at.hip) && is(at.go)) path([at.hip, at.go], colour('--edge'), 1);
-    if (is(at.cp)) {  // a cross
-      c.strokeStyle = colour('--green');
-      c.lineWidth = 2 * rem;
-      c.beginPath();
-      c.moveTo(x(at.cp) - size, y(at.cp));
-      c.lineTo(x(at.cp) + size, y(at.cp));
-      c.moveTo(x(at.cp), y(at.cp) - size);
-      c.lineTo(x(at.cp), y(at.cp) + size);
-      c.stroke();
-    }
     if (is(at.go)) {  // a square
       c.fillStyle = colour('--vermillion');
       c.fillRect(x(at.go) - size, y(at.go) - size, 2 * size, 2 * size);
@@ -361,7 +351,7 @@
     }
     const mm = p => is(p) ? (1000 * p[0]).toFixed(1) + ', ' + (1000 * p[1]).toFixed(1) + ' mm' : 'none';
     put($('scene-text'), 'Disc: hand (HIP) at ' + mm(at.hip) + '. Square: god-object at ' + mm(at.go) +
-      '. Cross: closest point at ' + mm(at.cp) + '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
+      '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
   }
 
   // ------------------------------------------------------------------------------------------ what is asked for
