@@ -287,7 +287,9 @@ TEST_CASE(
     for (std::size_t i = 0; i < 2; ++i) {
         CHECK(ours["people"][i]["conditions"] == theirs["people"][i]["conditions"]);
         CHECK(ours["people"][i]["criteria"] == theirs["people"][i]["criteria"]);
-        CHECK(ours["people"][i]["optimisers_agree"] == true);
+        CHECK(ours["people"][i]["optimisers_agree"] == theirs["people"][i]["optimisers_agree"]);
+        CHECK(ours["people"][i]["log_likelihood_nelder_mead"].get<double>() ==
+              Approx(ours["people"][i]["log_likelihood"].get<double>()).epsilon(1e-9));
         CHECK(ours["people"][i]["participant"] == theirs["people"][i]["participant"]);
     }
     const Finished unnamed = ran({"fit", file, "--kind", "simulated"});
