@@ -46,7 +46,7 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
     const char* edits[] = {
         "UPDATE response SET correct = 1 - correct WHERE trial_id = 3",
         "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial_id = 1",
-        "UPDATE plan SET planned_object = 'straight' WHERE plan_position = 2",
+        "UPDATE plan SET planned_object = planned_object || '2' WHERE plan_position = 2",
         "UPDATE session SET seed = '8'",
         "UPDATE presentation SET slip_decay = 0.5 WHERE trial_id = 2",
         "UPDATE event SET text = 'another' WHERE event_kind = 'note'",

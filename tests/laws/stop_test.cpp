@@ -190,8 +190,9 @@ TEST_CASE(
     CHECK(session.finish().code == 3);
 }
 
+// With those that have boards: palpate stop asks a rig that is being commissioned, too.
 TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal end the force",
-          "[safety][law]") {
+          "[open][safety][law]") {
     const TemporaryFolder folder;
     const Terminal terminal;
     const StopButton button(folder.file("button"));  // a session with one listens without a window
