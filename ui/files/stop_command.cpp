@@ -17,8 +17,9 @@ struct StopOptions {
 };
 
 void declare(CommandWords& words, StopOptions& options) {
-    words.add("FILE", options.database,
-              "The database of the session; without it every session of this user that somebody feels");
+    words.add(
+        "FILE", options.database,
+        "The database of the session; without it every session of this user that somebody feels");
 }
 
 int run(const StopOptions& options) {
@@ -46,10 +47,11 @@ int run(const StopOptions& options) {
                         *options.database));
     }
     throw std::runtime_error(
-        options.database ? fmt::format("{}: no session runs on it: nothing was "
-                                       "stopped; palpate stop without a file stops all of yours",
-                                       *options.database)
-                         : std::string("no session that somebody feels is yours: nothing was stopped"));
+        options.database
+            ? fmt::format("{}: no session runs on it: nothing was "
+                          "stopped; palpate stop without a file stops all of yours",
+                          *options.database)
+            : std::string("no session that somebody feels is yours: nothing was stopped"));
 }
 
 }  // namespace
