@@ -86,6 +86,7 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
     CHECK(session.kept(kPauses) == "0");
 
     CHECK_THAT(browser.act(kPause, cookie + browser.origin()), ContainsSubstring("\"ok\":true"));
+    CHECK(session.comes_to("pause"));
     CHECK_THAT(browser.act(R"({"do":"go on"})", cookie + browser.origin()),
                ContainsSubstring("\"ok\":true"));  // from the pause
     CHECK(session.keeps(kPauses, "1"));
