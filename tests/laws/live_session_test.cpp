@@ -80,6 +80,7 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
     ShownSession session(tests::kFourTrials, "1");
     std::set<std::string> said;
     std::uint64_t seen = 0;
+    std::size_t shown = 0;  // ticks with more than time, lateness and whether there may be force
     const auto look = [&] {
         if (const auto state = session.shown.reader->state()) {
             said.insert(state->json);
@@ -89,12 +90,13 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
         for (const ui::LiveTick& tick : ticks) {
             const ui::LiveTick blind{
                 .t_s = tick.t_s, .late_us = tick.late_us, .force_on = tick.force_on};
-            REQUIRE(std::memcmp(&tick, &blind, sizeof tick) == 0);
+            shown += std::memcmp(&tick, &blind, sizeof tick) != 0 ? 1U : 0U;
         }
         return session.kept("SELECT count(*) FROM response") >= "2";
     };
     REQUIRE(eventually(look));
     CHECK(seen > 0);
+    CHECK(shown == 0);
     for (const std::string& state : said) {
         for (const char* word : {"hidden", "convex", "concave", "correct", "friction"}) {
             CHECK(state.find(word) == std::string::npos);
