@@ -21,6 +21,8 @@ namespace {
 constexpr std::string_view kPrefix = "palpate-control/";
 constexpr const char* kNoFile = "/proc/self/exe";  ///< stands for a database that is not there yet
 constexpr int kSessions = 8;                       ///< of one file
+constexpr int kTries = 100;                        ///< at a session that many call at once
+constexpr int kTryMs = 2;
 
 std::string control_name(const FileIdentity& file, int k) {
     return fmt::format("{}{:x}-{:x}-{}", kPrefix, file.device, file.inode, k);
@@ -82,7 +84,16 @@ Descriptor connect_to(const std::string& name) {
     Descriptor line = control_socket();
     const auto [address, length] = address_of(name);
     const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
-    return connect(line.get(), at, length) == 0 ? std::move(line) : Descriptor();
+    for (int tries = 0; tries < kTries; ++tries) {
+        if (connect(line.get(), at, length) == 0) {
+            return line;
+        }
+        if (errno != EAGAIN) {
+            break;
+        }
+        poll(nullptr, 0, kTryMs);
+    }
+    return Descriptor();
 }
 
 std::vector<std::string> session_names(const std::optional<std::string>& database) {
