@@ -79,7 +79,7 @@
     row.append(play, slider, pace);
     box.append(row, canvas, words);
 
-    var at = 0, timer = 0, told = null;
+    var at = 0, timer = 0, follow = null;
     function paint() {
       var ratio = devicePixelRatio, inks = dark.matches ? INKS.dark : INKS.light, c = canvas.getContext('2d');
       canvas.width = canvas.clientWidth * ratio;
@@ -134,7 +134,7 @@
       slider.value = at;
       slider.setAttribute('aria-valuetext', times[at].toFixed(3) + ' s');
       paint();
-      if (told) told(times[at]);
+      if (follow) follow(times[at]);
     }
     function stop() {
       cancelAnimationFrame(timer);
@@ -173,7 +173,7 @@
       plays: function () { return timer !== 0; },
       place: place,
       again: function () { place(at); },
-      tell: function (to) { told = to; }
+      tell: function (to) { follow = to; }
     };
   }
 

@@ -15,20 +15,20 @@ std::vector<RunningSession> running_sessions(const std::optional<std::string>& o
     std::vector<RunningSession> all;
     for (const std::string& name : session_names(is_file ? of : std::nullopt)) {
         const ControlAnswer answer = ask_session(name, R"({"do":"state"})");
-        const data::Json told = data::Json::parse(answer.line, nullptr, false);
-        if (!told.is_object() || !told.value("ok", false) || !told["state"].is_object()) {
+        const data::Json said = data::Json::parse(answer.line, nullptr, false);
+        if (!said.is_object() || !said.value("ok", false) || !said["state"].is_object()) {
             continue;
         }
-        std::string uuid = told["state"].value("session", "");
+        std::string uuid = said["state"].value("session", "");
         if (of && !is_file && uuid != *of) {
             continue;
         }
         try {
             all.push_back({.name = name,
-                           .file = told.value("file", ""),
+                           .file = said.value("file", ""),
                            .uuid = std::move(uuid),
-                           .process = {told.value("pid", std::int64_t{0}),
-                                       told.value("started", std::uint64_t{0})},
+                           .process = {said.value("pid", std::int64_t{0}),
+                                       said.value("started", std::uint64_t{0})},
                            .reader = std::make_unique<LiveReader>(answer.file.get())});
         } catch (const std::runtime_error&) {  // of another version
         }

@@ -43,7 +43,7 @@ private:
     bool (*interrupted_)();
 };
 
-/// Whatever keeps the data, with what it hears of the running trial told to those who look on.
+/// Whatever keeps the data, with what it hears of the running trial shown to those who look on.
 class LiveRecorder : public protocols::Recorder {
 public:
     LiveRecorder(protocols::Recorder& recorder, LiveSession& live)

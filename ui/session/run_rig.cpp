@@ -312,13 +312,13 @@ RigEnd run_rig(data::Database& database,
                           : nullptr;
     live.begin(std::move(facts), protocol, plan, record);
     LiveObserver shown(masked ? *masked : observers.port(), live, desk, interrupted);
-    LiveRecorder told(record, live);
+    LiveRecorder shown_record(record, live);
     const auto lines = stop_lines(database, spec, *felt.port, desk, live);
     ConsoleChild console(shows_page);
     protocols::SessionEnd end;
     try {
         end = run_session(protocol, plan, view_of(spec, plan, opened, *felt.port), opened.progress,
-                          ports_of(spec, felt, shown, told, log, desk, live, console));
+                          ports_of(spec, felt, shown, shown_record, log, desk, live, console));
     } catch (const std::exception& e) {
         live.end(e.what(), false);
         if (!observers.screen || observers.simulated) {
