@@ -1,5 +1,3 @@
-#include <cstdlib>
-
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "engine/device/drivers/board_device.hpp"
@@ -8,6 +6,7 @@
 #include "protocols/session/trust.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "tests/support/board_link.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/miswired_handle.hpp"
@@ -226,12 +225,6 @@ RigTrust proved_after(Bench& bench, const RigRecord& record, const Change& chang
     return trust;
 }
 
-/// 40 changes; PALPATE_FAULT_SCHEDULES asks for another number.
-std::uint64_t changes() {
-    const char* asked = std::getenv("PALPATE_FAULT_SCHEDULES");
-    return asked != nullptr ? std::strtoull(asked, nullptr, 10) : 40;
-}
-
 }  // namespace
 
 TEST_CASE("whatever becomes of a rig between two trials, none that is not right is believed",
@@ -242,7 +235,7 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     int believed = 0;
     int unasked = 0;
     std::string worst;
-    for (std::uint64_t seed = 0; seed < changes(); ++seed) {
+    for (const std::uint64_t seed : tests::schedules(40)) {
         Random random(seed);
         const Change change = random_change(random);
         Bench bench;

@@ -1,5 +1,3 @@
-#include <cstdlib>
-
 #include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/tick_loop.hpp"
@@ -354,19 +352,12 @@ void run(std::uint64_t seed, Tally& tally) {
     }
 }
 
-/// 10,000 schedules, fewer under sanitizers; PALPATE_FAULT_SCHEDULES asks for another number.
-std::uint64_t schedules() {
-    const char* asked = std::getenv("PALPATE_FAULT_SCHEDULES");
-    return asked != nullptr ? std::strtoull(asked, nullptr, 10)
-                            : tests::cases(std::uint64_t{10000});
-}
-
 }  // namespace
 
 TEST_CASE("no injected fault gets a force above the limit, stays unlatched or unrecorded",
           "[safety][law]") {
     Tally tally;
-    for (std::uint64_t seed = 0; seed < schedules(); ++seed) {
+    for (const std::uint64_t seed : tests::schedules(tests::cases(10'000))) {
         run(seed, tally);
     }
     CAPTURE(tally.schedules, tally.tripped, tally.worst);

@@ -1,6 +1,5 @@
-#include <cstdlib>
-
 #include "tests/laws/joint_rig.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::tests::joint;
@@ -18,18 +17,12 @@ std::vector<Event> random_events(Random& random) {
     return events;
 }
 
-/// 2,000 schedules; PALPATE_FAULT_SCHEDULES asks for another number.
-std::uint64_t joint_schedules() {
-    const char* asked = std::getenv("PALPATE_FAULT_SCHEDULES");
-    return asked != nullptr ? std::strtoull(asked, nullptr, 10) : 2000;
-}
-
 }  // namespace
 
 TEST_CASE("whatever fails of board, wire, processes and screen together, the force ends in time",
           "[safety][law]") {
     JointTally tally;
-    for (std::uint64_t seed = 0; seed < joint_schedules(); ++seed) {
+    for (const std::uint64_t seed : tests::schedules(2000)) {
         Random random(seed);
         const bool open = random.coin();
         const auto events = random_events(random);
