@@ -16,9 +16,5 @@ extern "C" __attribute__((visibility("default"))) int sqlite3_palpatesample_init
                                  sqlite3_libversion());
         return SQLITE_ERROR;
     }
-    if (palpate::data::sample_is_hidden(db)) {
-        *error = sqlite3_mprintf("%s", palpate::data::kSampleIsHidden);
-        return SQLITE_ERROR;
-    }
     return palpate::data::add_extension(db);
 }

@@ -343,9 +343,11 @@ int row_id(sqlite3_vtab_cursor* cursor, sqlite3_int64* id) {
 sqlite3_module make_module() {
     sqlite3_module module{};
     module.iVersion = 1;
-    module.xConnect = connect;  // no xCreate: the table is there by its name
+    module.xCreate = connect;  // as xConnect: the table is there by its name, and can be made
+    module.xConnect = connect;
     module.xBestIndex = best_index;
     module.xDisconnect = disconnect;
+    module.xDestroy = disconnect;
     module.xOpen = open_cursor;
     module.xClose = close_cursor;
     module.xFilter = filter;
@@ -358,18 +360,7 @@ sqlite3_module make_module() {
 
 }  // namespace
 
-int add_sample_module(sqlite3* db) {
-    static const sqlite3_module module = make_module();
-    return sqlite3_create_module_v2(db, "sample", &module, nullptr, nullptr);
-}
-
-int add_extension(sqlite3* db) {
-    const int code = add_sample_module(db);
-    const int scalars = code != SQLITE_OK ? code : add_scalar_functions(db);
-    return scalars != SQLITE_OK ? scalars : add_aggregate_functions(db);
-}
-
-bool sample_is_hidden(sqlite3* db) {
+bool has_own_sample(sqlite3* db) {
     try {
         StatementCache database(db);
         return Query(database,
@@ -379,6 +370,21 @@ bool sample_is_hidden(sqlite3* db) {
     } catch (const SampleError&) {
         return false;  // whoever asks for ticks hears why the file cannot be read
     }
+}
+
+int add_sample_module(sqlite3* db) {
+    static const sqlite3_module module = make_module();
+    const int code = sqlite3_create_module_v2(db, "sample", &module, nullptr, nullptr);
+    return code != SQLITE_OK || !has_own_sample(db)
+             ? code
+             : sqlite3_exec(db, "CREATE VIRTUAL TABLE IF NOT EXISTS temp.sample USING sample",
+                            nullptr, nullptr, nullptr);
+}
+
+int add_extension(sqlite3* db) {
+    const int code = add_sample_module(db);
+    const int scalars = code != SQLITE_OK ? code : add_scalar_functions(db);
+    return scalars != SQLITE_OK ? scalars : add_aggregate_functions(db);
 }
 
 }  // namespace palpate::data

@@ -133,8 +133,9 @@ bool names_sample(std::string_view sql) {
 SqlShell::SqlShell(
     Database& database, RowFormat format, std::FILE* out, std::FILE* error, SqlLimits limits)
     : database_(database), format_(format), out_(out), error_(error), guard_(database, limits) {
-    if (sample_is_hidden(database.handle())) {
-        throw StoreError(fmt::format("{}: {}", database.file(), kSampleIsHidden));
+    if (has_own_sample(database.handle())) {
+        fmt::print(error_, "{}: sample are the ticks; what the file calls so is main.sample\n",
+                   database.file());
     }
     if (add_extension(database.handle()) != SQLITE_OK) {
         database.fail("adding the table sample");

@@ -169,11 +169,6 @@ void compare_theirs(const Schema& stored, std::vector<SchemaDifference>& found) 
                              .name = "index " + name,
                              .stored = entry.sql,
                              .wanted = fmt::format("none that decides what {} takes", entry.of)});
-        } else if (lower(name) == "sample") {
-            found.push_back({.of = Of::sample,
-                             .name = type + ' ' + lower(name),
-                             .stored = "it is there",
-                             .wanted = "another name: it stands before the ticks"});
         }
     }
 }

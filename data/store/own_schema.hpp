@@ -19,7 +19,6 @@ struct SchemaDifference {
         view,   ///< ours is gone or another
         index,  ///< ours is gone; or one on our table, or a reference to it, decides what it takes
         trigger,  ///< on a table or view of ours
-        sample,   ///< something called sample stands before the ticks
     };
     Of of{};
     std::string name;    ///< "view analysis_trial", "trigger t"
