@@ -131,7 +131,6 @@ struct Printf {
 }  // namespace
 
 SqlGuard::SqlGuard(Database& database, SqlLimits limits) : database_(database), limits_(limits) {
-    database.execute("PRAGMA temp_store = MEMORY");  // sorted rows, as many as a query makes
     sqlite3_hard_heap_limit64(kMaxMemory);
     sqlite3_limit(database.handle(), SQLITE_LIMIT_LENGTH, kLongestValue);
     for (const char* name : {"printf", "format"}) {

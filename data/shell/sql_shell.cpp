@@ -128,19 +128,28 @@ bool names_sample(std::string_view sql) {
             }).empty();
 }
 
-}  // namespace
-
-SqlShell::SqlShell(
-    Database& database, RowFormat format, std::FILE* out, std::FILE* error, SqlLimits limits)
-    : database_(database), format_(format), out_(out), error_(error), guard_(database, limits) {
+/// The table sample and its functions, before a guard says what a statement may do.
+Database& with_ticks(Database& database, std::FILE* error) {
+    database.execute("PRAGMA temp_store = MEMORY");  // sorted rows, as many as a query makes
     if (has_own_sample(database.handle())) {
-        fmt::print(error_, "{}: sample are the ticks; what the file calls so is main.sample\n",
+        fmt::print(error, "{}: sample are the ticks; what the file calls so is main.sample\n",
                    database.file());
     }
     if (add_extension(database.handle()) != SQLITE_OK) {
         database.fail("adding the table sample");
     }
+    return database;
 }
+
+}  // namespace
+
+SqlShell::SqlShell(
+    Database& database, RowFormat format, std::FILE* out, std::FILE* error, SqlLimits limits)
+    : database_(with_ticks(database, error)),
+      format_(format),
+      out_(out),
+      error_(error),
+      guard_(database, limits) {}
 
 bool SqlShell::complete(std::string_view text) {
     const std::string_view all = trimmed(text, " \t\r\n");
