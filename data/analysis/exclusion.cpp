@@ -22,8 +22,8 @@ using People = std::map<std::string, Judgement>;
 void count_answers(Database& database, std::int64_t study, std::string_view kind, People& people) {
     Statement session = database.prepare(
         "SELECT participant_code, sum(finished = 0) FROM session JOIN participant USING "
-        "(participant_id) WHERE study_id = ?1 AND session_kind = ?2 GROUP BY participant_code");
-    session.bind(1, study).bind(2, kind);
+        "(participant_id) WHERE study_id = ?1 AND session_kind = ?2 GROUP BY participant_code",
+        study, kind);
     while (session.step()) {
         Judgement& one = people[session.text(0)];
         one.participant = session.text(0);
@@ -34,8 +34,8 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
         "NULL AND correct), sum(invalid_reason IS NULL AND outcome = 'timed_out') FROM trial JOIN "
         "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
         "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
-        "= ?2 AND phase = 'main' GROUP BY participant_code");
-    row.bind(1, study).bind(2, kind);
+        "= ?2 AND phase = 'main' GROUP BY participant_code",
+        study, kind);
     while (row.step()) {
         Judgement& one = people.at(row.text(0));
         one.answers = row.integer(1);
@@ -76,8 +76,8 @@ void count_catches(Database& database,
         "SELECT participant_code, plan.planned_object, response.chosen_object FROM trial JOIN "
         "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
         "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
-        "= ?2 AND phase = 'catch' AND invalid_reason IS NULL");
-    row.bind(1, study).bind(2, kind);
+        "= ?2 AND phase = 'catch' AND invalid_reason IS NULL",
+        study, kind);
     while (row.step()) {
         Judgement& one = people.at(row.text(0));
         if (const auto right = outermost(protocol, row.text(1))) {
@@ -121,10 +121,8 @@ void apply(const ExclusionSpec& rules, Judgement& one) {
 
 Exclusions judge(Database& database, std::string_view study, std::string_view kind) {
     Exclusions found;
-    Statement row =
-        database.prepare("SELECT study_id, protocol_toml FROM study WHERE study_name = ?1");
-    row.bind(1, study);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(
+             "SELECT study_id, protocol_toml FROM study WHERE study_name = ?1", study)) {
         Protocol protocol;
         try {
             protocol = protocols::stored_protocol(row.text(1));

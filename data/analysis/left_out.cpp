@@ -106,9 +106,7 @@ LeftOut left_out_of(Database& database, std::string_view study, std::string_view
     const Snapshot now(database);
     LeftOut account{.study = std::string(study), .kind = std::string(kind)};
     ByCode people;
-    Statement row = database.prepare(kSessions);
-    row.bind(1, study).bind(2, kind);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(kSessions, study, kind)) {
         add_session(row, codes, people, account);
     }
     judge_people(database, people, account);
@@ -116,8 +114,8 @@ LeftOut left_out_of(Database& database, std::string_view study, std::string_view
     Statement other = database.prepare(
         "SELECT study_name, session_kind, count(DISTINCT participant_id), min(protocol_sha256) "
         "FROM main.session JOIN study USING (study_id) WHERE study_name <> ?1 OR session_kind <> "
-        "?2 GROUP BY 1, 2 ORDER BY 1, 2");
-    other.bind(1, study).bind(2, kind);
+        "?2 GROUP BY 1, 2 ORDER BY 1, 2",
+        study, kind);
     while (other.step()) {
         account.elsewhere.push_back({.study = other.text(0),
                                      .protocol_sha256 = other.text(3),
@@ -130,11 +128,10 @@ LeftOut left_out_of(Database& database, std::string_view study, std::string_view
 std::vector<LeftOut> left_out_everywhere(Database& database, std::string_view kind, bool codes) {
     const Snapshot now(database);
     std::vector<LeftOut> all;
-    Statement row = database.prepare(
-        "SELECT DISTINCT study_name, session_kind FROM main.session JOIN study USING (study_id) "
-        "WHERE ?1 IN ('all', session_kind) ORDER BY session_kind, study_name");
-    row.bind(1, kind);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(
+             "SELECT DISTINCT study_name, session_kind FROM main.session JOIN study USING "
+             "(study_id) WHERE ?1 IN ('all', session_kind) ORDER BY session_kind, study_name",
+             kind)) {
         all.push_back(left_out_of(database, row.text(0), row.text(1), codes));
     }
     return all;

@@ -174,17 +174,12 @@ Asks asks(Database& database, const Group& group) {
 }
 
 std::vector<std::string> names(Database& database, const Group& group, const std::string& order) {
-    Statement row = database.prepare(
+    return texts(database.prepare(
         "SELECT " + order.substr(0, order.find(' ')) +
-        " FROM plan JOIN session USING (session_id) JOIN study USING (study_id) WHERE study_name = "
-        "?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY " +
-        order.substr(order.find(' ') + 1));
-    row.bind(1, group.study).bind(2, group.kind);
-    std::vector<std::string> all;
-    while (row.step()) {
-        all.push_back(row.text(0));
-    }
-    return all;
+            " FROM plan JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
+            "study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY " +
+            order.substr(order.find(' ') + 1),
+        group.study, group.kind));
 }
 
 /// @param object  empty: of all objects
@@ -202,12 +197,12 @@ PeopleTable table_of(Database& database,
                                                     : "answer_code + 1";
     Statement row = database.prepare(
         "SELECT participant_code, friction, sum(" + value + "), count(" + value +
-        ") FROM analysis_trial WHERE counts AND study_name = ?1 AND session_kind = ?2 AND phase = "
-        "'main' AND (?3 = '' OR analysis_trial.planned_object = ?3) AND " +
-        value +
-        " IS NOT NULL AND NOT EXISTS (SELECT 1 FROM adaptive_step WHERE adaptive_step.trial_id = "
-        "analysis_trial.trial_id) GROUP BY 1, 2");
-    row.bind(1, group.study).bind(2, group.kind).bind(3, object);
+            ") FROM analysis_trial WHERE counts AND study_name = ?1 AND session_kind = ?2 AND "
+            "phase = 'main' AND (?3 = '' OR analysis_trial.planned_object = ?3) AND " +
+            value +
+            " IS NOT NULL AND NOT EXISTS (SELECT 1 FROM adaptive_step WHERE adaptive_step.trial_id "
+            "= analysis_trial.trial_id) GROUP BY 1, 2",
+        group.study, group.kind, object);
     while (row.step()) {
         table.people[row.text(0)][row.text(1)] = {
             .mean = static_cast<double>(row.integer(2)) / static_cast<double>(row.integer(3)),

@@ -33,11 +33,11 @@ struct Run {
 
 std::vector<Run> runs_of(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT participant_code, session_number, session_id, run_number, run_name, count(*),"
-        " sum(NOT counts), sum(correct IS NULL) FROM analysis_trial WHERE study_name = ?1 AND"
-        " session_kind = ?2 AND run_trial_number IS NOT NULL GROUP BY session_id, run_number"
-        " ORDER BY participant_code, session_number, run_number");
-    row.bind(1, group.study).bind(2, group.kind);
+        "SELECT participant_code, session_number, session_id, run_number, run_name, count(*), "
+        "sum(NOT counts), sum(correct IS NULL) FROM analysis_trial WHERE study_name = ?1 AND "
+        "session_kind = ?2 AND run_trial_number IS NOT NULL GROUP BY session_id, run_number ORDER "
+        "BY participant_code, session_number, run_number",
+        group.study, group.kind);
     std::vector<Run> all;
     while (row.step()) {
         all.push_back({row.text(0), row.integer(1), row.integer(2), row.integer(3), row.text(4),
@@ -121,9 +121,9 @@ void add_estimate(RuleRuns& found, const Run& run, const Estimate& one) {
 /// How often each stimulus of a rule that estimates nothing was answered with 1.
 void add_shares(RuleRuns& found, Database& database, const Run& run) {
     Statement row = database.prepare(
-        "SELECT stimulus, sum(rule_outcome), count(*), max(rule_outcome) FROM analysis_trial WHERE"
-        " session_id = ?1 AND run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus");
-    row.bind(1, run.session).bind(2, run.run);
+        "SELECT stimulus, sum(rule_outcome), count(*), max(rule_outcome) FROM analysis_trial WHERE "
+        "session_id = ?1 AND run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus",
+        run.session, run.run);
     while (row.step()) {
         if (row.integer(3) > 1) {
             add_row(found.shares, run,
@@ -231,8 +231,8 @@ struct Meaning {
         text +=
             two_intervals && form == protocols::LapseForm::two_sided && at == 0.5
                 ? fmt::format(
-                      " threshold: the point of equality (PSE), where {}\n  as often as "
-                      "the standard.",
+                      " threshold: the point of equality (PSE), where {}\n  as often as the "
+                      "standard.",
                       one())
                 : fmt::format(" threshold: {} of the way from guesses to\n  lapses.", percent(at));
         return text +

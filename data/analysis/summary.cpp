@@ -21,11 +21,11 @@ namespace {
 std::vector<Group> groups(Database& database) {
     std::vector<Group> all;
     Statement row = database.prepare(
-        "SELECT study_name, session_kind FROM main.session AS one JOIN study USING "
-        "(study_id) WHERE EXISTS (SELECT 1 FROM main.trial JOIN main.plan USING (session_id, "
-        "plan_position) JOIN main.response USING (trial_id) WHERE trial.session_id = "
-        "one.session_id AND phase = 'main') GROUP BY study_name, session_kind ORDER BY "
-        "session_kind, substr(study_name, 1, instr(study_name || '@', '@')), min(study_id)");
+        "SELECT study_name, session_kind FROM main.session AS one JOIN study USING (study_id) "
+        "WHERE EXISTS (SELECT 1 FROM main.trial JOIN main.plan USING (session_id, plan_position) "
+        "JOIN main.response USING (trial_id) WHERE trial.session_id = one.session_id AND phase = "
+        "'main') GROUP BY study_name, session_kind ORDER BY session_kind, substr(study_name, 1, "
+        "instr(study_name || '@', '@')), min(study_id)");
     while (row.step()) {
         all.push_back({row.text(0), row.text(1)});
     }
@@ -44,16 +44,11 @@ std::string title(const Group& group) {
 
 /// Everything felt or chosen in main trials, and everything that will be: from concave to convex.
 std::vector<std::string> objects(Database& database, const Group& group) {
-    std::vector<std::string> names;
-    Statement row = database.prepare(
+    return texts(database.prepare(
         "SELECT planned_object FROM plan JOIN session USING (session_id) JOIN study USING "
         "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY "
-        "planned_object ORDER BY min(curvature_per_m), planned_object");
-    row.bind(1, group.study).bind(2, group.kind);
-    while (row.step()) {
-        names.push_back(row.text(0));
-    }
-    return names;
+        "planned_object ORDER BY min(curvature_per_m), planned_object",
+        group.study, group.kind));
 }
 
 /// The longest of the texts, at least `least`.
@@ -69,21 +64,22 @@ using Confusion = std::map<std::pair<std::string, std::string>, std::int64_t>;
 
 Confusion confusion_of(Database& database, const Group& group) {
     Confusion counts;
-    Statement row = database.prepare(
-        "SELECT planned_object, chosen_object, sum(n) FROM confusion WHERE study_name = ?1 AND "
-        "session_kind = ?2 GROUP BY 1, 2");
-    row.bind(1, group.study).bind(2, group.kind);
-    while (row.step()) {
+    for (const Statement& row :
+         database.prepare("SELECT planned_object, chosen_object, sum(n) FROM confusion WHERE "
+                          "study_name = ?1 AND session_kind = ?2 GROUP BY 1, 2",
+                          group.study, group.kind)) {
         counts[{row.text(0), row.text(1)}] = row.integer(2);
     }
     return counts;
 }
 
 bool chooses_pictures(Database& database, const Group& group) {
-    Statement pictures = database.prepare(
-        "SELECT 1 FROM picture JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
-        "study_name = ?1 AND session_kind = ?2");
-    return pictures.bind(1, group.study).bind(2, group.kind).step();
+    return database
+        .prepare(
+            "SELECT 1 FROM picture JOIN session USING (session_id) JOIN study USING (study_id) "
+            "WHERE study_name = ?1 AND session_kind = ?2",
+            group.study, group.kind)
+        .step();
 }
 
 /// Nothing where the answers are no pictures.
@@ -152,14 +148,13 @@ struct Counts {
 };
 
 Counts counts_of(Database& database, const Group& group) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT (SELECT count(*) FROM trial JOIN session USING (session_id) JOIN study USING "
-        "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND outcome = 'faulted'),"
-        " count(*) FILTER (WHERE invalid_reason IS NOT NULL),"
-        " count(*) FILTER (WHERE counts AND phase = 'main' AND correct IS NULL),"
-        " count(*) FILTER (WHERE counts AND phase = 'main')"
-        " FROM analysis_trial WHERE study_name = ?1 AND session_kind = ?2");
-    row.bind(1, group.study).bind(2, group.kind).step();
+        "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND outcome = 'faulted'), count(*) "
+        "FILTER (WHERE invalid_reason IS NOT NULL), count(*) FILTER (WHERE counts AND phase = "
+        "'main' AND correct IS NULL), count(*) FILTER (WHERE counts AND phase = 'main') FROM "
+        "analysis_trial WHERE study_name = ?1 AND session_kind = ?2",
+        group.study, group.kind);
     return {row.integer(0), row.integer(1), row.integer(2), row.integer(3)};
 }
 
@@ -175,10 +170,9 @@ std::string quoted(const std::string& word) {
 /// The command that lists them, for a POSIX shell.
 std::string invalid_query(const std::string& file, const Group& group) {
     std::string sql;
-    for (const char c : fmt::format(
-             "SELECT * FROM analysis_trial WHERE invalid_reason IS NOT NULL AND study_name = {} "
-             "AND session_kind = {}",
-             quoted_text(group.study), quoted_text(group.kind))) {
+    for (const char c : fmt::format("SELECT * FROM analysis_trial WHERE invalid_reason IS NOT NULL "
+                                    "AND study_name = {} AND session_kind = {}",
+                                    quoted_text(group.study), quoted_text(group.kind))) {
         sql += std::string_view("\\\"$`").find(c) == std::string_view::npos ? "" : "\\";
         sql += c;
     }
@@ -208,11 +202,11 @@ std::string counts_text(const Counts& counts, const std::string& query) {
 /// Sessions that were felt on more than one device.
 Table devices_table(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT participant_code, session_number, device, coalesce(calibration_sha256, ''),"
-        " count(*), count(*) OVER (PARTITION BY session_id) FROM analysis_trial WHERE"
-        " study_name = ?1 AND session_kind = ?2 GROUP BY session_id, device, calibration_sha256"
-        " ORDER BY participant_code, session_number, min(trial_id)");
-    row.bind(1, group.study).bind(2, group.kind);
+        "SELECT participant_code, session_number, device, coalesce(calibration_sha256, ''), "
+        "count(*), count(*) OVER (PARTITION BY session_id) FROM analysis_trial WHERE study_name = "
+        "?1 AND session_kind = ?2 GROUP BY session_id, device, calibration_sha256 ORDER BY "
+        "participant_code, session_number, min(trial_id)",
+        group.study, group.kind);
     Table table{.place = "devices/-",
                 .title = "  CAUTION: felt on more than one device or calibration",
                 .columns = {{.key = "person", .words = "person"},

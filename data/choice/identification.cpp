@@ -261,8 +261,8 @@ std::map<std::string, double> item_values(Database& database, const std::string&
     std::map<std::string, double> values;
     Statement row = database.prepare(
         "SELECT DISTINCT planned_object, curvature_per_m FROM plan JOIN session USING (session_id) "
-        "JOIN study USING (study_id) WHERE study_name = ?1 AND curvature_per_m IS NOT NULL");
-    row.bind(1, study);
+        "JOIN study USING (study_id) WHERE study_name = ?1 AND curvature_per_m IS NOT NULL",
+        study);
     while (row.step()) {
         values[row.text(0)] = row.real(1);
     }
@@ -272,10 +272,10 @@ std::map<std::string, double> item_values(Database& database, const std::string&
 IdentificationReport identification_of(TrialTable table, const IdentificationOptions& options) {
     IdentificationReport report{.table = std::move(table), .options = options};
     if (report.table.alternatives == 0) {
-        throw std::invalid_argument(fmt::format(
-            "{}: the answers are yes and no: these models are of identifications; palpate stats "
-            "gives d' and c",
-            report.table.source));
+        throw std::invalid_argument(
+            fmt::format("{}: the answers are yes and no: these models are of identifications; "
+                        "palpate stats gives d' and c",
+                        report.table.source));
     }
     name_items(report);
     for (std::size_t subject = 0; subject < report.table.subjects.size(); ++subject) {

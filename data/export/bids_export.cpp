@@ -282,8 +282,8 @@ void write_sessions(Database& database,
                     "group_concat(DISTINCT session_kind){} FROM (SELECT * FROM chosen ORDER BY "
                     "label) AS chosen JOIN session USING (session_id) WHERE subject = ?1 GROUP BY "
                     "chosen.session_number ORDER BY chosen.session_number",
-                    details ? ", min(day)" : ""));
-    row.bind(1, std::string_view(subject));
+                    details ? ", min(day)" : ""),
+        subject);
     write_rows(std::move(row), file);
     write_json(folder / (subject + "_sessions.json"), sidecar);
 }
@@ -312,9 +312,8 @@ void write_beh(Database& database,
         sidecar[std::string(column.name)] = described(column);
     }
     file.end_row();
-    Statement row =
-        database.prepare(select_sql(export_table("trials"), columns, "chosen.session_id = ?1"));
-    row.bind(1, session.id);
+    Statement row = database.prepare(
+        select_sql(export_table("trials"), columns, "chosen.session_id = ?1"), session.id);
     write_rows(std::move(row), file);
     write_json(folder / (stem + ".json"), sidecar);
 }

@@ -92,8 +92,8 @@ void write_session_table(Database& database,
                          const ChosenSession& session,
                          const std::filesystem::path& path) {
     const auto columns = visible_columns(table, options.details);
-    Statement row = database.prepare(select_sql(table, columns, "chosen.session_id = ?1"));
-    row.bind(1, session.id);
+    Statement row =
+        database.prepare(select_sql(table, columns, "chosen.session_id = ?1"), session.id);
     write_rows(std::move(row), columns, path);
 }
 
@@ -132,10 +132,9 @@ void write_codes(Database& database, const std::filesystem::path& path) {
     file.text("subject");
     file.text("participant_code");
     file.end_row();
-    Statement row = database.prepare(
-        "SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN session USING "
-        "(session_id) JOIN participant USING (participant_id) ORDER BY chosen.subject");
-    while (row.step()) {
+    for (const Statement& row : database.prepare(
+             "SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN session USING "
+             "(session_id) JOIN participant USING (participant_id) ORDER BY chosen.subject")) {
         file.text(row.text(0));
         file.text(row.text(1));
         file.end_row();

@@ -49,8 +49,8 @@ void each_traced_trial(Database& database, const ChosenSession& session, const V
     Statement row = database.prepare(
         "SELECT trial.trial_id, trial_number FROM trial JOIN numbered USING (trial_id) WHERE "
         "trial.session_id = ?1 AND EXISTS (SELECT 1 FROM trace_chunk WHERE trace_chunk.trial_id = "
-        "trial.trial_id) ORDER BY trial.trial_id");
-    row.bind(1, session.id);
+        "trial.trial_id) ORDER BY trial.trial_id",
+        session.id);
     while (row.step()) {
         visit(row.integer(0), row.integer(1));
     }

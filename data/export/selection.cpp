@@ -30,18 +30,15 @@ std::string label_of(std::string_view name, std::set<std::string>& taken) {
 std::map<std::int64_t, std::string> study_labels(Database& database) {
     std::map<std::int64_t, std::string> labels;
     std::set<std::string> taken;
-    Statement row =
-        database.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256");
-    while (row.step()) {
+    for (const Statement& row :
+         database.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256")) {
         labels[row.integer(0)] = label_of(row.text(1), taken);
     }
     return labels;
 }
 
 std::int64_t count(Database& database, std::string_view sql, const std::string& kind) {
-    Statement row = database.prepare(sql);
-    row.bind(1, std::string_view(kind)).step();
-    return row.integer(0);
+    return database.first(sql, kind).integer(0);
 }
 
 }  // namespace
@@ -91,13 +88,11 @@ void Selection::choose(const std::string& kind) {
     constexpr std::string_view kRefused =
         "SELECT count(DISTINCT participant.participant_id) FROM session JOIN participant USING "
         "(participant_id) WHERE ?1 IN ('all', session_kind) AND consent = 0";
-    database_
-        .prepare(
-            "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN "
-            "participant USING (participant_id) WHERE ?1 IN ('all', session_kind) AND consent IS "
-            "NOT 0 AND withdrawn_reason IS NULL")
-        .bind(1, std::string_view(kind))
-        .run();
+    database_.run(
+        "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN participant "
+        "USING (participant_id) WHERE ?1 IN ('all', session_kind) AND consent IS NOT 0 AND "
+        "withdrawn_reason IS NULL",
+        kind);
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
         throw std::invalid_argument(fmt::format(
             "there is no {}session to export: {} of that kind, {} real, {} pilot, {} simulated, "
@@ -122,9 +117,8 @@ void Selection::name_subjects() {
     const auto labels = study_labels(database_);
     Statement session = database_.prepare(
         "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, "
-        "study_title, "
-        "participant.subject FROM chosen JOIN session USING (session_id) JOIN study USING "
-        "(study_id) JOIN participant USING (participant_id) ORDER BY participant.subject, "
+        "study_title, participant.subject FROM chosen JOIN session USING (session_id) JOIN study "
+        "USING (study_id) JOIN participant USING (participant_id) ORDER BY participant.subject, "
         "protocol_sha256, chosen.session_number");
     Statement set =
         database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session_id = ?1");

@@ -18,10 +18,9 @@ namespace {
 void add_beliefs(Database& database, const AnswerChoice& choice, std::vector<Answers>& all) {
     Statement row = database.prepare(
         "SELECT DISTINCT participant_code, session_number, session_id, run_number, run_name FROM "
-        "analysis_trial WHERE "
-        "counts AND phase = 'main' AND run_trial_number IS NOT NULL AND study_name = ?1 AND "
-        "session_kind = ?2 ORDER BY 1, 2, 4");
-    row.bind(1, choice.study).bind(2, choice.kind);
+        "analysis_trial WHERE counts AND phase = 'main' AND run_trial_number IS NOT NULL AND "
+        "study_name = ?1 AND session_kind = ?2 ORDER BY 1, 2, 4",
+        choice.study, choice.kind);
     while (row.step()) {
         const auto found = std::ranges::find_if(all, [&](const Answers& one) {
             return one.participant == row.text(0) && one.condition == row.text(4);
@@ -50,38 +49,35 @@ void add_beliefs(Database& database, const AnswerChoice& choice, std::vector<Ans
 
 /// People by their numbers in exports.
 void number_people(Database& database, std::vector<Answers>& all) {
-    Statement row = database.prepare("SELECT subject FROM participant WHERE participant_code = ?1");
     for (Answers& one : all) {
-        row.reset();
-        row.bind(1, one.participant).step();
-        one.participant = fmt::format("sub-{:010}", row.integer(0));
+        one.participant = fmt::format(
+            "sub-{:010}", database
+                              .first("SELECT subject FROM participant WHERE participant_code = ?1",
+                                     one.participant)
+                              .integer(0));
     }
 }
 
 std::vector<std::string> conditions_of(Database& database, const AnswerChoice& choice) {
-    Statement row = database.prepare(
+    return texts(database.prepare(
         "SELECT name FROM (SELECT run_name AS name, run_number AS place FROM analysis_trial WHERE "
         "study_name = ?1 AND session_kind = ?2 AND run_name IS NOT NULL UNION ALL SELECT friction, "
         "mu_s FROM plan JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
         "study_name = ?1 AND session_kind = ?2 AND phase = 'main') GROUP BY name ORDER BY "
-        "min(place), name");
-    row.bind(1, choice.study).bind(2, choice.kind);
-    std::vector<std::string> names;
-    while (row.step()) {
-        names.push_back(row.text(0));
-    }
-    return names;
+        "min(place), name",
+        choice.study, choice.kind));
 }
 
 }  // namespace
 
 bool answers_are_names(Database& database, const AnswerChoice& choice) {
-    Statement row = database.prepare(fmt::format(
-        "SELECT NOT EXISTS (SELECT 1 FROM ({}) WHERE session_kind = ?1 AND ?2 IN ('', "
-        "study_name)) AND EXISTS (SELECT 1 FROM analysis_trial WHERE phase = 'main' AND run_number "
-        "IS NULL AND chosen_object IS NOT NULL AND ?1 = session_kind AND ?2 IN ('', study_name))",
-        kGradedAnswers));
-    row.bind(1, choice.kind).bind(2, choice.study).step();
+    Statement row = database.first(
+        fmt::format("SELECT NOT EXISTS (SELECT 1 FROM ({}) WHERE session_kind = ?1 AND ?2 IN ('', "
+                    "study_name)) AND EXISTS (SELECT 1 FROM analysis_trial WHERE phase = 'main' "
+                    "AND run_number IS NULL AND chosen_object IS NOT NULL AND ?1 = session_kind "
+                    "AND ?2 IN ('', study_name))",
+                    kGradedAnswers),
+        choice.kind, choice.study);
     return row.integer(0) != 0;
 }
 
@@ -90,11 +86,12 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     AnswerChoice choice = asked;
     std::set<std::string> studies;
     std::vector<std::pair<std::string, Answers>> found;
-    Statement row = database.prepare(fmt::format(
-        "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
-        "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, 3, 4",
-        kGradedAnswers));
-    row.bind(1, choice.kind);
+    Statement row = database.prepare(
+        fmt::format(
+            "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
+            "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, 3, 4",
+            kGradedAnswers),
+        choice.kind);
     while (row.step()) {
         const std::string study = row.text(0);
         if (!choice.study.empty() && study != choice.study) {

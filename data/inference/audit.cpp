@@ -65,12 +65,12 @@ ExplorationMeans read_felt(Database& database, const AnswerChoice& choice) {
         "SELECT exploration.study_name, iif(?3, participant_code, printf('sub-%010d', (SELECT "
         "subject FROM main.participant AS one WHERE one.participant_code = "
         "exploration.participant_code))), exploration.friction, presentation.mu_s" +
-        columns +
-        " FROM exploration JOIN trial USING (trial_id) JOIN presentation USING (trial_id, "
-        "interval) "
-        "WHERE exploration.counts AND exploration.phase = 'main' AND exploration.session_kind = ?1 "
-        "AND (?2 = '' OR exploration.study_name = ?2) ORDER BY trial_id, interval");
-    row.bind(1, choice.kind).bind(2, choice.study).bind(3, std::int64_t{choice.codes});
+            columns +
+            " FROM exploration JOIN trial USING (trial_id) JOIN presentation USING (trial_id, "
+            "interval) WHERE exploration.counts AND exploration.phase = 'main' AND "
+            "exploration.session_kind = ?1 AND (?2 = '' OR exploration.study_name = ?2) ORDER BY "
+            "trial_id, interval",
+        choice.kind, choice.study, choice.codes);
     ExplorationMeans felt;
     while (row.step()) {
         if (felt.studies.insert(row.text(0)).second) {
@@ -218,18 +218,19 @@ Audit audit_of(Database& database, const AnswerChoice& choice, const AuditBounds
 }
 
 Table audit_table(const Audit& audit) {
-    Table table{.place = "quantities/-",
-                .columns = {{.key = "quantity", .words = "quantity"},
-                            {.key = "of", .words = "of"},
-                            {.key = "friction", .words = "comparison"},
-                            {.key = "people", .words = "people"},
-                            {.key = "difference", .words = "difference", .digits = 4},
-                            {.key = "interval_90", .words = "90 % interval", .digits = 4},
-                            {.key = "bound", .words = "bound", .digits = 4},
-                            {.key = "unit", .words = "unit"},
-                            {.key = "verdict", .words = " "}},
-                .notes = {"rig: nothing of it may differ; hand: what differs here, friction may "
-                          "have changed."}};
+    Table table{
+        .place = "quantities/-",
+        .columns = {{.key = "quantity", .words = "quantity"},
+                    {.key = "of", .words = "of"},
+                    {.key = "friction", .words = "comparison"},
+                    {.key = "people", .words = "people"},
+                    {.key = "difference", .words = "difference", .digits = 4},
+                    {.key = "interval_90", .words = "90 % interval", .digits = 4},
+                    {.key = "bound", .words = "bound", .digits = 4},
+                    {.key = "unit", .words = "unit"},
+                    {.key = "verdict", .words = " "}},
+        .notes = {
+            "rig: nothing of it may differ; hand: what differs here, friction may have changed."}};
     for (const AuditLine& line : audit.lines) {
         const Scale scale = line.quantity->scale;
         const auto in_unit = [&](double value) {
@@ -265,8 +266,7 @@ std::string audit_text(Database& database, const AnswerChoice& choice, const Aud
         "  The same: the 90 % interval lies within the bounds (two one-sided tests of 5 %, "
         "Schuirmann 1987).\n"
         "  Differs: the 95 % interval does not hold 0, or 1 of a ratio; where both hold it "
-        "differs, "
-        "within bounds.\n",
+        "differs, within bounds.\n",
         audit.study, choice.kind);
     text += left_out_text(audit.left_out);
     for (const AuditGap& gap : audit.gaps) {

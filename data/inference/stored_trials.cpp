@@ -23,12 +23,8 @@ WHERE phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_n
            (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%'))
 ORDER BY study_name, participant_code, session_number, trial_number)sql";
 
-std::optional<double> known(const Statement& row, int column, bool above_zero) {
-    constexpr int kNull = 5;
-    if (row.type(column) == kNull || (above_zero && row.real(column) <= 0.0)) {
-        return std::nullopt;
-    }
-    return row.real(column);
+std::optional<double> above_zero(const Statement& row, int column) {
+    return row.real(column) > 0.0 ? row.real_or_none(column) : std::nullopt;
 }
 
 /// Whom the protocol's rules leave out, and why.
@@ -43,28 +39,30 @@ std::map<std::string, std::string> whys_of(const LeftOut& account) {
 
 /// By the least static friction of the conditions' plans, as everywhere.
 std::string least_friction(Database& database, const AnswerChoice& choice) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT friction FROM plan JOIN session USING (session_id) JOIN study USING (study_id) "
         "WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY "
-        "min(mu_s), friction LIMIT 1");
-    row.bind(1, choice.study).bind(2, choice.kind).step();
+        "min(mu_s), friction LIMIT 1",
+        choice.study, choice.kind);
     return row.text(0);
 }
 
 /// As the newest version of the protocol says.
 protocols::PrimaryTest primary_of(Database& database, const AnswerChoice& choice) {
-    Statement row = database.prepare(
-        "SELECT protocol_toml FROM study WHERE study_name = ?1 ORDER BY study_id DESC LIMIT 1");
-    row.bind(1, choice.study).step();
-    return protocols::stored_protocol(row.text(0)).analysis.primary;
+    return protocols::stored_protocol(database
+                                          .first("SELECT protocol_toml FROM study WHERE study_name "
+                                                 "= ?1 ORDER BY study_id DESC LIMIT 1",
+                                                 choice.study)
+                                          .text(0))
+        .analysis.primary;
 }
 
 std::size_t pictures_of(Database& database, const AnswerChoice& choice) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT coalesce(max(n), 0) FROM (SELECT count(*) AS n FROM picture JOIN session USING "
         "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND session_kind = ?2 "
-        "GROUP BY session_id)");
-    row.bind(1, choice.study).bind(2, choice.kind).step();
+        "GROUP BY session_id)",
+        choice.study, choice.kind);
     return static_cast<std::size_t>(row.integer(0));
 }
 
@@ -74,10 +72,10 @@ NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
                    .friction = row.text(4),
                    .response = row.text(5)};
     one.trial = {.number = number,
-                 .rt_s = known(row, 6, true),
-                 .explore_s = known(row, 7, true),
-                 .confidence = known(row, 8, false),
-                 .since_break = known(row, 9, false),
+                 .rt_s = above_zero(row, 6),
+                 .explore_s = above_zero(row, 7),
+                 .confidence = row.real_or_none(8),
+                 .since_break = row.real_or_none(9),
                  .excluded = row.text(10)};
     return one;
 }
@@ -91,9 +89,7 @@ TrialTable stored_trials(Database& database, const AnswerChoice& asked) {
     std::vector<NamedTrial> all;
     std::string before;
     std::int64_t number = 0;
-    Statement row = database.prepare(kAnswered);
-    row.bind(1, choice.kind);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(kAnswered, choice.kind)) {
         const std::string study = row.text(0);
         if (!choice.study.empty() && study != choice.study) {
             continue;

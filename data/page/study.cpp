@@ -109,8 +109,8 @@ Study::Study(Database& database, const PageOptions& options)
 void Study::choose() {
     Statement row = database_->prepare(
         "SELECT DISTINCT study_name FROM study JOIN session USING (study_id) WHERE session_kind = "
-        "?1 AND (?2 = '' OR study_name = ?2) ORDER BY 1");
-    row.bind(1, std::string_view(options_.kind)).bind(2, std::string_view(options_.study));
+        "?1 AND (?2 = '' OR study_name = ?2) ORDER BY 1",
+        options_.kind, options_.study);
     std::set<std::string> names;
     while (row.step()) {
         names.insert(row.text(0));
@@ -134,10 +134,10 @@ void Study::choose() {
                                                                            : " --versions apart";
         words_ += seen_;
     }
-    Statement text = database_->prepare(
+    Statement text = database_->first(
         "SELECT study_title, protocol_toml FROM study JOIN session USING (study_id) WHERE "
-        "study_name = ?1 AND session_kind = ?2 ORDER BY session_id DESC LIMIT 1");
-    text.bind(1, std::string_view(name_)).bind(2, std::string_view(options_.kind)).step();
+        "study_name = ?1 AND session_kind = ?2 ORDER BY session_id DESC LIMIT 1",
+        name_, options_.kind);
     title_ = text.text(0);
     protocol_ = protocols::stored_protocol(text.text(1));
 }
@@ -146,8 +146,8 @@ void Study::number_people() {
     Statement row = database_->prepare(
         "SELECT participant_code, printf('sub-%010d', subject) FROM participant WHERE "
         "participant_id IN (SELECT participant_id FROM session JOIN study USING (study_id) WHERE "
-        "study_name = ?1 AND session_kind = ?2) ORDER BY subject");
-    row.bind(1, std::string_view(name_)).bind(2, std::string_view(options_.kind));
+        "study_name = ?1 AND session_kind = ?2) ORDER BY subject",
+        name_, options_.kind);
     std::map<std::string, std::size_t> place;
     while (row.step()) {
         ++people_;

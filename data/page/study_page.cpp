@@ -14,21 +14,19 @@ namespace palpate::data {
 namespace {
 
 bool any(Database& database, const Study& study, std::string_view from) {
-    Statement row = database.prepare(fmt::format("SELECT EXISTS (SELECT 1 FROM {})", from));
-    row.bind(1, std::string_view(study.name()))
-        .bind(2, std::string_view(study.options().kind))
-        .step();
-    return row.integer(0) == 1;
+    return database
+               .first(fmt::format("SELECT EXISTS (SELECT 1 FROM {})", from),
+                      std::string_view(study.name()), std::string_view(study.options().kind))
+               .integer(0) == 1;
 }
 
 /// The trials that palpate stats takes without other words.
 std::optional<TrialTable> stats_trials(Database& database, const Study& study) {
-    const bool answered =
-        any(database, study,
-            "analysis_trial WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' AND "
-            "answer_code IS NOT NULL AND run_number IS NULL AND (chosen_object IS NOT NULL OR "
-            "study_name IN (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "
-            "\"yes_no\"%'))");
+    const bool answered = any(database, study,
+                              "analysis_trial WHERE study_name = ?1 AND session_kind = ?2 AND "
+                              "phase = 'main' AND answer_code IS NOT NULL AND run_number IS NULL "
+                              "AND (chosen_object IS NOT NULL OR study_name IN (SELECT study_name "
+                              "FROM study WHERE protocol_toml LIKE '%kind = \"yes_no\"%'))");
     const PageOptions& options = study.options();
     return answered
              ? std::optional(stored_trials(
@@ -67,10 +65,9 @@ FitReport fit_numbers(const Study& study, const StoredAnswers& answers) {
 std::optional<Audit> audit_numbers(Database& database,
                                    const Study& study,
                                    const AuditBounds& bounds) {
-    const bool two =
-        any(database, study,
-            "(SELECT count(DISTINCT friction) AS n FROM exploration WHERE study_name = "
-            "?1 AND session_kind = ?2 AND phase = 'main' AND counts) WHERE n > 1");
+    const bool two = any(database, study,
+                         "(SELECT count(DISTINCT friction) AS n FROM exploration WHERE study_name "
+                         "= ?1 AND session_kind = ?2 AND phase = 'main' AND counts) WHERE n > 1");
     return two ? std::optional(audit_of(
                      database, {.kind = study.options().kind, .study = study.name()}, bounds))
                : std::nullopt;
@@ -141,9 +138,9 @@ std::string study_page(Database& database, const PageOptions& options) {
          .title = title,
          .footer = fmt::format(
              "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
-             options.codes ? study.file()
-                           : "the study's database, called FILE here, whose newest seals stand "
-                             "above",
+             options.codes
+                 ? study.file()
+                 : "the study's database, called FILE here, whose newest seals stand above",
              options.codes ? "" : ", no code of a participant and no name of a file")});
 }
 

@@ -71,8 +71,8 @@ std::string bar_of(const Rows& rows) {
     return all > 0.0
              ? fmt::format(
                    "<p class=\"where\"><span class=\"bar\" "
-                   "style=\"--a:{:.1f}%;--b:{:.1f}%\"></span> "
-                   "contact before the vertex {:.2f} s, on it {:.2f} s, after it {:.2f} s</p>\n",
+                   "style=\"--a:{:.1f}%;--b:{:.1f}%\"></span> contact before the vertex {:.2f} s, "
+                   "on it {:.2f} s, after it {:.2f} s</p>\n",
                    100.0 * before / all, 100.0 * (before + vertex) / all, before, vertex, after)
              : std::string();
 }
@@ -123,11 +123,10 @@ Owner owner_of(Database& database, const TrialPageOptions& options) {
     Statement row = database.prepare(
         "SELECT session_id, study_name, session_kind, participant_code, trial.seal, consent IS 0, "
         "withdrawn_reason FROM trial JOIN main.session USING (session_id) JOIN study USING "
-        "(study_id) JOIN participant USING (participant_id) WHERE trial_id = ?1");
-    if (!row.bind(1, options.trial).step()) {
-        Statement all =
-            database.prepare("SELECT count(*), min(trial_id), max(trial_id) FROM trial");
-        all.step();
+        "(study_id) JOIN participant USING (participant_id) WHERE trial_id = ?1",
+        options.trial);
+    if (!row.step()) {
+        Statement all = database.first("SELECT count(*), min(trial_id), max(trial_id) FROM trial");
         throw std::invalid_argument(
             all.integer(0) == 0
                 ? fmt::format("{} has no trial", database.file())
@@ -135,10 +134,9 @@ Owner owner_of(Database& database, const TrialPageOptions& options) {
                               options.trial, all.integer(1), all.integer(2)));
     }
     if (row.integer(5) != 0) {
-        throw std::invalid_argument(
-            fmt::format("trial {} is of somebody who is noted as not consenting: there is no page "
-                        "of it",
-                        options.trial));
+        throw std::invalid_argument(fmt::format(
+            "trial {} is of somebody who is noted as not consenting: there is no page of it",
+            options.trial));
     }
     if (!row.null(6)) {
         throw std::invalid_argument(
@@ -254,16 +252,13 @@ void add_facts(PageWriter& page,
 /// What was felt in the trial, an entry an interval: its number and how many ticks count.
 std::vector<TrialTrace> felt_intervals(Database& database, std::int64_t trial) {
     Statement row = database.prepare(
-        "SELECT interval, ticks FROM presentation WHERE trial_id = ?1 ORDER BY interval");
-    row.bind(1, trial);
+        "SELECT interval, ticks FROM presentation WHERE trial_id = ?1 ORDER BY interval", trial);
     std::vector<TrialTrace> intervals;
     while (row.step()) {
         TrialTrace& one = intervals.emplace_back();
         one.trial = trial;
         one.interval = row.integer(0);
-        if (!row.null(1)) {
-            one.felt = row.integer(1);
-        }
+        one.felt = row.integer_or_none(1);
     }
     return intervals;
 }

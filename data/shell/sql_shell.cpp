@@ -97,9 +97,8 @@ void print_row(RowPrinter& printer,
 /// What the file says of itself, and the program of what an older one did not say.
 std::vector<TableManual> manual_of(Database& database) {
     std::string sql;
-    Statement row =
-        database.prepare("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY rowid");
-    while (row.step()) {
+    for (const Statement& row :
+         database.prepare("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY rowid")) {
         sql += row.text(0) + ";\n";
     }
     std::vector<TableManual> tables = schema_manual(sql + std::string(sample_declaration()));
@@ -180,8 +179,8 @@ void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t fi
     std::string why = plain(sqlite3_errmsg(database_.handle()));
     if (why.starts_with("access to view")) {
         why +=
-            ": the file's schema is not palpate's, so none of its views is read; palpate's own "
-            "go by their names without main";
+            ": the file's schema is not palpate's, so none of its views is read; palpate's own go "
+            "by their names without main";
     }
     if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
         const int code = sqlite3_errcode(database_.handle());
@@ -312,10 +311,9 @@ bool SqlShell::word(std::string_view line) {
 void SqlShell::tables() {
     const std::vector<TableManual> manual = manual_of(database_);
     RowPrinter printer(out_, format_, {"name", "type", "meaning"});
-    Statement row = database_.prepare(
-        "SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') UNION ALL"
-        " SELECT 'sample', 'virtual table' ORDER BY type, name");
-    while (row.step()) {
+    for (const Statement& row :
+         database_.prepare("SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') "
+                           "UNION ALL SELECT 'sample', 'virtual table' ORDER BY type, name")) {
         const auto said = std::ranges::find(manual, row.text(0), &TableManual::name);
         print_row(printer, format_, {row.text(0), row.text(1)},
                   said == manual.end() ? std::string() : said->meaning);
@@ -358,11 +356,10 @@ bool SqlShell::schema(std::string_view table) {
         fmt::print(out_, "{};\n", plain(sql, Lines::kept));
         found = true;
     };
-    Statement row = database_.prepare(
-        "SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL AND (?1 = '' OR tbl_name = ?1) ORDER "
-        "BY rowid");
-    row.bind(1, table);
-    while (row.step()) {
+    for (const Statement& row :
+         database_.prepare("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL AND (?1 = '' OR "
+                           "tbl_name = ?1) ORDER BY rowid",
+                           table)) {
         print(row.text(0));
     }
     if (table.empty() || table == "sample") {

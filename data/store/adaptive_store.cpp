@@ -34,10 +34,10 @@ struct Begun {
 std::optional<Begun> begun(Database& database, std::int64_t session) {
     Statement row = database.prepare(
         "SELECT protocol_toml, protocol_sha256, coalesce(run_code, participant_code), "
-        "coalesce(run_number, session_number), seed, secret "
-        "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
-        "session.session_id = ?1");
-    if (!row.bind(1, session).step()) {
+        "coalesce(run_number, session_number), seed, secret FROM session JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) WHERE session.session_id = ?1",
+        session);
+    if (!row.step()) {
         return std::nullopt;
     }
     return Begun{
@@ -54,8 +54,8 @@ std::string responses_of(Database& database, std::int64_t session, std::int64_t 
         "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
         "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
         "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
-        "NULL ORDER BY trial.trial_id");
-    step.bind(1, session).bind(2, run);
+        "NULL ORDER BY trial.trial_id",
+        session, run);
     while (step.step()) {
         text += fmt::format("{},{}\n", step.real(0), step.integer(1));
     }
@@ -67,11 +67,10 @@ std::string responses_of(Database& database, std::int64_t session, std::int64_t 
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
     const Begun rules = begun(database, session).value();
     protocols::AdaptiveRuns runs(rules.protocol, rules.key);
-    Statement step = database.prepare(
-        "SELECT run_number, stimulus, rule_outcome FROM analysis_trial WHERE session_id = ?1"
-        " AND counts AND run_trial_number IS NOT NULL ORDER BY trial_id");
-    step.bind(1, session);
-    while (step.step()) {
+    for (const Statement& step : database.prepare(
+             "SELECT run_number, stimulus, rule_outcome FROM analysis_trial WHERE session_id = ?1 "
+             "AND counts AND run_trial_number IS NOT NULL ORDER BY trial_id",
+             session)) {
         runs.update({.run = static_cast<std::size_t>(step.integer(0)),
                      .stimulus = step.real(1),
                      .outcome = static_cast<std::size_t>(step.integer(2))});

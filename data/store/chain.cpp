@@ -40,9 +40,7 @@ std::string lines_of(Database& database,
                      std::int64_t id,
                      std::span<const std::string_view> without) {
     std::string text;
-    Statement row = database.prepare(sql);
-    row.bind(1, id);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(sql, id)) {
         text += line_of(table, row, without);
     }
     return text;
@@ -76,9 +74,7 @@ const std::vector<std::string>& tables_of_trials() {
 }
 
 std::int64_t events_now(Database& database, std::int64_t session) {
-    Statement row = database.prepare("SELECT count(*) FROM event WHERE session_id = ?1");
-    row.bind(1, session).step();
-    return row.integer(0);
+    return database.first("SELECT count(*) FROM event WHERE session_id = ?1", session).integer(0);
 }
 
 /// The link of a trial whose row says how many events came before.
@@ -103,8 +99,8 @@ std::string trial_head(Database& database, std::int64_t trial, const std::string
 std::string event_head(Database& database, std::int64_t event, const std::string& before) {
     return sha256_hex(before + '\n' +
                       lines_of(database, "event",
-                               "SELECT event.*, trial.plan_position AS at_position, attempt FROM"
-                               " event LEFT JOIN trial USING (trial_id) WHERE event.event_id = ?1",
+                               "SELECT event.*, trial.plan_position AS at_position, attempt FROM "
+                               "event LEFT JOIN trial USING (trial_id) WHERE event.event_id = ?1",
                                event, kNotOfTrial));
 }
 
@@ -118,11 +114,12 @@ std::string session_head(Database& database, std::int64_t session, const std::st
 
 /// The reason of the last mark of a trial or a session; none where that takes one back.
 std::optional<std::string> last_mark(Database& database, std::string_view whose, std::int64_t id) {
-    Statement row = database.prepare(fmt::format(
-        "SELECT text, key FROM event WHERE {} AND event_kind = 'mark' ORDER BY event_id DESC "
-        "LIMIT 1",
-        whose));
-    const bool marked = row.bind(1, id).step() && row.text(1) != protocols::kUndone;
+    Statement row =
+        database.prepare(fmt::format("SELECT text, key FROM event WHERE {} AND event_kind = 'mark' "
+                                     "ORDER BY event_id DESC LIMIT 1",
+                                     whose),
+                         id);
+    const bool marked = row.step() && row.text(1) != protocols::kUndone;
     return marked ? std::optional(row.text(0)) : std::nullopt;
 }
 
@@ -138,24 +135,16 @@ void keep_head(Database& database,
                std::int64_t row,
                std::int64_t session,
                const std::string& head) {
-    database.prepare(fmt::format("UPDATE {0} SET seal = ?2 WHERE {0}_id = ?1", table))
-        .bind(1, row)
-        .bind(2, std::string_view(head))
-        .run();
-    database.prepare("UPDATE session SET newest_seal = ?2 WHERE session_id = ?1")
-        .bind(1, session)
-        .bind(2, std::string_view(head))
-        .run();
+    database.run(fmt::format("UPDATE {0} SET seal = ?2 WHERE {0}_id = ?1", table), row, head);
+    database.run("UPDATE session SET newest_seal = ?2 WHERE session_id = ?1", session, head);
 }
 
 void keep_events(Database& database,
                  std::string_view table,
                  std::int64_t row,
                  std::int64_t session) {
-    database.prepare(fmt::format("UPDATE {0} SET seal_events = ?2 WHERE {0}_id = ?1", table))
-        .bind(1, row)
-        .bind(2, events_now(database, session))
-        .run();
+    database.run(fmt::format("UPDATE {0} SET seal_events = ?2 WHERE {0}_id = ?1", table), row,
+                 events_now(database, session));
 }
 
 /// Follows the links of a session in their order, and notes where one does not follow, or makes all
@@ -173,11 +162,10 @@ public:
     }
 
     std::vector<ChainBreak> all() {
-        Statement trial = database_.prepare(
-            "SELECT trial_id, seal, seal_events, outcome, invalid_reason FROM trial WHERE "
-            "session_id = ?1 ORDER BY trial_id");
-        trial.bind(1, session_);
-        while (trial.step()) {
+        for (const Statement& trial :
+             database_.prepare("SELECT trial_id, seal, seal_events, outcome, invalid_reason FROM "
+                               "trial WHERE session_id = ?1 ORDER BY trial_id",
+                               session_)) {
             const std::int64_t id = trial.integer(0);
             check_mark(id, trial.text(4));
             if (trial.null(1)) {
@@ -195,9 +183,9 @@ public:
 
 private:
     void check_session() {
-        Statement end = database_.prepare(
-            "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1");
-        end.bind(1, session_).step();
+        Statement end = database_.first(
+            "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1",
+            session_);
         if (!end.null(0)) {
             events_until(end.integer(1));
             link("session", session_,
@@ -244,15 +232,16 @@ private:
 
     /// Whose session it is and whether analyses leave it out, against the events that say so.
     void check_repairs() {
-        Statement row = database_.prepare(
+        Statement row = database_.first(
             "SELECT participant_code, session_number, run_code IS NULL AND run_number IS NULL, "
             "coalesce(withdrawn_reason, 'NULL') FROM session JOIN participant USING "
-            "(participant_id) WHERE session_id = ?1");
-        row.bind(1, session_).step();
+            "(participant_id) WHERE session_id = ?1",
+            session_);
         Statement moved = database_.prepare(
             "SELECT value, count FROM event WHERE session_id = ?1 AND event_kind = 'participant' "
-            "AND key = ?2 ORDER BY event_id DESC LIMIT 1");
-        const bool said = moved.bind(1, session_).bind(2, kIsReally).step();
+            "AND key = ?2 ORDER BY event_id DESC LIMIT 1",
+            session_, kIsReally);
+        const bool said = moved.step();
         if (said ? moved.text(0) != row.text(0) || moved.integer(1) != row.integer(1)
                  : row.integer(2) == 0) {
             breaks_.push_back(
@@ -280,10 +269,8 @@ private:
 }  // namespace
 
 void chain_trial(Database& database, std::int64_t trial) {
-    Statement whose = database.prepare("SELECT session_id FROM trial WHERE trial_id = ?1");
-    whose.bind(1, trial).step();
-    const std::int64_t session = whose.integer(0);
-    whose.reset();
+    const std::int64_t session =
+        database.first("SELECT session_id FROM trial WHERE trial_id = ?1", trial).integer(0);
     keep_events(database, "trial", trial, session);
     keep_head(database, "trial", trial, session,
               trial_head(database, trial, head_now(database, session)));
@@ -304,26 +291,26 @@ std::string add_event(Database& database,
     const auto said = [](std::string_view text) {
         return text.empty() ? std::nullopt : std::optional(text);
     };
-    Statement begun = database.prepare("SELECT count(*) FROM trial WHERE session_id = ?1");
-    begun.bind(1, session).step();
-    const std::int64_t id = Row("event")
-                                .set("session_id", session)
-                                .set("trial_id", event.trial)
-                                .set("event_kind", to_string(event.kind))
-                                .set("text", event.text)
-                                .set("at_utc", database.utc_now())
-                                .set("at_ns", database.steady_now())
-                                .set("operator", said(operator_name))
-                                .set("trials_begun", begun.integer(0))
-                                .set("plan_position", event.position)
-                                .set("part", event.part)
-                                .set("count", event.count)
-                                .set("duration_s", event.duration_s)
-                                .set("key", said(event.key))
-                                .set("value", said(event.value))
-                                .set("noted_utc", said(noted_utc))
-                                .insert(database);
-    begun.reset();
+    const std::int64_t id =
+        Row("event")
+            .set("session_id", session)
+            .set("trial_id", event.trial)
+            .set("event_kind", to_string(event.kind))
+            .set("text", event.text)
+            .set("at_utc", database.utc_now())
+            .set("at_ns", database.steady_now())
+            .set("operator", said(operator_name))
+            .set("trials_begun",
+                 database.first("SELECT count(*) FROM trial WHERE session_id = ?1", session)
+                     .integer(0))
+            .set("plan_position", event.position)
+            .set("part", event.part)
+            .set("count", event.count)
+            .set("duration_s", event.duration_s)
+            .set("key", said(event.key))
+            .set("value", said(event.value))
+            .set("noted_utc", said(noted_utc))
+            .insert(database);
     std::string head = event_head(database, id, before);
     keep_head(database, "event", id, session, head);
     return head;
@@ -334,10 +321,7 @@ std::string add_mark(Database& database,
                      std::int64_t trial,
                      std::string_view reason,
                      std::string_view operator_name) {
-    database.prepare("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1")
-        .bind(1, trial)
-        .bind(2, reason)
-        .run();
+    database.run("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1", trial, reason);
     return add_event(
         database, session,
         {.kind = protocols::EventKind::mark, .text = std::string(reason), .trial = trial},
@@ -349,9 +333,7 @@ std::string undo_mark(Database& database,
                       std::int64_t trial,
                       std::string_view reason,
                       std::string_view operator_name) {
-    database.prepare("UPDATE trial SET invalid_reason = NULL WHERE trial_id = ?1")
-        .bind(1, trial)
-        .run();
+    database.run("UPDATE trial SET invalid_reason = NULL WHERE trial_id = ?1", trial);
     return add_event(database, session,
                      {.kind = protocols::EventKind::mark,
                       .text = std::string(reason),
@@ -373,9 +355,8 @@ void chain_anew(Database& database, std::int64_t session) {
 }
 
 std::string chain_head(Database& database, std::int64_t session) {
-    Statement row =
-        database.prepare("SELECT coalesce(newest_seal, '') FROM session WHERE session_id = ?1");
-    row.bind(1, session);
+    Statement row = database.prepare(
+        "SELECT coalesce(newest_seal, '') FROM session WHERE session_id = ?1", session);
     return row.step() ? row.text(0) : std::string();
 }
 

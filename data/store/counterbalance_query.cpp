@@ -15,13 +15,7 @@ constexpr const char* kFrictions =
     "friction) > 1) GROUP BY friction ORDER BY min(plan_position)";
 
 std::vector<std::string> order_of(Database& database, const char* sql, std::int64_t session) {
-    Statement row = database.prepare(sql);
-    row.bind(1, session);
-    std::vector<std::string> order;
-    while (row.step()) {
-        order.push_back(row.text(0));
-    }
-    return order;
+    return texts(database.prepare(sql, session));
 }
 
 LevelOrders orders_of(Database& database,
@@ -35,8 +29,8 @@ LevelOrders orders_of(Database& database,
         "trial.session_id = session.session_id) FROM session JOIN study USING (study_id) JOIN "
         "participant USING (participant_id) WHERE study_name = ?1 AND participant_code <> ?2 AND "
         "session_kind = 'real' AND withdrawn_reason IS NULL ORDER BY participant_code, "
-        "session_number");
-    other.bind(1, study).bind(2, key.participant);
+        "session_number",
+        study, key.participant);
     std::string last;
     while (other.step()) {
         const bool begun = other.integer(2) != 0;
@@ -49,8 +43,8 @@ LevelOrders orders_of(Database& database,
         "SELECT session.session_id FROM session JOIN study USING (study_id) JOIN participant USING "
         "(participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND EXISTS (SELECT 1 "
         "FROM trial WHERE trial.session_id = session.session_id) ORDER BY session_number = ?3 "
-        "DESC, session_number, session.session_id LIMIT 1");
-    own.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
+        "DESC, session_number, session.session_id LIMIT 1",
+        study, key.participant, key.session);
     if (own.step()) {
         orders.own = order_of(database, sql, own.integer(0));
     }

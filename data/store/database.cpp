@@ -212,9 +212,7 @@ void Database::open(Access access) {
 Database::Identity Database::identity() {
     const Snapshot of_one_moment(*this);  // another program may be making the file
     const auto number = [this](std::string_view sql) {
-        Statement row = prepare(sql);
-        row.step();
-        return row.integer(0);
+        return first(sql).integer(0);
     };
     Identity id{.application = number("PRAGMA application_id"),
                 .version = number("PRAGMA user_version")};

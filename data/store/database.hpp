@@ -37,9 +37,24 @@ public:
     Database& operator=(const Database&) = delete;
     ~Database();
 
-    /// Runs statements without parameters; compiles one with them. @throws StoreError
+    /// Runs statements without parameters; compiles one with `values` as its parameters from 1 on,
+    /// or runs it. @throws StoreError
     void execute(const char* sql) { connection_.execute(sql); }
-    [[nodiscard]] Statement prepare(std::string_view sql) { return {connection_, sql}; }
+    template <class... Values>
+    [[nodiscard]] Statement prepare(std::string_view sql, const Values&... values) {
+        return {connection_, sql, values...};
+    }
+    /// The same, at the first row of a query that always has one.
+    template <class... Values>
+    [[nodiscard]] Statement first(std::string_view sql, const Values&... values) {
+        Statement row = prepare(sql, values...);
+        row.step();
+        return row;
+    }
+    template <class... Values>
+    void run(std::string_view sql, const Values&... values) {
+        prepare(sql, values...).run();
+    }
     /// rowid of the last INSERT.
     [[nodiscard]] std::int64_t last_row() const;
     /// Rows that the last INSERT, UPDATE or DELETE touched.

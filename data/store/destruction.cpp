@@ -21,12 +21,10 @@ void destroy_scores(Database& database,
                     std::string_view reason,
                     std::string_view operator_name) {
     const std::string before = chain_head(database, session);
-    database
-        .prepare(
-            "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
-            "'participant' AND key = 'handedness'")
-        .bind(1, session)
-        .run();
+    database.run(
+        "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
+        "'participant' AND key = 'handedness'",
+        session);
     chain_anew(database, session);
     add_event(database, session,
               {.kind = protocols::EventKind::participant,
@@ -43,14 +41,11 @@ void destroy_session(Database& database,
                      std::string_view operator_name) {
     const std::string before = chain_head(database, session);
     clear_session(database, session);
-    database
-        .prepare(
-            "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = "
-            "NULL, newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, "
-            "withdrawn_reason = ?2 WHERE session_id = ?1")
-        .bind(1, session)
-        .bind(2, reason)
-        .run();
+    database.run(
+        "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = NULL, "
+        "newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, withdrawn_reason "
+        "= ?2 WHERE session_id = ?1",
+        session, reason);
     add_event(database, session,
               {.kind = protocols::EventKind::mark,
                .text = std::string(reason),
@@ -76,19 +71,14 @@ std::vector<SessionRow> idle_sessions(Database& database, std::string_view code)
 
 /// @param consent  is taken away too
 void destroy_notes(Database& database, std::string_view code, bool consent) {
-    database
-        .prepare(
-            "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
-            "participant WHERE participant_code = ?1)")
-        .bind(1, code)
-        .run();
-    database
-        .prepare(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
+    database.run(
+        "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
+        "participant WHERE participant_code = ?1)",
+        code);
+    database.run(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
                              "destroyed_utc = ?2{} WHERE participant_code = ?1",
-                             consent ? ", consent = 0, consent_utc = ?2" : ""))
-        .bind(1, code)
-        .bind(2, database.utc_now())
-        .run();
+                             consent ? ", consent = 0, consent_utc = ?2" : ""),
+                 code, database.utc_now());
 }
 
 }  // namespace
@@ -126,26 +116,23 @@ void clear_session(Database& database, std::int64_t session) {
     std::vector<std::string> of_trials = tables_with("trial_id");
     std::ranges::stable_partition(of_trials, [](const auto& table) { return table != "trial"; });
     for (const std::string& table : of_trials) {
-        database
-            .prepare(fmt::format("DELETE FROM {} WHERE trial_id IN (SELECT trial_id FROM trial "
+        database.run(fmt::format("DELETE FROM {} WHERE trial_id IN (SELECT trial_id FROM trial "
                                  "WHERE session_id = ?1)",
-                                 table))
-            .bind(1, session)
-            .run();
+                                 table),
+                     session);
     }
     for (const std::string& table : tables_with("session_id")) {
         if (table != "session") {
-            database.prepare(fmt::format("DELETE FROM {} WHERE session_id = ?1", table))
-                .bind(1, session)
-                .run();
+            database.run(fmt::format("DELETE FROM {} WHERE session_id = ?1", table), session);
         }
     }
 }
 
 bool is_destroyed(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
-        "SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2");
-    return row.bind(1, session).bind(2, kDestroyed).step();
+    return database
+        .prepare("SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2",
+                 session, kDestroyed)
+        .step();
 }
 
 void empty_free_pages(Database& database) {

@@ -51,25 +51,22 @@ std::optional<Participant> find_participant(Database& database, std::string_view
     Statement row = database.prepare(
         "SELECT participant_id, handedness, consent, coalesce(consent_utc, ''), (SELECT count(*) "
         "FROM session WHERE session.participant_id = participant.participant_id), subject, "
-        "coalesce(destroyed_utc, '') FROM "
-        "participant WHERE participant_code = ?1");
-    if (!row.bind(1, code).step()) {
+        "coalesce(destroyed_utc, '') FROM participant WHERE participant_code = ?1",
+        code);
+    if (!row.step()) {
         return std::nullopt;
     }
-    Participant found{.consent_utc = row.text(3),
+    Participant found{.notes = {.handedness = row.integer_or_none(1)},
+                      .consent_utc = row.text(3),
                       .destroyed_utc = row.text(6),
                       .sessions = row.integer(4),
                       .subject = row.integer(5)};
-    if (!row.null(1)) {
-        found.notes.handedness = row.integer(1);
-    }
     if (!row.null(2)) {
         found.notes.consent = row.integer(2) != 0;
     }
-    Statement detail = database.prepare(
-        "SELECT key, value FROM participant_detail WHERE participant_id = ?1 ORDER BY key");
-    detail.bind(1, row.integer(0));
-    while (detail.step()) {
+    for (const Statement& detail : database.prepare(
+             "SELECT key, value FROM participant_detail WHERE participant_id = ?1 ORDER BY key",
+             row.integer(0))) {
         found.notes.details.emplace_back(detail.text(0), detail.text(1));
     }
     return found;
@@ -126,24 +123,16 @@ void note_participant(Database& database,
     Transaction all(database);
     participant_row(database, code, own_secret(database));
     if (notes.handedness) {
-        database
-            .prepare(
-                "UPDATE participant SET handedness = ?2, handedness_utc = ?3 WHERE "
-                "participant_code = ?1")
-            .bind(1, code)
-            .bind(2, *notes.handedness)
-            .bind(3, database.utc_now())
-            .run();
+        database.run(
+            "UPDATE participant SET handedness = ?2, handedness_utc = ?3 WHERE participant_code = "
+            "?1",
+            code, *notes.handedness, database.utc_now());
         tell_sessions(database, code, noted_handedness(*notes.handedness), operator_name);
     }
     if (notes.consent) {
-        database
-            .prepare(
-                "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1")
-            .bind(1, code)
-            .bind(2, std::int64_t{*notes.consent ? 1 : 0})
-            .bind(3, database.utc_now())
-            .run();
+        database.run(
+            "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1",
+            code, std::int64_t{*notes.consent ? 1 : 0}, database.utc_now());
         tell_sessions(database, code, noted_consent(*notes.consent), operator_name);
     }
     note_details(database, code, notes, operator_name);
@@ -151,10 +140,10 @@ void note_participant(Database& database,
 }
 
 void note_at_beginning(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT handedness, consent, coalesce(handedness_utc, ''), coalesce(consent_utc, '') FROM "
-        "participant JOIN session USING (participant_id) WHERE session.session_id = ?1");
-    row.bind(1, session).step();
+        "participant JOIN session USING (participant_id) WHERE session.session_id = ?1",
+        session);
     std::vector<std::pair<protocols::Event, std::string>> events;
     if (!row.null(0)) {
         events.emplace_back(noted_handedness(row.integer(0)), row.text(2));
@@ -178,13 +167,11 @@ std::vector<NoteBreak> note_breaks(Database& database) {
         "consent_utc) AS stored_utc, row_number() OVER (PARTITION BY session_id, key ORDER BY "
         "event_id DESC) AS back FROM event JOIN session USING (session_id) JOIN participant USING "
         "(participant_id) WHERE event_kind = 'participant' AND key IN ('handedness', 'consent') "
-        "AND "
-        "value IS NOT NULL AND event_id > (SELECT coalesce(max(moved.event_id), 0) FROM event AS "
-        "moved WHERE moved.session_id = session.session_id AND moved.event_kind = 'participant' "
-        "AND "
-        "moved.key = ?1)) WHERE back = 1 AND stored IS NOT value AND NOT coalesce(stored_utc > "
-        "word_utc, 0) ORDER BY 1, 2");
-    row.bind(1, kIsReally);
+        "AND value IS NOT NULL AND event_id > (SELECT coalesce(max(moved.event_id), 0) FROM event "
+        "AS moved WHERE moved.session_id = session.session_id AND moved.event_kind = 'participant' "
+        "AND moved.key = ?1)) WHERE back = 1 AND stored IS NOT value AND NOT coalesce(stored_utc > "
+        "word_utc, 0) ORDER BY 1, 2",
+        kIsReally);
     std::vector<NoteBreak> breaks;
     while (row.step()) {
         breaks.push_back({.what = fmt::format("participant {} {}", row.text(0), row.text(1)),
@@ -201,10 +188,8 @@ std::vector<SessionRow> sessions_of(Database& database,
     Statement row = database.prepare(
         "SELECT session.session_id, study_name, session_number FROM session JOIN study USING "
         "(study_id) JOIN participant USING (participant_id) WHERE participant_code = ?1 AND (?2 IS "
-        "NULL OR session_number = ?2) AND ?3 IN ('', study_name) ORDER BY session.session_id DESC");
-    row.bind(1, code)
-        .bind(2, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt)
-        .bind(3, study);
+        "NULL OR session_number = ?2) AND ?3 IN ('', study_name) ORDER BY session.session_id DESC",
+        code, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt, study);
     std::vector<SessionRow> all;
     while (row.step()) {
         all.push_back({.id = row.integer(0), .study = row.text(1), .number = row.integer(2)});
@@ -240,20 +225,18 @@ Markable markable(Database& database, std::int64_t trial) {
     Statement row = database.prepare(
         "SELECT outcome, response.trial_id IS NOT NULL, invalid_reason, finished, "
         "session.session_id FROM trial JOIN session USING (session_id) LEFT JOIN response USING "
-        "(trial_id) WHERE trial.trial_id = ?1");
-    if (!row.bind(1, trial).step()) {
+        "(trial_id) WHERE trial.trial_id = ?1",
+        trial);
+    if (!row.step()) {
         throw std::invalid_argument(
             fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
                         database.file(), trial));
     }
-    Markable found{.outcome = row.text(0),
-                   .answered = row.integer(1) != 0,
-                   .finished = row.integer(3) != 0,
-                   .session = row.integer(4)};
-    if (!row.null(2)) {
-        found.invalid = row.text(2);
-    }
-    return found;
+    return {.outcome = row.text(0),
+            .answered = row.integer(1) != 0,
+            .invalid = row.text_or_none(2),
+            .finished = row.integer(3) != 0,
+            .session = row.integer(4)};
 }
 
 void refuse_running(Database& database, std::int64_t trial, std::int64_t session) {
@@ -267,25 +250,24 @@ void refuse_running(Database& database, std::int64_t trial, std::int64_t session
 
 /// What the session did because of a mark and would not have done without it; empty: nothing.
 std::string came_of_mark(Database& database, std::int64_t trial) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "WITH own AS (SELECT session_id, plan_position, iif(phase = 'practice', 0, 1 + block) AS "
         "part, (SELECT count(*) FROM trial AS t WHERE t.session_id = trial.session_id AND "
         "t.trial_id <= trial.trial_id) AS number, run_number, (SELECT trials_begun FROM event "
         "WHERE event.trial_id = trial.trial_id AND event_kind = 'mark' ORDER BY event_id DESC "
         "LIMIT 1) AS marked FROM trial JOIN plan USING (session_id, plan_position) LEFT JOIN "
-        "adaptive_plan USING (session_id, plan_position) WHERE trial_id = ?1) "
-        "SELECT (SELECT 'trial ' || trial_id || ' took its place and counts: mark that one first' "
-        "FROM trial JOIN response USING (trial_id) WHERE trial.session_id = own.session_id AND "
-        "trial.plan_position = own.plan_position AND invalid_reason IS NULL LIMIT 1), "
-        "(SELECT 'its part of the session was run again' FROM event WHERE event.session_id = "
-        "own.session_id AND event_kind = 'redo' AND event.part = own.part AND trials_begun >= "
-        "number LIMIT 1), "
-        "(SELECT 'its rule went on without it' FROM trial JOIN adaptive_step USING (trial_id) JOIN "
-        "adaptive_plan USING (session_id, plan_position) WHERE trial.session_id = own.session_id "
-        "AND adaptive_plan.run_number = own.run_number AND (SELECT count(*) FROM trial AS t WHERE "
+        "adaptive_plan USING (session_id, plan_position) WHERE trial_id = ?1) SELECT (SELECT "
+        "'trial ' || trial_id || ' took its place and counts: mark that one first' FROM trial JOIN "
+        "response USING (trial_id) WHERE trial.session_id = own.session_id AND trial.plan_position "
+        "= own.plan_position AND invalid_reason IS NULL LIMIT 1), (SELECT 'its part of the session "
+        "was run again' FROM event WHERE event.session_id = own.session_id AND event_kind = 'redo' "
+        "AND event.part = own.part AND trials_begun >= number LIMIT 1), (SELECT 'its rule went on "
+        "without it' FROM trial JOIN adaptive_step USING (trial_id) JOIN adaptive_plan USING "
+        "(session_id, plan_position) WHERE trial.session_id = own.session_id AND "
+        "adaptive_plan.run_number = own.run_number AND (SELECT count(*) FROM trial AS t WHERE "
         "t.session_id = own.session_id AND t.trial_id <= trial.trial_id) > marked LIMIT 1) FROM "
-        "own");
-    row.bind(1, trial).step();
+        "own",
+        trial);
     for (int column = 0; column < row.columns(); ++column) {
         if (!row.null(column)) {
             return row.text(column);

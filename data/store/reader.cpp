@@ -11,24 +11,14 @@
 namespace palpate::data {
 
 std::vector<std::int64_t> answered_trials(Database& database) {
-    std::vector<std::int64_t> ids;
-    Statement row = database.prepare(
-        "SELECT trial.trial_id FROM trial JOIN response USING (trial_id) ORDER BY session_id, "
-        "plan_position, attempt");
-    while (row.step()) {
-        ids.push_back(row.integer(0));
-    }
-    return ids;
+    return integers(
+        database.prepare("SELECT trial.trial_id FROM trial JOIN response USING (trial_id) ORDER BY "
+                         "session_id, plan_position, attempt"));
 }
 
 std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial) {
-    std::vector<std::int64_t> intervals;
-    Statement row =
-        database.prepare("SELECT interval FROM presentation WHERE trial_id = ?1 ORDER BY 1");
-    row.bind(1, trial);
-    while (row.step()) {
-        intervals.push_back(row.integer(0));
-    }
+    std::vector<std::int64_t> intervals = integers(database.prepare(
+        "SELECT interval FROM presentation WHERE trial_id = ?1 ORDER BY 1", trial));
     if (intervals.empty()) {
         static_cast<void>(trial_context(database, trial));
     }
@@ -76,8 +66,9 @@ namespace {
                           std::int64_t last) {
     Statement none = database.prepare(
         "SELECT 1 FROM trial JOIN session_provenance USING (session_id) WHERE trial_id = ?1 AND "
-        "key = 'traces' AND value = 'none'");
-    if (none.bind(1, trial).step()) {
+        "key = 'traces' AND value = 'none'",
+        trial);
+    if (none.step()) {
         throw TraceError(
             fmt::format("trial {} has no ticks: it was simulated with --no-traces", trial));
     }
@@ -100,9 +91,9 @@ Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
         }
         ++next;
     }
-    Statement counted = database_.prepare(
-        "SELECT coalesce(max(ticks), 0) FROM presentation WHERE trial_id = ?1 AND interval = ?2");
-    counted.bind(1, trial).bind(2, interval).step();
+    Statement counted = database_.first(
+        "SELECT coalesce(max(ticks), 0) FROM presentation WHERE trial_id = ?1 AND interval = ?2",
+        trial, interval);
     if (counted.integer(0) > next) {
         missing(database_, trial, next, counted.integer(0) - 1);
     }

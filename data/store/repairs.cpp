@@ -15,10 +15,10 @@ namespace {
 
 /// "P03's session 1"
 std::string called(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT participant_code, session_number FROM session JOIN participant USING "
-        "(participant_id) WHERE session_id = ?1");
-    row.bind(1, session).step();
+        "(participant_id) WHERE session_id = ?1",
+        session);
     return fmt::format("session {} of {}", row.integer(1), row.text(0));
 }
 
@@ -39,10 +39,8 @@ std::string mark_session(Database& database,
                          std::string_view reason,
                          std::string_view key,
                          std::string_view operator_name) {
-    database.prepare("UPDATE session SET withdrawn_reason = ?2 WHERE session_id = ?1")
-        .bind(1, session)
-        .bind(2, key.empty() ? std::optional(reason) : std::nullopt)
-        .run();
+    database.run("UPDATE session SET withdrawn_reason = ?2 WHERE session_id = ?1", session,
+                 key.empty() ? std::optional(reason) : std::nullopt);
     return add_event(
         database, session,
         {.kind = protocols::EventKind::mark, .text = std::string(reason), .key = std::string(key)},
@@ -55,12 +53,12 @@ std::int64_t free_number(Database& database,
                          std::int64_t session,
                          std::string_view code,
                          std::int64_t wished) {
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT coalesce(max(session_number), 0), coalesce(sum(session_number = ?3), 0) FROM "
         "session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
         "participant_code = ?2 AND study_name = (SELECT study_name FROM study JOIN session AS own "
-        "USING (study_id) WHERE own.session_id = ?1)");
-    row.bind(1, session).bind(2, code).bind(3, wished).step();
+        "USING (study_id) WHERE own.session_id = ?1)",
+        session, code, wished);
     return row.integer(1) == 0 ? wished : row.integer(0) + 1;
 }
 
@@ -71,17 +69,13 @@ void give_session(Database& database,
                   std::int64_t number,
                   const std::pair<std::string, std::int64_t>& ran_as) {
     const bool as_run = ran_as.first == code && ran_as.second == number;
-    database
-        .prepare(
-            "UPDATE session SET participant_id = (SELECT participant_id FROM participant WHERE "
-            "participant_code = ?2), session_number = ?3, run_code = ?4, run_number = ?5 WHERE "
-            "session_id = ?1")
-        .bind(1, session)
-        .bind(2, code)
-        .bind(3, number)
-        .bind(4, as_run ? std::nullopt : std::optional<std::string_view>(ran_as.first))
-        .bind(5, as_run ? std::nullopt : std::optional(ran_as.second))
-        .run();
+    database.run(
+        "UPDATE session SET participant_id = (SELECT participant_id FROM participant WHERE "
+        "participant_code = ?2), session_number = ?3, run_code = ?4, run_number = ?5 WHERE "
+        "session_id = ?1",
+        session, code, number,
+        as_run ? std::nullopt : std::optional<std::string_view>(ran_as.first),
+        as_run ? std::nullopt : std::optional(ran_as.second));
 }
 
 /// @throws std::invalid_argument if it cannot be given to `code`
@@ -142,11 +136,11 @@ MovedSession move_session(Database& database,
                           std::string_view reason,
                           std::string_view operator_name) {
     Transaction all(database);
-    Statement row = database.prepare(
+    Statement row = database.first(
         "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
         "session_number), finished FROM session JOIN participant USING (participant_id) WHERE "
-        "session_id = ?1");
-    row.bind(1, session).step();
+        "session_id = ?1",
+        session);
     const std::string run_code = row.text(1);
     const std::int64_t run_number = row.integer(2);
     MovedSession moved;

@@ -19,17 +19,13 @@ bool anybody_in(Database& database) {
 
 /// With which nothing was drawn, in the order of their digits. The demo's counts for nothing.
 std::vector<std::string> unused(Database& database) {
-    std::vector<std::string> all;
-    Statement row = database.prepare(
-        "SELECT hex FROM secret WHERE hex <> ?1 AND hex NOT IN (SELECT secret FROM session) ORDER "
-        "BY hex");
-    row.bind(1, kDemoSecret);
-    while (row.step()) {
-        all.push_back(row.text(0));
-    }
+    std::vector<std::string> all =
+        texts(database.prepare("SELECT hex FROM secret WHERE hex <> ?1 AND hex NOT IN (SELECT "
+                               "secret FROM session) ORDER BY hex",
+                               kDemoSecret));
     std::erase_if(all, [&database](const std::string& secret) {
-        Statement person = database.prepare("SELECT participant_code, subject FROM participant");
-        while (person.step()) {
+        for (const Statement& person :
+             database.prepare("SELECT participant_code, subject FROM participant")) {
             if (drawn_with(secret, person.text(0), person.integer(1))) {
                 return true;
             }
@@ -40,22 +36,21 @@ std::vector<std::string> unused(Database& database) {
 }
 
 bool has_secret(Database& database, std::string_view hex) {
-    return database.prepare("SELECT 1 FROM secret WHERE hex = ?1").bind(1, hex).step();
+    return database.prepare("SELECT 1 FROM secret WHERE hex = ?1", hex).step();
 }
 
 /// With which the first session of people was drawn, or without one the first person's number: rows
 /// that somebody adds come later. None: nothing was drawn yet.
 std::optional<std::string> first_used(Database& database) {
     Statement session = database.prepare(
-        "SELECT secret FROM session WHERE secret <> ?1 ORDER BY session_id LIMIT 1");
-    if (session.bind(1, kDemoSecret).step()) {
+        "SELECT secret FROM session WHERE secret <> ?1 ORDER BY session_id LIMIT 1", kDemoSecret);
+    if (session.step()) {
         return session.text(0);
     }
-    Statement drawn = database.prepare(
-        "SELECT hex, participant_code, subject FROM participant, secret WHERE hex <> ?1 ORDER BY "
-        "participant_id, hex");
-    drawn.bind(1, kDemoSecret);
-    while (drawn.step()) {
+    for (const Statement& drawn :
+         database.prepare("SELECT hex, participant_code, subject FROM participant, secret WHERE "
+                          "hex <> ?1 ORDER BY participant_id, hex",
+                          kDemoSecret)) {
         if (drawn_with(drawn.text(0), drawn.text(1), drawn.integer(2))) {
             return drawn.text(0);
         }
@@ -65,9 +60,8 @@ std::optional<std::string> first_used(Database& database) {
 
 /// How many there are, without the demo's.
 std::size_t secrets_in(Database& database) {
-    Statement row = database.prepare("SELECT count(*) FROM secret WHERE hex <> ?1");
-    row.bind(1, kDemoSecret).step();
-    return static_cast<std::size_t>(row.integer(0));
+    return static_cast<std::size_t>(
+        database.first("SELECT count(*) FROM secret WHERE hex <> ?1", kDemoSecret).integer(0));
 }
 
 }  // namespace
@@ -91,9 +85,7 @@ void drop_unused_secrets(Database& database) {
         return;
     }
     for (const std::string& secret : all) {
-        database.prepare("DELETE FROM secret WHERE hex = ?1")
-            .bind(1, std::string_view(secret))
-            .run();
+        database.run("DELETE FROM secret WHERE hex = ?1", secret);
     }
     if (secrets_in(database) == 0) {
         Row("secret").set("hex", random_secret()).insert(database);
@@ -110,22 +102,21 @@ std::int64_t subject_of(std::string_view code, std::string_view secret, int draw
 
 std::string own_secret(Database& database) {
     if (!strange_secrets(database).empty()) {
-        throw StoreError(fmt::format(
-            "{}: it has a second secret, with which nothing was drawn: somebody put it there to "
-            "know whose the next orders are; take a copy made before",
-            database.file()));
+        throw StoreError(
+            fmt::format("{}: it has a second secret, with which nothing was drawn: somebody put it "
+                        "there to know whose the next orders are; take a copy made before",
+                        database.file()));
     }
     const std::optional<std::string> used = first_used(database);
     if (used && has_secret(database, *used)) {
         return *used;
     }
-    Statement row = database.prepare("SELECT min(hex) FROM secret");
-    row.step();
+    Statement row = database.first("SELECT min(hex) FROM secret");
     if (used || row.null(0)) {
-        throw StoreError(fmt::format(
-            "{}: its secret was removed or changed, and without it no order can be drawn or "
-            "checked; restore a copy of the file",
-            database.file()));
+        throw StoreError(
+            fmt::format("{}: its secret was removed or changed, and without it no order can be "
+                        "drawn or checked; restore a copy of the file",
+                        database.file()));
     }
     return row.text(0);
 }
@@ -161,9 +152,9 @@ void keep_secret(Database& database, std::string_view hex) {
 }
 
 std::int64_t participant_row(Database& database, std::string_view code, std::string_view secret) {
-    Statement there =
-        database.prepare("SELECT participant_id FROM participant WHERE participant_code = ?1");
-    if (there.bind(1, code).step()) {
+    Statement there = database.prepare(
+        "SELECT participant_id FROM participant WHERE participant_code = ?1", code);
+    if (there.step()) {
         return there.integer(0);
     }
     Statement taken = database.prepare("SELECT 1 FROM participant WHERE subject = ?1");

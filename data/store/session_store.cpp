@@ -27,9 +27,9 @@ std::int64_t study_row(Database& database, const SessionSpec& spec) {
         .set("protocol_sha256", spec.protocol_hash)
         .set("protocol_toml", protocols::to_toml(spec.protocol))
         .insert(database, "ON CONFLICT (protocol_sha256) DO NOTHING");
-    Statement row = database.prepare("SELECT study_id FROM study WHERE protocol_sha256 = ?1");
-    row.bind(1, spec.protocol_hash).step();
-    return row.integer(0);
+    return database
+        .first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", spec.protocol_hash)
+        .integer(0);
 }
 
 void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
@@ -112,9 +112,9 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
         goes_on(protocols::EventKind::experimenter, spec.operator_name);
     }
     Statement row = database.prepare(
-        "SELECT value FROM (SELECT coalesce(value, '') AS value, event_id FROM event WHERE"
-        " session_id = ?1 AND event_kind = 'provenance' AND key = ?2 UNION ALL SELECT value, 0 FROM"
-        " session_provenance WHERE session_id = ?1 AND key = ?2) ORDER BY event_id DESC LIMIT 1");
+        "SELECT value FROM (SELECT coalesce(value, '') AS value, event_id FROM event WHERE "
+        "session_id = ?1 AND event_kind = 'provenance' AND key = ?2 UNION ALL SELECT value, 0 FROM "
+        "session_provenance WHERE session_id = ?1 AND key = ?2) ORDER BY event_id DESC LIMIT 1");
     for (const auto& [key, value] : with_none(database, there.id, spec.provenance)) {
         const bool same = row.bind(1, there.id).bind(2, key).step() && row.text(0) == value;
         row.reset();
@@ -130,16 +130,11 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
-        "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, "
-        "finished, coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL, "
-        "protocol_toml "
-        "FROM "
-        "session JOIN study USING (study_id) JOIN "
-        "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND "
-        "session_number = ?3");
-    row.bind(1, spec.protocol.id)
-        .bind(2, spec.key.participant)
-        .bind(3, static_cast<std::int64_t>(spec.key.session));
+        "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, seed, finished, "
+        "coalesce(operator, ''), withdrawn_reason IS NOT NULL OR run_code IS NOT NULL, "
+        "protocol_toml FROM session JOIN study USING (study_id) JOIN participant USING "
+        "(participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND session_number = ?3",
+        spec.protocol.id, spec.key.participant, spec.key.session);
     if (!row.step()) {
         return std::nullopt;
     }
@@ -205,24 +200,20 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
         there.over ||
         (there.protocol_hash == spec.protocol_hash && there.plan_hash == spec.plan.hash &&
          there.seed == std::to_string(spec.seed) && there.kind == to_string(spec.kind));
-    Statement trial = database.prepare("SELECT 1 FROM trial WHERE session_id = ?1 LIMIT 1");
-    trial.bind(1, there.id);
+    Statement trial =
+        database.prepare("SELECT 1 FROM trial WHERE session_id = ?1 LIMIT 1", there.id);
     if (same || trial.step()) {
         return false;
     }
     const std::string head = chain_head(database, there.id);
     for (const char* table : {"session_provenance", "adaptive_plan", "plan", "picture"}) {
-        database.prepare(fmt::format("DELETE FROM {} WHERE session_id = ?1", table))
-            .bind(1, there.id)
-            .run();
+        database.run(fmt::format("DELETE FROM {} WHERE session_id = ?1", table), there.id);
     }
     create(database, spec, there.id);
     chain_anew(database, there.id);
-    database
-        .prepare(
-            "DELETE FROM study WHERE NOT EXISTS (SELECT 1 FROM session WHERE study_id = "
-            "study.study_id)")
-        .run();
+    database.run(
+        "DELETE FROM study WHERE NOT EXISTS (SELECT 1 FROM session WHERE study_id = "
+        "study.study_id)");
     add_event(database, there.id,
               {.kind = protocols::EventKind::planned_again,
                .text = fmt::format(
@@ -232,27 +223,18 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
 }
 
 std::size_t mark_interrupted(Database& database, std::int64_t session) {
-    Statement count = database.prepare(
-        "SELECT trial_id FROM trial WHERE session_id = ?1 AND outcome = 'running' ORDER BY "
-        "trial_id");
-    std::vector<std::int64_t> found;
-    count.bind(1, session);
-    while (count.step()) {
-        found.push_back(count.integer(0));
-    }
-    count.reset();
+    const std::vector<std::int64_t> found = integers(database.prepare(
+        "SELECT trial_id FROM trial WHERE session_id = ?1 AND outcome = 'running' ORDER BY 1",
+        session));
     for (const std::int64_t trial : found) {
         add_event(database, session,
                   {.kind = protocols::EventKind::interrupted,
                    .text = "found running when the session was opened again",
                    .trial = trial});
     }
-    database
-        .prepare(
-            "UPDATE trial SET outcome = 'interrupted' WHERE session_id = ?1 AND outcome = "
-            "'running'")
-        .bind(1, session)
-        .run();
+    database.run(
+        "UPDATE trial SET outcome = 'interrupted' WHERE session_id = ?1 AND outcome = 'running'",
+        session);
     for (const std::int64_t trial : found) {
         chain_trial(database, trial);
     }
@@ -260,10 +242,9 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
 }
 
 std::int64_t last_trial(Database& database, std::int64_t session) {
-    Statement row =
-        database.prepare("SELECT coalesce(max(trial_id), 0) FROM trial WHERE session_id = ?1");
-    row.bind(1, session).step();
-    return row.integer(0);
+    return database
+        .first("SELECT coalesce(max(trial_id), 0) FROM trial WHERE session_id = ?1", session)
+        .integer(0);
 }
 
 OpenedSession opened_session(Database& database, const SessionSpec& spec) {

@@ -137,16 +137,21 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned) {
 
 TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
     Transaction all(database_);
-    Statement before = database_.prepare(
-        "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
-    before.bind(1, session_).bind(2, static_cast<std::int64_t>(planned.position)).step();
-    const TrialId id = attempt_row(planned.position, before.integer(0) + 1, device_)
-                           .set("session_id", session_)
-                           .set("outcome", "running")
-                           .set("started_utc", database_.utc_now())
-                           .set("started_ns", database_.steady_now())
-                           .insert(database_);
-    before.reset();
+    const TrialId id =
+        attempt_row(
+            planned.position,
+            database_
+                    .first(
+                        "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2",
+                        session_, planned.position)
+                    .integer(0) +
+                1,
+            device_)
+            .set("session_id", session_)
+            .set("outcome", "running")
+            .set("started_utc", database_.utc_now())
+            .set("started_ns", database_.steady_now())
+            .insert(database_);
     all.commit();
     return id;
 }
@@ -300,13 +305,9 @@ void SqliteRecorder::finish_session() {
 
 void SqliteRecorder::write_finished() {
     Transaction all(database_);
-    database_
-        .prepare(
-            "UPDATE session SET finished = 1, finished_utc = ?2 WHERE session_id = ?1 AND finished "
-            "= 0")
-        .bind(1, session_)
-        .bind(2, database_.utc_now())
-        .run();
+    database_.run(
+        "UPDATE session SET finished = 1, finished_utc = ?2 WHERE session_id = ?1 AND finished = 0",
+        session_, database_.utc_now());
     // Power may fail once the end is on the disk and before anybody knows: it ended then, and has
     // its link.
     if (database_.changes() > 0) {

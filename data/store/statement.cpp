@@ -32,8 +32,6 @@ void Connection::execute(const char* sql) const {
     }
 }
 
-namespace {}  // namespace
-
 std::string quoted_name(std::string_view name) {
     return in_quotes(name);
 }
@@ -160,6 +158,22 @@ std::span<const std::byte> Statement::blob(int column) const {
     const void* data = sqlite3_column_blob(statement_, column);
     const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
     return {static_cast<const std::byte*>(data), data == nullptr ? 0 : size};
+}
+
+std::vector<std::string> texts(Statement row) {
+    std::vector<std::string> all;
+    while (row.step()) {
+        all.push_back(row.text(0));
+    }
+    return all;
+}
+
+std::vector<std::int64_t> integers(Statement row) {
+    std::vector<std::int64_t> all;
+    while (row.step()) {
+        all.push_back(row.integer(0));
+    }
+    return all;
 }
 
 }  // namespace palpate::data

@@ -1,14 +1,17 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -65,6 +68,13 @@ class Statement {
 public:
     /// @param connection  outlives the statement
     Statement(const Connection& connection, std::string_view sql);
+    /// The same with `values` given to its parameters from 1 on.
+    template <class... Values>
+    Statement(const Connection& connection, std::string_view sql, const Values&... values)
+        : Statement(connection, sql) {
+        int parameter = 0;
+        (bind(++parameter, values), ...);
+    }
     Statement(Statement&&) noexcept;
     Statement& operator=(Statement&&) = delete;
     Statement(const Statement&) = delete;
@@ -78,6 +88,10 @@ public:
     Statement& bind(int parameter, std::string_view value);
     Statement& bind(int parameter, std::span<const std::byte> value);
     Statement& bind_null(int parameter);
+    template <std::integral T>
+    Statement& bind(int parameter, T value) {
+        return bind(parameter, static_cast<std::int64_t>(value));
+    }
     template <class T>
     Statement& bind(int parameter, const std::optional<T>& value) {
         return value ? bind(parameter, *value) : bind_null(parameter);
@@ -85,6 +99,18 @@ public:
 
     /// The next row is there.
     bool step();
+    /// for (const Statement& row : ...) goes through the rows that are left.
+    struct Rows {
+        Statement* row;
+        bool there;
+        const Statement& operator*() const { return *row; }
+        void operator++() { there = row->step(); }
+        friend bool operator==(const Rows& rows, std::default_sentinel_t /*end*/) {
+            return !rows.there;
+        }
+    };
+    [[nodiscard]] Rows begin() { return {this, step()}; }
+    [[nodiscard]] static std::default_sentinel_t end() { return {}; }
     /// Runs to the end and makes the statement ready for new values.
     void run();
     void reset();
@@ -100,6 +126,16 @@ public:
     /// Valid until the next step().
     [[nodiscard]] std::span<const std::byte> blob(int column) const;
     [[nodiscard]] bool null(int column) const { return type(column) == 5; }
+    /// None where it is NULL.
+    [[nodiscard]] std::optional<std::int64_t> integer_or_none(int column) const {
+        return null(column) ? std::nullopt : std::optional(integer(column));
+    }
+    [[nodiscard]] std::optional<double> real_or_none(int column) const {
+        return null(column) ? std::nullopt : std::optional(real(column));
+    }
+    [[nodiscard]] std::optional<std::string> text_or_none(int column) const {
+        return null(column) ? std::nullopt : std::optional(text(column));
+    }
 
 private:
     Statement& bound(int code);
@@ -107,5 +143,9 @@ private:
     const Connection* connection_;
     sqlite3_stmt* statement_ = nullptr;
 };
+
+/// The first column of each row that is left.
+[[nodiscard]] std::vector<std::string> texts(Statement row);
+[[nodiscard]] std::vector<std::int64_t> integers(Statement row);
 
 }  // namespace palpate::data

@@ -28,10 +28,10 @@ SessionProgress replayed(const Database& database,
                          const StoredAttempt& stored) {
     const protocols::RuleAnswer& answer = *stored.attempt.answer;
     const auto refuse = [&](const std::string& what) {
-        throw StoreError(fmt::format(
-            "{}: {} in trial {}: what was stored is not what the rule of this protocol gives, "
-            "and nothing was run; palpate verify says more",
-            database.file(), what, stored.attempt.trial));
+        throw StoreError(
+            fmt::format("{}: {} in trial {}: what was stored is not what the rule of this protocol "
+                        "gives, and nothing was run; palpate verify says more",
+                        database.file(), what, stored.attempt.trial));
     };
     if (answer.run >= progress.runs().size() || progress.runs().of(answer.run).finished()) {
         refuse(fmt::format("run {} has no trial left", answer.run));
@@ -54,28 +54,21 @@ SessionProgress replayed(const Database& database,
 
 std::vector<StoredEvent> stored_events(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT trials_begun, event_kind, text, trial_id, plan_position, part, count, duration_s,"
-        " coalesce(key, ''), coalesce(value, '') FROM event WHERE session_id = ?1 ORDER BY"
-        " event_id");
-    row.bind(1, session);
+        "SELECT trials_begun, event_kind, text, trial_id, plan_position, part, count, duration_s, "
+        "coalesce(key, ''), coalesce(value, '') FROM event WHERE session_id = ?1 ORDER BY event_id",
+        session);
     std::vector<StoredEvent> events;
     while (row.step()) {
-        Event event{.kind = protocols::event_kind(row.text(1)),
-                    .text = row.text(2),
-                    .position = index(row, 4),
-                    .part = index(row, 5),
-                    .key = row.text(8),
-                    .value = row.text(9)};
-        if (!row.null(3)) {
-            event.trial = row.integer(3);
-        }
-        if (!row.null(6)) {
-            event.count = row.integer(6);
-        }
-        if (!row.null(7)) {
-            event.duration_s = row.real(7);
-        }
-        events.push_back({row.integer(0), std::move(event)});
+        events.push_back({row.integer(0),
+                          {.kind = protocols::event_kind(row.text(1)),
+                           .text = row.text(2),
+                           .trial = row.integer_or_none(3),
+                           .position = index(row, 4),
+                           .part = index(row, 5),
+                           .count = row.integer_or_none(6),
+                           .duration_s = row.real_or_none(7),
+                           .key = row.text(8),
+                           .value = row.text(9)}});
     }
     return events;
 }
@@ -85,12 +78,11 @@ std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t sess
     Statement row = database.prepare(
         "SELECT trial_id, plan_position, outcome, reaction_s IS NOT NULL, invalid_reason IS NULL OR"
         " EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event_kind ="
-        " 'mark'), run_number, (SELECT stimulus FROM presentation WHERE presentation.trial_id ="
-        " trial.trial_id AND stimulus IS NOT NULL), rule_outcome, state_sha256 FROM trial"
-        " LEFT JOIN response USING (trial_id) LEFT JOIN adaptive_step USING (trial_id)"
-        " LEFT JOIN adaptive_plan USING (session_id, plan_position) WHERE session_id = ?1"
-        " ORDER BY trial_id");
-    row.bind(1, session);
+        " 'mark'), run_number, (SELECT stimulus FROM presentation WHERE presentation.trial_id = "
+        "trial.trial_id AND stimulus IS NOT NULL), rule_outcome, state_sha256 FROM trial LEFT JOIN "
+        "response USING (trial_id) LEFT JOIN adaptive_step USING (trial_id) LEFT JOIN "
+        "adaptive_plan USING (session_id, plan_position) WHERE session_id = ?1 ORDER BY trial_id",
+        session);
     std::vector<StoredAttempt> attempts;
     while (row.step()) {
         const bool answered = row.integer(3) != 0;

@@ -18,11 +18,11 @@ DeviceProgress apply(DeviceProgress device, const protocols::Event& event) {
 }
 
 DeviceProgress first_device(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
-        "SELECT device, coalesce((SELECT value FROM session_provenance AS made WHERE"
-        " made.session_id = session.session_id AND key = ?2), '') FROM session WHERE"
-        " session_id = ?1");
-    row.bind(1, session).bind(2, kCalibrationHashKey).step();
+    Statement row = database.first(
+        "SELECT device, coalesce((SELECT value FROM session_provenance AS made WHERE "
+        "made.session_id = session.session_id AND key = ?2), '') FROM session WHERE session_id = "
+        "?1",
+        session, kCalibrationHashKey);
     return {.begun = {.name = row.text(0), .calibration = row.text(1)}};
 }
 
@@ -36,9 +36,9 @@ TrialDevice next_device(Database& database, std::int64_t session) {
 
 std::optional<TrialDevice> last_device(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT device, coalesce(calibration_sha256, '') FROM trial WHERE session_id = ?1 ORDER BY"
-        " trial_id DESC LIMIT 1");
-    row.bind(1, session);
+        "SELECT device, coalesce(calibration_sha256, '') FROM trial WHERE session_id = ?1 ORDER BY "
+        "trial_id DESC LIMIT 1",
+        session);
     return row.step() ? std::optional(TrialDevice{row.text(0), row.text(1)}) : std::nullopt;
 }
 
@@ -54,10 +54,10 @@ std::vector<std::pair<std::string, std::string>> with_none(
     std::int64_t session,
     std::vector<std::pair<std::string, std::string>> made) {
     Statement row = database.prepare(
-        "SELECT key FROM session_provenance WHERE session_id = ?1 AND key LIKE 'calibration%'"
-        " UNION SELECT key FROM event WHERE session_id = ?1 AND event_kind = 'provenance'"
-        " AND key LIKE 'calibration%'");
-    row.bind(1, session);
+        "SELECT key FROM session_provenance WHERE session_id = ?1 AND key LIKE 'calibration%' "
+        "UNION SELECT key FROM event WHERE session_id = ?1 AND event_kind = 'provenance' AND key "
+        "LIKE 'calibration%'",
+        session);
     while (row.step()) {
         if (std::ranges::none_of(made, [&](const auto& one) { return one.first == row.text(0); })) {
             made.emplace_back(row.text(0), "");

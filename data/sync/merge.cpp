@@ -95,12 +95,12 @@ bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts)
     if (chain_breaks(*session.database, session.id).empty()) {
         return true;
     }
-    conflicts.push_back({.what = called(session) +
-                                 ": it is damaged or was changed since it was recorded; palpate "
-                                 "verify says where",
-                         .first = session.file,
-                         .second = {},
-                         .remedy = "give a copy from before that"});
+    conflicts.push_back(
+        {.what = called(session) +
+                 ": it is damaged or was changed since it was recorded; palpate verify says where",
+         .first = session.file,
+         .second = {},
+         .remedy = "give a copy from before that"});
     return false;
 }
 
@@ -127,10 +127,9 @@ std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
 void free_numbers(Database& out, const std::vector<SessionMerge>& order) {
     for (const SessionMerge& one : order) {
         if (one.own != nullptr) {
-            out.prepare(
-                   "UPDATE session SET session_number = 1000000 + session_id WHERE session_id = ?1")
-                .bind(1, one.own->id)
-                .run();
+            out.run(
+                "UPDATE session SET session_number = 1000000 + session_id WHERE session_id = ?1",
+                one.own->id);
         }
     }
 }

@@ -65,10 +65,9 @@ void PeopleMerge::read(Database& database, const std::string& file) {
             column += 2;
         }
     }
-    Statement detail = database.prepare(
-        "SELECT participant_code, key, value, noted_utc FROM participant_detail JOIN participant "
-        "USING (participant_id)");
-    while (detail.step()) {
+    for (const Statement& detail :
+         database.prepare("SELECT participant_code, key, value, noted_utc FROM participant_detail "
+                          "JOIN participant USING (participant_id)")) {
         say(detail.text(0), std::string(kDetail) + detail.text(1),
             {detail.text(2), file, detail.text(3)});
     }

@@ -85,8 +85,9 @@ private:
             return false;
         }
         Statement row = database_.prepare(
-            "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0");
-        if (!row.bind(1, std::string_view(session.participant)).step()) {
+            "SELECT 1 FROM participant WHERE participant_code = ?1 AND consent = 0",
+            session.participant);
+        if (!row.step()) {
             return false;
         }
         ++report_.declined;
@@ -103,11 +104,10 @@ private:
 
     [[nodiscard]] bool schema_is_whole() {
         std::set<std::string> there;
-        for (const auto& row :
-             server_.rows("SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON "
-                          "pg_class.oid ="
-                          " attrelid JOIN pg_namespace ON pg_namespace.oid = relnamespace"
-                          " WHERE nspname = 'palpate' AND attnum > 0 AND NOT attisdropped")) {
+        for (const auto& row : server_.rows(
+                 "SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON pg_class.oid "
+                 "= attrelid JOIN pg_namespace ON pg_namespace.oid = relnamespace WHERE nspname = "
+                 "'palpate' AND attnum > 0 AND NOT attisdropped")) {
             there.insert(*row[0]);
         }
         bool whole = true;
@@ -149,17 +149,15 @@ private:
 
     void push_shared() {
         one_at_a_time();
-        Statement study = database_.prepare(
-            "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study");
-        while (study.step()) {
+        for (const Statement& study : database_.prepare(
+                 "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study")) {
             PostgresRow row;
             add_values(study, row);
             send("study", row);
         }
         for (const OwnedTable& table : layout_.of_file) {
-            Statement line =
-                database_.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
-            while (line.step()) {
+            for (const Statement& line :
+                 database_.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name))) {
                 PostgresRow row;
                 add_values(line, row);
                 send(table.name, row);
@@ -178,8 +176,7 @@ private:
         Statement note = database_.prepare(
             "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
             "WHERE handedness IS NOT NULL AND consent IS NOT 0 UNION ALL SELECT participant_code, "
-            "'consent', "
-            "CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
+            "'consent', CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
         while (note.step()) {
             const auto found = there.find(note.text(0) + ' ' + note.text(1));
             if (found != there.end() && found->second != note.text(2)) {
@@ -226,9 +223,9 @@ private:
         if (begun_.contains(session.uuid)) {
             return;
         }
-        Statement line = database_.prepare(
-            fmt::format("SELECT {} FROM session WHERE session_id = ?1", layout_.session.list()));
-        line.bind(1, session.id).step();
+        Statement line = database_.first(
+            fmt::format("SELECT {} FROM session WHERE session_id = ?1", layout_.session.list()),
+            session.id);
         PostgresRow row;
         row.text(session.uuid);
         add_values(line, row);
@@ -252,9 +249,7 @@ private:
                     std::string_view owner,
                     std::int64_t id,
                     const PostgresRow& key) {
-        Statement line = database_.prepare(table.select(owner));
-        line.bind(1, id);
-        while (line.step()) {
+        for (const Statement& line : database_.prepare(table.select(owner), id)) {
             PostgresRow row = key;
             add_values(line, row);
             send(table.name, row);
@@ -294,9 +289,9 @@ private:
         for (const OwnedTable& table : layout_.of_trial) {
             push_owned(table, "trial_id", trial.id, key);
         }
-        Statement line = database_.prepare(
-            fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout_.trial.list()));
-        line.bind(1, trial.id).step();
+        Statement line = database_.first(
+            fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout_.trial.list()),
+            trial.id);
         PostgresRow row = key;
         add_values(line, row);
         row.text(trial.content).integer(kSchemaVersion);
@@ -352,9 +347,10 @@ private:
         if (session.finished) {
             PostgresRow row;
             row.text(session.uuid);
-            Statement line = database_.prepare(fmt::format(
-                "SELECT {} FROM session WHERE session_id = ?1", layout_.session_end.list()));
-            line.bind(1, session.id).step();
+            Statement line =
+                database_.first(fmt::format("SELECT {} FROM session WHERE session_id = ?1",
+                                            layout_.session_end.list()),
+                                session.id);
             add_values(line, row);
             send("session_end", row);
             flush();

@@ -28,36 +28,34 @@ void copy_owned(const SessionVersion& from,
 }
 
 std::int64_t study_of(const SessionVersion& from, Database& out) {
-    Statement row = from.database->prepare(
+    Statement row = from.database->first(
         "SELECT study_name, study_title, protocol_sha256, protocol_toml FROM study WHERE "
-        "protocol_sha256 = ?1");
-    row.bind(1, std::string_view(from.study)).step();
+        "protocol_sha256 = ?1",
+        from.study);
     Statement add = out.prepare(
         "INSERT INTO study (study_name, study_title, protocol_sha256, protocol_toml) VALUES (?1, "
         "?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING");
     bind_row(row, add, 1);
     add.run();
-    Statement id = out.prepare("SELECT study_id FROM study WHERE protocol_sha256 = ?1");
-    id.bind(1, std::string_view(from.study)).step();
-    return id.integer(0);
+    return out.first("SELECT study_id FROM study WHERE protocol_sha256 = ?1", from.study)
+        .integer(0);
 }
 
 std::int64_t copy_session_row(const SessionVersion& from, Database& out, const Layout& layout) {
     const OwnedTable& table = layout.session;
     const std::int64_t study = study_of(from, out);
-    Statement row = from.database->prepare(
-        fmt::format("SELECT {} FROM session WHERE session_id = ?1", table.list()));
-    row.bind(1, from.id).step();
+    Statement row = from.database->first(
+        fmt::format("SELECT {} FROM session WHERE session_id = ?1", table.list()), from.id);
     std::string places;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
         places += fmt::format(", ?{}", i + 4);
     }
     Statement add = out.prepare(
-        fmt::format("INSERT INTO session (study_id, participant_id, session_number, {}) VALUES "
-                    "(?1, (SELECT participant_id FROM participant WHERE participant_code = ?2), "
-                    "?3{})",
-                    table.list(), places));
-    add.bind(1, study).bind(2, std::string_view(from.participant)).bind(3, from.number);
+        fmt::format(
+            "INSERT INTO session (study_id, participant_id, session_number, {}) VALUES (?1, "
+            "(SELECT participant_id FROM participant WHERE participant_code = ?2), ?3{})",
+            table.list(), places),
+        study, from.participant, from.number);
     bind_row(row, add, 4);
     add.run();
     return out.last_row();
@@ -71,9 +69,9 @@ std::int64_t copy_trial_row(const SessionVersion& from,
                             std::int64_t session,
                             std::int64_t id) {
     const OwnedTable& table = layout.trial;
-    Statement row = from.database->prepare(
-        fmt::format("SELECT {}, invalid_reason FROM trial WHERE trial_id = ?1", table.list()));
-    row.bind(1, trial.id).step();
+    Statement row = from.database->first(
+        fmt::format("SELECT {}, invalid_reason FROM trial WHERE trial_id = ?1", table.list()),
+        trial.id);
     std::string places;
     std::string set;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
@@ -85,9 +83,8 @@ std::int64_t copy_trial_row(const SessionVersion& from,
         id == 0
             ? fmt::format("INSERT INTO trial (session_id, {}, invalid_reason) VALUES (?1, {}?{})",
                           table.list(), places, last)
-            : fmt::format("UPDATE trial SET {}invalid_reason = ?{} WHERE trial_id = ?1", set,
-                          last));
-    write.bind(1, id == 0 ? session : id);
+            : fmt::format("UPDATE trial SET {}invalid_reason = ?{} WHERE trial_id = ?1", set, last),
+        id == 0 ? session : id);
     bind_row(row, write, 2);
     write.run();
     return id == 0 ? out.last_row() : id;
@@ -102,9 +99,7 @@ std::int64_t copy_trial(const SessionVersion& from,
     const std::int64_t id = copy_trial_row(from, trial, out, layout, session, there);
     for (const OwnedTable& table : layout.of_trial) {
         if (there != 0) {
-            out.prepare(fmt::format("DELETE FROM {} WHERE trial_id = ?1", table.name))
-                .bind(1, there)
-                .run();
+            out.run(fmt::format("DELETE FROM {} WHERE trial_id = ?1", table.name), there);
         }
         copy_owned(from, out, table, "trial_id", trial.id, id);
     }
@@ -118,10 +113,11 @@ void copy_events(const SessionVersion& from,
                  const Ids& trials,
                  std::size_t already) {
     const OwnedTable& event = layout.event;
-    Statement row = from.database->prepare(fmt::format(
-        "SELECT trial_id, {} FROM event WHERE session_id = ?1 ORDER BY event_id LIMIT -1 OFFSET ?2",
-        event.list()));
-    row.bind(1, from.id).bind(2, static_cast<std::int64_t>(already));
+    Statement row =
+        from.database->prepare(fmt::format("SELECT trial_id, {} FROM event WHERE session_id = ?1 "
+                                           "ORDER BY event_id LIMIT -1 OFFSET ?2",
+                                           event.list()),
+                               from.id, already);
     OwnedTable with_trial = event;
     with_trial.columns.insert(with_trial.columns.begin(), "trial_id");
     Statement add = out.prepare(with_trial.insert("session_id"));
@@ -145,25 +141,21 @@ void copy_end(const SessionVersion& from,
     OwnedTable end = layout.session_end;
     end.columns.insert(end.columns.end(), layout.session_repairs.columns.begin(),
                        layout.session_repairs.columns.end());
-    Statement row = from.database->prepare(
-        fmt::format("SELECT {} FROM session WHERE session_id = ?1", end.list()));
-    row.bind(1, from.id).step();
+    Statement row = from.database->first(
+        fmt::format("SELECT {} FROM session WHERE session_id = ?1", end.list()), from.id);
     std::string set;
     for (std::size_t i = 0; i < end.columns.size(); ++i) {
         set += fmt::format("{}{} = ?{}", i == 0 ? "" : ", ", end.columns[i], i + 2);
     }
-    Statement write = out.prepare(fmt::format("UPDATE session SET {} WHERE session_id = ?1", set));
-    write.bind(1, session);
+    Statement write =
+        out.prepare(fmt::format("UPDATE session SET {} WHERE session_id = ?1", set), session);
     bind_row(row, write, 2);
     write.run();
     const std::string head = chain_head(*from.database, from.id);
-    out.prepare(
-           "UPDATE session SET newest_seal = nullif(?2, ''), participant_id = (SELECT "
-           "participant_id FROM participant WHERE participant_code = ?3) WHERE session_id = ?1")
-        .bind(1, session)
-        .bind(2, std::string_view(head))
-        .bind(3, std::string_view(from.participant))
-        .run();
+    out.run(
+        "UPDATE session SET newest_seal = nullif(?2, ''), participant_id = (SELECT participant_id "
+        "FROM participant WHERE participant_code = ?3) WHERE session_id = ?1",
+        session, head, from.participant);
 }
 
 }  // namespace
@@ -202,7 +194,7 @@ void replace_session(const SessionVersion& from,
                      Database& out,
                      const Layout& layout) {
     clear_session(out, own.id);
-    out.prepare("DELETE FROM session WHERE session_id = ?1").bind(1, own.id).run();
+    out.run("DELETE FROM session WHERE session_id = ?1", own.id);
     add_session(from, out, layout);
 }
 

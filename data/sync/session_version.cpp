@@ -29,9 +29,7 @@ std::string rows_of(Database& database,
                     std::string_view owner,
                     std::int64_t id) {
     std::string hashes = table.name + '\n';
-    Statement row = database.prepare(table.select(owner));
-    row.bind(1, id);
-    while (row.step()) {
+    for (const Statement& row : database.prepare(table.select(owner), id)) {
         hashes += sha256_hex(row_bytes(row)) + '\n';
     }
     return hashes;
@@ -42,8 +40,8 @@ std::vector<TrialVersion> trials_of(Database& database, std::int64_t session) {
     Statement ids = database.prepare(
         "SELECT trial_id, outcome, coalesce(invalid_reason, ''), (SELECT "
         "coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk WHERE trace_chunk.trial_id = "
-        "trial.trial_id) FROM trial WHERE session_id = ?1 ORDER BY trial_id");
-    ids.bind(1, session);
+        "trial.trial_id) FROM trial WHERE session_id = ?1 ORDER BY trial_id",
+        session);
     while (ids.step()) {
         TrialVersion& trial = trials.emplace_back();
         trial.id = ids.integer(0);
@@ -98,10 +96,8 @@ std::vector<std::string> events_of(Database& database,
 }
 
 std::string session_row(Database& database, const OwnedTable& part, std::int64_t id) {
-    Statement row =
-        database.prepare(fmt::format("SELECT {} FROM session WHERE session_id = ?1", part.list()));
-    row.bind(1, id).step();
-    return row_bytes(row);
+    return row_bytes(database.first(
+        fmt::format("SELECT {} FROM session WHERE session_id = ?1", part.list()), id));
 }
 
 std::string head_of(Database& database, const Layout& layout, const SessionVersion& session) {
@@ -135,8 +131,8 @@ std::vector<SessionVersion> session_versions(Database& database,
         "session_number, finished, coalesce(run_code, participant_code), coalesce(run_number, "
         "session_number), EXISTS (SELECT 1 FROM event WHERE event.session_id = session.session_id "
         "AND event_kind = 'mark' AND key = ?1) FROM session JOIN study USING (study_id) JOIN "
-        "participant USING (participant_id) ORDER BY session.session_id");
-    row.bind(1, kDestroyed);
+        "participant USING (participant_id) ORDER BY session.session_id",
+        kDestroyed);
     while (row.step()) {
         SessionVersion& session = all.emplace_back();
         session.file = file;

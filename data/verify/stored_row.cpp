@@ -51,11 +51,7 @@ std::vector<StoredRow> rows_of(Database& database,
                                std::string_view sql,
                                std::optional<std::int64_t> id) {
     std::vector<StoredRow> rows;
-    Statement row = database.prepare(sql);
-    if (id) {
-        row.bind(1, *id);
-    }
-    while (row.step()) {
+    for (const Statement& row : id ? database.prepare(sql, *id) : database.prepare(sql)) {
         StoredRow& stored = rows.emplace_back();
         for (int column = 0; column < row.columns(); ++column) {
             stored.set(row.name(column), value_of(row, column));

@@ -121,15 +121,14 @@ SessionEnd run(Database& database,
 /// marked when.
 std::string attempts(Database& database) {
     std::string text;
-    for (const char* sql : {"SELECT trial_id, plan_position, outcome, invalid_reason, "
-                            "ticks, path_length_m FROM trial ORDER BY trial_id",
+    for (const char* sql : {"SELECT trial_id, plan_position, outcome, invalid_reason, ticks, "
+                            "path_length_m FROM trial ORDER BY trial_id",
                             "SELECT * FROM presentation ORDER BY trial_id, interval",
                             "SELECT * FROM response ORDER BY trial_id",
                             "SELECT * FROM adaptive_step ORDER BY trial_id",
                             "SELECT trial_id, event_kind, text FROM event WHERE event_kind = "
                             "'mark' ORDER BY event_id"}) {
-        data::Statement row = database.prepare(sql);
-        while (row.step()) {
+        for (const data::Statement& row : database.prepare(sql)) {
             for (int column = 0; column < row.columns(); ++column) {
                 text += row.null(column)      ? "-"
                       : row.type(column) == 2 ? fmt::format("{:a} ", row.real(column))
@@ -143,10 +142,9 @@ std::string attempts(Database& database) {
 
 std::set<TrialId> marked(Database& database) {
     std::set<TrialId> ids;
-    auto row =
-        database.prepare("SELECT trial_id FROM trial WHERE invalid_reason = ?1 ORDER BY trial_id");
-    row.bind(1, std::string_view(kMarkedAtDesk));
-    while (row.step()) {
+    for (const auto& row :
+         database.prepare("SELECT trial_id FROM trial WHERE invalid_reason = ?1 ORDER BY trial_id",
+                          kMarkedAtDesk)) {
         ids.insert(row.integer(0));
     }
     return ids;

@@ -74,8 +74,7 @@ std::string content(Database& database) {
           "SELECT plan_position, run_trial_number, run_name, stimulus, rule_outcome, correct, "
           "estimate, estimates, state_sha256 FROM analysis_trial WHERE run_trial_number IS NOT "
           "NULL AND counts ORDER BY plan_position"}) {
-        data::Statement row = database.prepare(sql);
-        while (row.step()) {
+        for (const data::Statement& row : database.prepare(sql)) {
             for (int column = 0; column < row.columns(); ++column) {
                 if (row.name(column) != "trial_id") {
                     text += row.null(column)      ? "-"
@@ -205,8 +204,8 @@ TEST_CASE("a run handed to palpate procedure gives the stored estimates and stat
                                        !ContainsSubstring(spec.protocol_hash));
         data::Statement row = database.prepare(
             "SELECT stimulus, rule_outcome, state_sha256, estimates FROM analysis_trial WHERE "
-            "run_trial_number IS NOT NULL AND run_number = ?1 ORDER BY run_trial_number");
-        row.bind(1, run);
+            "run_trial_number IS NOT NULL AND run_number = ?1 ORDER BY run_trial_number",
+            run);
         std::string responses = "stimulus,response\n";
         for (int n = 0; row.step(); ++n) {
             CAPTURE(run, n);
@@ -236,8 +235,8 @@ TEST_CASE("verify reports every edit of what a rule chose and what intervals let
             // A key that is taken, or what a CHECK refuses, is no edit.
             const std::string sql = fmt::format(
                 "UPDATE {0} SET {1} = CASE typeof({1}) WHEN 'integer' THEN {1} + 1 WHEN 'real' "
-                "THEN {1} +"
-                " 0.25 WHEN 'text' THEN 'f' || substr({1}, 2) || 'x' ELSE 1 END WHERE rowid = 9",
+                "THEN {1} + 0.25 WHEN 'text' THEN 'f' || substr({1}, 2) || 'x' ELSE 1 END WHERE "
+                "rowid = 9",
                 table, name);
             const tests::Undone undone(database);
             try {

@@ -49,11 +49,9 @@ TEST_CASE(
     record_small_session(file);
     const auto said = [](Database& database) {  // all that an analyst can read
         std::string text;
-        auto tables = database.prepare(
-            "SELECT name FROM sqlite_schema WHERE type IN ('table', 'view') ORDER BY type, name");
-        while (tables.step()) {
-            auto row = database.prepare("SELECT * FROM " + tables.text(0));
-            while (row.step()) {
+        for (const auto& tables : database.prepare("SELECT name FROM sqlite_schema WHERE type IN "
+                                                   "('table', 'view') ORDER BY type, name")) {
+            for (const auto& row : database.prepare("SELECT * FROM " + tables.text(0))) {
                 for (int i = 0; i < row.columns(); ++i) {
                     const auto blob = row.blob(i);
                     text += row.type(i) == 4
@@ -117,14 +115,11 @@ TEST_CASE(
     const std::string queries[] = {
         "SELECT trial_id, interval, count(*), sum(tick), sum(time_s), sum(count_1 - 3 * code_1), "
         "sum(count_2 - 3 * code_2), sum(commanded_x_n), sum(commanded_y_n), sum(flags), "
-        "sum(lateness_us) FROM sample "
-        "GROUP BY 1, 2",
+        "sum(lateness_us) FROM sample GROUP BY 1, 2",
         "SELECT trial_id, interval, sum(hip_x_m), sum(hip_y_m), sum(hip_vx_m_per_s) FROM sample "
         "GROUP BY 1, 2",
         "SELECT trial_id, interval, sum(rendered_normal_n), sum(mu), sum(u), sum(go_x_m), sum(mode "
-        "= 'slip') "
-        "FROM "
-        "sample GROUP BY 1, 2",
+        "= 'slip') FROM sample GROUP BY 1, 2",
         "SELECT sum(time_s), sum(count_1), sum(tick) FROM sample WHERE trial_id = 3 AND tick >= "
         "100",
         "SELECT sum(hip_x_m), sum(rendered_normal_n) FROM sample WHERE trial_id = 4 AND time_s > "

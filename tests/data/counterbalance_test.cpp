@@ -12,13 +12,10 @@ namespace {
 
 /// The first trial of a session has begun: from now on it keeps its row.
 void begin(data::Database& database, std::int64_t session) {
-    database
-        .prepare(
-            "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc)"
-            " SELECT 'test', ?1, 0, 1 + count(*), 'interrupted', '' FROM trial WHERE session_id = "
-            "?1")
-        .bind(1, session)
-        .run();
+    database.run(
+        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc) "
+        "SELECT 'test', ?1, 0, 1 + count(*), 'interrupted', '' FROM trial WHERE session_id = ?1",
+        session);
 }
 
 /// Opens the session that a rig would open for this participant, and begins its first trial.
@@ -143,8 +140,8 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
     // The last row is left for whoever comes back, whichever it was before; a note on the session
     // stays.
     database.execute(
-        "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) SELECT"
-        " min(session_id), 'note', 'late', '', 0 FROM session");
+        "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) SELECT "
+        "min(session_id), 'note', 'late', '', 0 FROM session");
     orders.insert(open(database, protocol, "LEFT", data::RunKind::real));
     CHECK(orders.size() == rows);
     // With other words too: nobody has felt anything of it yet.

@@ -87,12 +87,10 @@ TEST_CASE(
         record_and_kill(file, spec, random.below(40), static_cast<unsigned>(random.below(3000)));
 
     data::Database database(file, data::Access::write);
-    auto check = database.prepare("PRAGMA integrity_check");
-    check.step();
+    auto check = database.first("PRAGMA integrity_check");
     CHECK(check.text(0) == "ok");
     check.reset();
-    auto chunks = database.prepare("SELECT sum(ticks) / 256 FROM trace_chunk");
-    chunks.step();
+    auto chunks = database.first("SELECT sum(ticks) / 256 FROM trace_chunk");
     CHECK(chunks.integer(0) >= seen.chunks);
     chunks.reset();
     const auto answered = data::answered_trials(database);
@@ -102,7 +100,6 @@ TEST_CASE(
     }
     const auto opened = data::open_session(database, spec);
     CHECK(opened.next == answered.size());
-    auto order = database.prepare("SELECT plan_sha256 FROM session");
-    order.step();
+    auto order = database.first("SELECT plan_sha256 FROM session");
     CHECK(order.text(0) == spec.plan.hash);
 }

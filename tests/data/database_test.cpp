@@ -19,9 +19,8 @@ TEST_CASE("a new database says whose it is, and only its owner may read it", "[s
     const std::string file = folder.file("a.sqlite");
     {
         Database database(file, Access::write);
-        auto id = database.prepare(
+        auto id = database.first(
             "SELECT application_id, user_version FROM pragma_application_id, pragma_user_version");
-        id.step();
         CHECK(id.integer(0) == data::kApplicationId);
         CHECK(id.integer(1) == data::kSchemaVersion);
     }
@@ -100,8 +99,7 @@ TEST_CASE("a transaction that is not committed leaves nothing", "[store][law]") 
         data::Transaction all(database);
         database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     }
-    auto count = database.prepare("SELECT count(*) FROM participant");
-    count.step();
+    auto count = database.first("SELECT count(*) FROM participant");
     CHECK(count.integer(0) == 0);
 }
 
@@ -117,14 +115,14 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
         "UPDATE session SET rate_hz = 0",
         "UPDATE plan SET mu_s = 0.1, mu_d = 0.5",
         "UPDATE plan SET phase = 'other'",
-        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-        "started_utc) VALUES ('test', 1, 999, 1, 'running', '')",
-        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-        "started_utc) VALUES ('test', 1, 0, 1, 'lost', '')",
+        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc) "
+        "VALUES ('test', 1, 999, 1, 'running', '')",
+        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc) "
+        "VALUES ('test', 1, 0, 1, 'lost', '')",
         "INSERT INTO response VALUES (77, 0, 'convex', 1, 1.0, 0.0, 'key')",
         "INSERT INTO trace_chunk VALUES (77, 1, 0, 1, 1, 1000000, '', 0, 0, x'00')",
-        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-        "started_utc, fault_cause) VALUES ('test', 1, 0, 1, 'complete', '', 'late')",
+        "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc, "
+        "fault_cause) VALUES ('test', 1, 0, 1, 'complete', '', 'late')",
         "INSERT INTO fault_tick (trial_id, tick, time_s, count_1, count_2, code_1, code_2, flags, "
         "mode, segment) VALUES (77, 0, 0, 0, 0, 0, 0, 0, 'free', 0)",
         "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES (99, "

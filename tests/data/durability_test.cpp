@@ -109,8 +109,7 @@ std::vector<Saved> record_and_kill(const std::string& file,
 void wait_for_ticks(const std::string& file, std::int64_t ticks) {
     Database reader(file, Access::read);
     for (int i = 0; i < 1000; ++i) {
-        auto row = reader.prepare("SELECT coalesce(sum(ticks), 0) FROM trace_chunk");
-        row.step();
+        auto row = reader.first("SELECT coalesce(sum(ticks), 0) FROM trace_chunk");
         if (row.integer(0) >= ticks) {
             return;
         }
@@ -132,8 +131,7 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
     REQUIRE(said.size() >= 12);
 
     Database database(file, Access::write);
-    auto check = database.prepare("PRAGMA integrity_check");
-    check.step();
+    auto check = database.first("PRAGMA integrity_check");
     CHECK(check.text(0) == "ok");
     check.reset();
     const auto opened = data::open_session(database, spec);
@@ -179,8 +177,7 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
     const auto stored = data::read_trace(database, id);
     REQUIRE(stored.size() == ticks.size());
     CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), tests::same_bits));
-    auto row = analyst.prepare("SELECT count(*) FROM response");
-    row.step();
+    auto row = analyst.first("SELECT count(*) FROM response");
     CHECK(row.integer(0) == 1);
 }
 
@@ -260,8 +257,8 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
         "UPDATE session SET newest_seal = NULL",
         "DELETE FROM event WHERE event_kind = 'mark'; UPDATE trial SET invalid_reason = NULL",
         "DELETE FROM event WHERE event_id = 1",
-        "INSERT INTO event (event_id, session_id, event_kind, text, at_utc, trials_begun) "
-        "VALUES (0, 1, 'note', 'b', '', 0)",
+        "INSERT INTO event (event_id, session_id, event_kind, text, at_utc, trials_begun) VALUES "
+        "(0, 1, 'note', 'b', '', 0)",
         "UPDATE session SET device = 'another'",
         "UPDATE session SET uuid = replace(uuid, substr(uuid, 1, 8), '00000000')",
         "UPDATE session SET finished_utc = '2026'",

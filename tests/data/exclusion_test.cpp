@@ -70,9 +70,7 @@ void run(data::Database& database,
         ++main;
     }
     if (habits.finishes) {
-        database.prepare("UPDATE session SET finished = 1 WHERE session_id = ?1")
-            .bind(1, opened.id)
-            .run();
+        database.run("UPDATE session SET finished = 1 WHERE session_id = ?1", opened.id);
     }
 }
 

@@ -109,8 +109,8 @@ std::string recounted(const std::string& file) {
     while (chosen.step()) {
         all += fmt::format("{} {} {:.17g}\n", chosen.text(0), chosen.integer(1), chosen.real(2));
     }
-    auto note = database.prepare("SELECT lower(hex(text)) FROM event WHERE event_kind = 'note'");
-    while (note.step()) {
+    for (const auto& note :
+         database.prepare("SELECT lower(hex(text)) FROM event WHERE event_kind = 'note'")) {
         all += "note " + note.text(0) + '\n';
     }
     return all;
@@ -186,17 +186,17 @@ TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by col
         CAPTURE(name);
         // Text, as it stands; a quoted empty field is a text, another one is nothing.
         duck.run(
-            fmt::format("CREATE OR REPLACE TABLE text AS SELECT row_number() OVER () AS row_, *"
-                        " FROM read_csv('{}', header = true, all_varchar = true, delim = ',',"
-                        " quote = '\"', escape = '\"', allow_quoted_nulls = false)",
+            fmt::format("CREATE OR REPLACE TABLE text AS SELECT row_number() OVER () AS row_, * "
+                        "FROM read_csv('{}', header = true, all_varchar = true, delim = ',', quote "
+                        "= '\"', escape = '\"', allow_quoted_nulls = false)",
                         from));
         duck.run(
-            fmt::format("CREATE OR REPLACE TABLE typed AS SELECT row_number() OVER () AS row_, *"
-                        " FROM read_parquet('{}')",
+            fmt::format("CREATE OR REPLACE TABLE typed AS SELECT row_number() OVER () AS row_, * "
+                        "FROM read_parquet('{}')",
                         to));
         duck.run(
-            "SELECT CASE WHEN (SELECT count(*) FROM text) <> (SELECT count(*) FROM typed) THEN"
-            " error('rows') END");
+            "SELECT CASE WHEN (SELECT count(*) FROM text) <> (SELECT count(*) FROM typed) THEN "
+            "error('rows') END");
         std::string head;
         std::ifstream in(from);
         std::getline(in, head);
@@ -210,16 +210,16 @@ TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by col
             const std::size_t end = std::min(head.find(',', at), head.size());
             const std::string column = head.substr(at, end - at);
             differs += fmt::format(
-                "{1}CASE typeof(typed.\"{0}\") WHEN 'DOUBLE' THEN TRY_CAST(text.\"{0}\" AS DOUBLE)"
-                " IS DISTINCT FROM TRY_CAST(typed.\"{0}\" AS DOUBLE) ELSE text.\"{0}\" IS DISTINCT"
-                " FROM CAST(typed.\"{0}\" AS VARCHAR) END",
+                "{1}CASE typeof(typed.\"{0}\") WHEN 'DOUBLE' THEN TRY_CAST(text.\"{0}\" AS DOUBLE) "
+                "IS DISTINCT FROM TRY_CAST(typed.\"{0}\" AS DOUBLE) ELSE text.\"{0}\" IS DISTINCT "
+                "FROM CAST(typed.\"{0}\" AS VARCHAR) END",
                 column, differs.empty() ? "" : " OR ");
             at = end + 1;
         }
-        CHECK_NOTHROW(duck.run(fmt::format(
-            "SELECT CASE WHEN count(*) > 0 THEN error('row ' || min(row_)) END FROM text JOIN typed"
-            " USING (row_) WHERE {}",
-            differs)));
+        CHECK_NOTHROW(
+            duck.run(fmt::format("SELECT CASE WHEN count(*) > 0 THEN error('row ' || min(row_)) "
+                                 "END FROM text JOIN typed USING (row_) WHERE {}",
+                                 differs)));
     };
     for (const data::ExportTable& table : data::export_tables()) {
         compare(std::string(table.name), (csv / fmt::format("{}.csv", table.name)).string(),

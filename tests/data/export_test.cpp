@@ -48,32 +48,21 @@ std::string exported_database(const TemporaryFolder& folder) {
         data::add_note(database, session, "SECRET note");
         data::note_participant(database, code,
                                {.handedness = 60, .details = {{"age", "SECRET age"}}});
-        database
-            .prepare(
-                "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-                "started_utc,"
-                " done_s) VALUES ('Haply 2diy_gen3 at /SECRET/tty', ?1, 0, 1, 'complete', ?2, "
-                "1.25)")
-            .bind(1, session)
-            .bind(2, std::string_view(data::utc_now()))
-            .run();
+        database.run(
+            "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc, "
+            "done_s) VALUES ('Haply 2diy_gen3 at /SECRET/tty', ?1, 0, 1, 'complete', ?2, 1.25)",
+            session, data::utc_now());
         const std::int64_t trial = database.last_row();
         // The servo's clock tells who came first.
-        database.prepare("UPDATE trial SET started_ns = ?2 WHERE trial_id = ?1")
-            .bind(1, trial)
-            .bind(2, kClock + 1000 * trial)
-            .run();
-        database.prepare("UPDATE event SET at_ns = ?2 WHERE session_id = ?1")
-            .bind(1, session)
-            .bind(2, kClock + 1000 * trial + 70)
-            .run();
-        database
-            .prepare(
-                "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, reaction_s, "
-                "reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, "
-                "0.0, 'key', 0)")
-            .bind(1, trial)
-            .run();
+        database.run("UPDATE trial SET started_ns = ?2 WHERE trial_id = ?1", trial,
+                     kClock + 1000 * trial);
+        database.run("UPDATE event SET at_ns = ?2 WHERE session_id = ?1", session,
+                     kClock + 1000 * trial + 70);
+        database.run(
+            "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, reaction_s, "
+            "reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, "
+            "'key', 0)",
+            trial);
         (void)data::mark_invalid(database, trial, "SECRET reason");
     }
     return file;
@@ -190,10 +179,9 @@ TEST_CASE("every column of the file is exported or marked to stay in the file", 
     }
     const TemporaryFolder folder;
     Database database(exported_database(folder), Access::read);
-    auto column = database.prepare(
-        "SELECT t.name, c.name FROM sqlite_schema AS t, pragma_table_info(t.name) AS c"
-        " WHERE t.type = 'table' AND t.name NOT IN ('trace_chunk', 'trace_column', 'fault_tick')");
-    while (column.step()) {
+    for (const auto& column : database.prepare(
+             "SELECT t.name, c.name FROM sqlite_schema AS t, pragma_table_info(t.name) AS c WHERE "
+             "t.type = 'table' AND t.name NOT IN ('trace_chunk', 'trace_column', 'fault_tick')")) {
         const std::string name = column.text(0) + '.' + column.text(1);
         CAPTURE(name);
         const bool stays = data::find_column(name)->seen == data::Visibility::file ||

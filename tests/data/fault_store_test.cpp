@@ -65,11 +65,10 @@ int run_to_the_end(Database& database,
     tests::Random random(world.seed);
     for (int kills = 0;; ++kills) {
         world.faults.clear();  // a fault counts when it was written down
-        auto known = database.prepare("SELECT plan_position FROM trial WHERE outcome = 'faulted'");
-        while (known.step()) {
+        for (const auto& known :
+             database.prepare("SELECT plan_position FROM trial WHERE outcome = 'faulted'")) {
             ++world.faults[static_cast<std::size_t>(known.integer(0))];
         }
-        known.reset();
         const data::OpenedSession opened = data::open_session(database, spec);
         CHECK(opened.next == opened.progress.pending().next());
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
@@ -215,7 +214,6 @@ TEST_CASE("a question that nobody answered in time leaves an unanswered trial, w
     CHECK(end.why == SessionEnd::Why::finished);
     CHECK(tests::count(database, "trial WHERE outcome = 'unanswered'") == (observer.asked + 2) / 3);
     CHECK(tests::count(database,
-                       "trial JOIN response USING (trial_id) WHERE outcome <> "
-                       "'complete'") == 0);
+                       "trial JOIN response USING (trial_id) WHERE outcome <> 'complete'") == 0);
     CHECK(tests::count(database, "response") == tests::count(database, "plan"));
 }

@@ -55,9 +55,7 @@ int at_once(int programs, const Work& work) {
 }
 
 std::int64_t number(Database& database, const char* sql) {
-    auto row = database.prepare(sql);
-    row.step();
-    return row.integer(0);
+    return database.first(sql).integer(0);
 }
 
 /// The session, as soon as nobody else runs it.

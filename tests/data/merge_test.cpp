@@ -39,11 +39,9 @@ std::string content_of(const std::string& file) {
           "trial JOIN session USING (session_id) LEFT JOIN response USING (trial_id) ORDER BY "
           "uuid, trial.trial_id",
           "SELECT uuid, event.event_kind, at_utc, trial.plan_position, attempt, text FROM event "
-          "JOIN "
-          "session USING (session_id) LEFT JOIN trial USING (trial_id) ORDER BY uuid, "
+          "JOIN session USING (session_id) LEFT JOIN trial USING (trial_id) ORDER BY uuid, "
           "event.event_id"}) {
-        auto row = database.prepare(sql);
-        while (row.step()) {
+        for (const auto& row : database.prepare(sql)) {
             for (int column = 0; column < row.columns(); ++column) {
                 all +=
                     row.type(column) == 2 ? fmt::format("{}", row.real(column)) : row.text(column);
@@ -107,9 +105,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
         const std::string damaged = world.rigs.front().file();
         const auto sessions = [](const std::string& file) {
             Database database(file, Access::read);
-            auto row = database.prepare("SELECT count(*) FROM session");
-            row.step();
-            return row.integer(0);
+            return database.first("SELECT count(*) FROM session").integer(0);
         };
         const std::int64_t all = sessions(damaged);
         {
@@ -135,10 +131,9 @@ TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
     for (const std::string& file : world.files) {
         (void)data::merge_files(out, {file});
         Database database(out, Access::read);
-        auto row = database.prepare(
-            "SELECT uuid || plan_position || '.' || attempt, trial.trial_id FROM trial JOIN "
-            "session USING (session_id)");
-        while (row.step()) {
+        for (const auto& row :
+             database.prepare("SELECT uuid || plan_position || '.' || attempt, trial.trial_id FROM "
+                              "trial JOIN session USING (session_id)")) {
             const auto [there, is_new] = ids.emplace(row.text(0), row.integer(1));
             CHECK(there->second == row.integer(1));
         }
@@ -160,14 +155,13 @@ TEST_CASE(
     {
         Database database(rig.file(), Access::write);
         database.execute(
-            "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-            "started_utc, done_s, invalid_reason) VALUES ('test', 1, 0, 1, 'complete', "
-            "'2026', 1.0, 'talked');INSERT INTO response (trial_id, chosen_place, "
-            "chosen_object, correct, reaction_s, reaction_uncertainty_s, input, answer_code) "
-            "VALUES (1, 0, "
-            "'straight', 1, 1.0, 0.0, 'key', 0);INSERT INTO trace_chunk (trial_id, interval, "
-            "first_tick, ticks, codec, period_ns, holds, crc32, derived, data) VALUES (1, 1, 0, 1, "
-            "1, 1000000, '', 0, 0, x'0102');");
+            "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc, "
+            "done_s, invalid_reason) VALUES ('test', 1, 0, 1, 'complete', '2026', 1.0, "
+            "'talked');INSERT INTO response (trial_id, chosen_place, chosen_object, correct, "
+            "reaction_s, reaction_uncertainty_s, input, answer_code) VALUES (1, 0, 'straight', 1, "
+            "1.0, 0.0, 'key', 0);INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, "
+            "codec, period_ns, holds, crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, "
+            "0, x'0102');");
         data::add_note(database, 1, "a note");
         database.checkpoint();
     }
@@ -294,15 +288,13 @@ TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
     const std::string out = world.folder.file("out.sqlite");
     (void)data::merge_files(out, world.last);
     Database merged(out, Access::read);
-    auto tables = merged.prepare(
-        "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%' AND name"
-        " NOT IN ('study', 'participant', 'secret', 'trace_column')");
-    while (tables.step()) {
+    for (const auto& tables : merged.prepare(
+             "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%' AND "
+             "name NOT IN ('study', 'participant', 'secret', 'trace_column')")) {
         const auto rows = [&](const std::string& file) {
             Database database(file, Access::read);
-            auto row = database.prepare(fmt::format("SELECT count(*) FROM {}", tables.text(0)));
-            row.step();
-            return row.integer(0);
+            return database.first(fmt::format("SELECT count(*) FROM {}", tables.text(0)))
+                .integer(0);
         };
         CAPTURE(tables.text(0));
         std::int64_t expected = 0;

@@ -13,9 +13,7 @@ using tests::TemporaryFolder;
 namespace {
 
 std::string answer(Database& database, const char* sql) {
-    auto row = database.prepare(sql);
-    row.step();
-    return row.text(0);
+    return database.first(sql).text(0);
 }
 
 /// A file of schema 1 with somebody in it.
@@ -26,9 +24,8 @@ std::string old_file(const TemporaryFolder& folder) {
     return file;
 }
 
-const MigrationStep kMood{2,
-                          "ALTER TABLE participant ADD COLUMN mood TEXT;"
-                          " UPDATE participant SET mood = 'calm';"};
+const MigrationStep kMood{
+    2, "ALTER TABLE participant ADD COLUMN mood TEXT; UPDATE participant SET mood = 'calm';"};
 
 }  // namespace
 
@@ -60,8 +57,8 @@ TEST_CASE("a step that fails leaves the file as it was, and its copy", "[store][
     CHECK_THROWS_AS(data::migrate(database.connection(), steps), data::StoreError);
     CHECK(answer(database, "PRAGMA user_version") == "1");
     CHECK(answer(database,
-                 "SELECT count(*) FROM pragma_table_info('participant') WHERE name ="
-                 " 'mood'") == "0");
+                 "SELECT count(*) FROM pragma_table_info('participant') WHERE name = 'mood'") ==
+          "0");
     CHECK(answer(database, "SELECT count(*) FROM analysis_trial") == "0");
     CHECK(std::filesystem::exists(file + ".schema-1.sqlite"));
     CHECK_THROWS_WITH(data::migrate(database.connection(), steps),

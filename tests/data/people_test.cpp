@@ -31,10 +31,10 @@ void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, st
                 return;
             }
             const std::size_t at = opened.progress.pending().next();
-            auto attempt = database.prepare(
+            auto attempt = database.first(
                 "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE plan_position = "
-                "?1");
-            attempt.bind(1, static_cast<std::int64_t>(at)).step();
+                "?1",
+                at);
             auto result = tests::answered(0, false);
             result.invalid = reason_of(at, attempt.integer(0), seed);
             attempt.reset();

@@ -34,8 +34,8 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         data::Statement row = database.prepare(
             "SELECT stimulus, rule_outcome, state_sha256 FROM analysis_trial WHERE "
             "run_trial_number IS NOT NULL AND participant_code = ?1 AND run_number = ?2 ORDER BY "
-            "run_trial_number");
-        row.bind(1, std::string_view(who)).bind(2, std::int64_t{name.back() - '0'});
+            "run_trial_number",
+            who, name.back() - '0');
         std::istringstream lines(shown.out);
         std::string line;
         REQUIRE(std::getline(lines, line));

@@ -20,8 +20,7 @@ void chain_again(Database& database) {
     database.execute(
         "UPDATE trial SET seal = NULL, seal_events = NULL;UPDATE session SET seal = NULL, "
         "seal_events = NULL");
-    auto trial = database.prepare("SELECT trial_id FROM trial ORDER BY trial_id");
-    while (trial.step()) {
+    for (const auto& trial : database.prepare("SELECT trial_id FROM trial ORDER BY trial_id")) {
         data::chain_trial(database, trial.integer(0));
     }
     data::chain_session(database, 1);
@@ -92,14 +91,14 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
                 push.signal(SIGKILL);
             } else {  // the connection is cut instead
                 Postgres(server->url())
-                    .run(fmt::format("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE"
-                                     " datname = 'cut{}'",
+                    .run(fmt::format("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE "
+                                     "datname = 'cut{}'",
                                      seed));
             }
             CHECK_THAT(push.wait().error, !ContainsSubstring(PostgresServer::kPassword));
             Postgres now(url);
-            if (now.rows("SELECT 1 FROM pg_tables WHERE schemaname = 'palpate' AND tablename ="
-                         " 'trace_chunk'")
+            if (now.rows("SELECT 1 FROM pg_tables WHERE schemaname = 'palpate' AND tablename = "
+                         "'trace_chunk'")
                     .empty()) {
                 continue;
             }
@@ -107,10 +106,9 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
             CHECK(now.rows("SELECT session_uuid, trial_number FROM palpate.trial EXCEPT SELECT "
                            "session_uuid, trial_number FROM palpate.trace_chunk")
                       .empty());
-            CHECK(
-                now.rows("SELECT session_uuid, trial_number FROM palpate.trace_chunk EXCEPT SELECT "
-                         "session_uuid, trial_number FROM palpate.trial")
-                    .empty());
+            CHECK(now.rows("SELECT session_uuid, trial_number FROM palpate.trace_chunk EXCEPT "
+                           "SELECT session_uuid, trial_number FROM palpate.trial")
+                      .empty());
         }
         CHECK(data::push_file(file, url).conflicts.empty());
         CHECK(content(url) == expected);
@@ -130,9 +128,8 @@ TEST_CASE(
     admin.run(data::push_setup());
     admin.run(
         "CREATE FUNCTION fail() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN IF (SELECT count(*) "
-        "FROM"
-        " palpate.trace_chunk) >= TG_ARGV[0]::int THEN RAISE EXCEPTION 'enough'; END IF; RETURN "
-        "NEW; END $$");
+        "FROM palpate.trace_chunk) >= TG_ARGV[0]::int THEN RAISE EXCEPTION 'enough'; END IF; "
+        "RETURN NEW; END $$");
     for (const int chunks : {0, 1, 4, 8, 15}) {
         CAPTURE(chunks);
         admin.run(
@@ -142,8 +139,7 @@ TEST_CASE(
         CHECK_THROWS_AS(data::push_file(file, server->url()), data::PostgresError);
         CHECK(admin
                   .rows("SELECT session_uuid, trial_number FROM palpate.trial EXCEPT SELECT "
-                        "session_uuid, "
-                        "trial_number FROM palpate.trace_chunk")
+                        "session_uuid, trial_number FROM palpate.trace_chunk")
                   .empty());
         CHECK(admin
                   .rows("SELECT session_uuid, trial_number FROM palpate.trace_chunk EXCEPT SELECT "

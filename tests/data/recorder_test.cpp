@@ -82,8 +82,7 @@ TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[s
         recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(ticks.size())));
     }
     check_same(data::read_trace(rig.database, id), ticks);
-    auto row = rig.database.prepare("SELECT count(*), (max(first_tick) % 2048) FROM trace_chunk");
-    row.step();
+    auto row = rig.database.first("SELECT count(*), (max(first_tick) % 2048) FROM trace_chunk");
     CHECK(row.integer(0) == static_cast<std::int64_t>((ticks.size() + 2047) / 2048));
     CHECK(row.integer(1) == 0);
 }
@@ -120,8 +119,7 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     const auto ticks = tests::random_ticks(3, 512);
     rig.recorder.append(first, ticks);
     rig.recorder.end_trial(first, tests::answered(0, true));
-    auto pages = rig.database.prepare("PRAGMA page_count");
-    pages.step();
+    auto pages = rig.database.first("PRAGMA page_count");
     rig.database.execute(
         ("PRAGMA max_page_count = " + std::to_string(pages.integer(0) + 60)).c_str());
     pages.reset();

@@ -99,21 +99,17 @@ TEST_CASE("no row is lost where a range begins or ends beside a chunk's border",
     for (const std::int64_t border :
          {0, 256, 1900, 2046, 2047, 2048, 2049, 2050, 4095, 4096, 4097, 8193}) {
         CAPTURE(border);
-        const auto from = rows_of(
-            database,
-            fmt::format(
-                "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1"
-                " AND tick >= {}",
-                border));
+        const auto from =
+            rows_of(database, fmt::format("SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM "
+                                          "sample WHERE trial_id = 1 AND tick >= {}",
+                                          border));
         REQUIRE(static_cast<std::int64_t>(from.size()) ==
                 std::max<std::int64_t>(0, count - border));
         CHECK((from.empty() || from[0] == all[static_cast<std::size_t>(border)]));
         const auto by_time = rows_of(
-            database,
-            fmt::format(
-                "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1"
-                " AND time_s >= {} * 1e-3 - 1e-6",
-                border));
+            database, fmt::format("SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample "
+                                  "WHERE trial_id = 1 AND time_s >= {} * 1e-3 - 1e-6",
+                                  border));
         CHECK((by_time == from));
         CHECK(static_cast<std::int64_t>(
                   rows_of(database,
@@ -140,9 +136,8 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     read.reset();
     bytes[static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())))] ^=
         std::byte(1U << static_cast<unsigned>(random.below(8)));
-    database.prepare("UPDATE trace_chunk SET data = ?1 WHERE rowid = " + one[0])
-        .bind(1, std::span<const std::byte>(bytes))
-        .run();
+    database.run("UPDATE trace_chunk SET data = ?1 WHERE rowid = " + one[0],
+                 std::span<const std::byte>(bytes));
     const std::string what = GENERATE("rendered_normal_n", "hip_x_m", "count_1");
     CAPTURE(seed, what);
     CHECK_THAT(

@@ -23,10 +23,9 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
                                       // In the unit of what the rule varies, on its scale.
                                       "stimulus", "estimate"};
     std::size_t columns = 0;
-    data::Statement row = database.prepare(
-        "SELECT s.name, c.name, c.type FROM sqlite_schema AS s, pragma_table_info(s.name) AS c"
-        " WHERE s.type IN ('table', 'view')");
-    while (row.step()) {
+    for (const data::Statement& row :
+         database.prepare("SELECT s.name, c.name, c.type FROM sqlite_schema AS s, "
+                          "pragma_table_info(s.name) AS c WHERE s.type IN ('table', 'view')")) {
         ++columns;
         CAPTURE(row.text(0), row.text(1));
         const auto table = std::ranges::find(manual, row.text(0), &data::TableManual::name);
@@ -114,8 +113,8 @@ TEST_CASE("every column of sample has a meaning, in the order of the program", "
 TEST_CASE("the manual reads comments, literals and expressions of any statement", "[schema]") {
     const auto manual = data::schema_manual(
         "-- CREATE TABLE not (a);\nCREATE TABLE t (\n  -- of the table\n  a_m REAL CHECK (a_m IN "
-        "('x,y', '--')),"
-        " -- first\n  b TEXT -- second,\n    NOT NULL, -- goes on\n  UNIQUE (a_m, b)\n) STRICT;\n"
+        "('x,y', '--')), -- first\n  b TEXT -- second,\n    NOT NULL, -- goes on\n  UNIQUE (a_m, "
+        "b)\n) STRICT;\n"
         "CREATE VIEW v AS\n-- of the view\nSELECT t.b, -- plain\n (SELECT max(x, 1) FROM u) AS m_s "
         "-- named\nFROM t;");
     REQUIRE(manual.size() == 2);

@@ -83,8 +83,7 @@ struct Run {
 /// Attempts in order, with outcome and cause.
 constexpr const char* kAttempts =
     "SELECT trial.plan_position, outcome, coalesce(trial.fault_cause, '-') FROM trial LEFT JOIN "
-    "fault ON "
-    "fault.trial_id = trial.trial_id ORDER BY trial.trial_id";
+    "fault ON fault.trial_id = trial.trial_id ORDER BY trial.trial_id";
 
 /// The first trial faulted by `cause` and came again where its key says; all others went well.
 std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
@@ -115,8 +114,8 @@ void check_last_ticks(Run& run) {
         }));
         auto kept = run.database.prepare(
             "SELECT tick, hip_x_m, rendered_y_n, flags FROM fault_tick WHERE trial_id = ?1 ORDER "
-            "BY tick");
-        kept.bind(1, trial);
+            "BY tick",
+            trial);
         for (std::size_t i = trace.size() - last; i < trace.size(); ++i) {
             REQUIRE(kept.step());
             CHECK(kept.integer(0) == trace[i].tick);

@@ -53,8 +53,7 @@ TEST_CASE("the whole plan is stored before the first trial, as it was made", "[s
     CHECK_FALSE(row.step());
     CHECK(count(database, "picture") == 3);
     CHECK(count(database, "trial") == 0);
-    auto hash = database.prepare("SELECT plan_sha256, seed FROM session");
-    hash.step();
+    auto hash = database.first("SELECT plan_sha256, seed FROM session");
     CHECK(hash.text(0) == spec.plan.hash);
     CHECK(hash.text(1) == std::to_string(spec.seed));
 }

@@ -13,9 +13,8 @@ using tests::TemporaryFolder;
 namespace {
 
 std::string outcomes(Database& database) {
-    auto row = database.prepare(
+    auto row = database.first(
         "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY trial_id");
-    row.step();
     return row.text(0) + ", events " + row.text(1);
 }
 

@@ -30,8 +30,7 @@ public:
     }
     std::string error(const std::string& sql) {
         try {
-            data::Statement row = database_.prepare(sql);
-            row.step();
+            data::Statement row = database_.first(sql);
         } catch (const data::StoreError& e) {
             return e.what();
         }
@@ -236,10 +235,9 @@ TEST_CASE("over any window a function says to the bit what the rows of its frame
         const auto differing = [&](const std::string& over, const std::string& where) {
             return asked.real(fmt::format(
                 "WITH t (n, p, x, c) AS (VALUES {}), r AS (SELECT *, row_number() OVER (PARTITION "
-                "BY"
-                " p ORDER BY n) AS i, {} OVER (PARTITION BY p ORDER BY n {}) AS w FROM t) SELECT"
-                " 1.0 * count(*) FROM r AS o WHERE w IS NOT (SELECT {} FROM (SELECT * FROM r AS a"
-                " WHERE a.p = o.p AND {} ORDER BY a.i))",
+                "BY p ORDER BY n) AS i, {} OVER (PARTITION BY p ORDER BY n {}) AS w FROM t) SELECT "
+                "1.0 * count(*) FROM r AS o WHERE w IS NOT (SELECT {} FROM (SELECT * FROM r AS a "
+                "WHERE a.p = o.p AND {} ORDER BY a.i))",
                 values, function, over, function, where));
         };
         CHECK(differing(frame, ends) == 0.0);
@@ -264,11 +262,9 @@ TEST_CASE("information is log2 of what is distinguished, none where answers igno
           Approx(0.0).margin(1e-13));
     // A binary channel with an error of 0.11: 1 - H(0.11) bits (T. M. Cover, J. A. Thomas, Elements
     // of Information Theory, 7.1.4).
-    CHECK(
-        asked.real(
-            "SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,89), (0,1,11),"
-            " (1,0,11), (1,1,89))") ==
-        Approx(1.0 + 0.11 * std::log2(0.11) + 0.89 * std::log2(0.89)).epsilon(1e-12));
+    CHECK(asked.real("SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,89), "
+                     "(0,1,11), (1,0,11), (1,1,89))") ==
+          Approx(1.0 + 0.11 * std::log2(0.11) + 0.89 * std::log2(0.89)).epsilon(1e-12));
     // Rows are counts: one row a trial says the same.
     CHECK(asked.real("SELECT mutual_information(column1, column2) FROM (VALUES (0,0), (0,0), "
                      "(1,1), (1,0))") ==

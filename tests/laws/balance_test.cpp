@@ -10,16 +10,14 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
     const std::string file = folder.file("d.sqlite");
     ran({"run", "shape_friction", "--participant", "P1", "--db", file, "--headless"});
     data::Database database(file, data::Access::read);
-    auto cells = database.prepare(
+    auto cells = database.first(
         "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial WHERE "
         "counts AND phase = 'main' GROUP BY planned_object, friction)");
-    cells.step();
     CHECK(cells.integer(0) == 10);
     CHECK(cells.integer(1) == 10);
     CHECK(cells.integer(2) == 10);
-    auto phases = database.prepare(
+    auto phases = database.first(
         "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE counts");
-    phases.step();
     CHECK(phases.integer(0) == 10);
     CHECK(phases.integer(1) == 4);
 

@@ -108,14 +108,11 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
               "UPDATE study SET study_id = ?1", "UPDATE session SET study_id = ?1",
               "UPDATE participant SET participant_code = ?1", "UPDATE plan SET phase = ?1"}) {
             try {
-                auto row = database.prepare(change);
-                row.bind(1, kOrders);
-                row.step();
+                auto row = database.first(change, kOrders);
             } catch (const data::StoreError&) {  // a trigger or another table holds on to it
             }
         }
-        auto there = database.prepare("SELECT count(*) FROM event WHERE text = ?1");
-        there.bind(1, kOrders);
+        auto there = database.prepare("SELECT count(*) FROM event WHERE text = ?1", kOrders);
         REQUIRE(there.step());
         REQUIRE(there.integer(0) > 0);
     }

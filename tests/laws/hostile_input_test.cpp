@@ -88,9 +88,7 @@ TEST_CASE("a database whose protocol is deep or long ends no command by a signal
         for (const char* trigger : {"study_is_kept", "study_stays"}) {
             database.execute(fmt::format("DROP TRIGGER IF EXISTS {}", trigger).c_str());
         }
-        auto change = database.prepare("UPDATE study SET protocol_toml = ?1");
-        change.bind(1, text);
-        change.step();
+        auto change = database.first("UPDATE study SET protocol_toml = ?1", text);
     }
     int number = 0;
     for (Words words : {Words{"verify", db},
@@ -146,9 +144,9 @@ TEST_CASE("what is no file is refused as a database by every command, at once", 
                   "--device", "replay:" + db}}) {
             CAPTURE(words);
             const Finished done = ran(words, 2);
-            CHECK_THAT(done.error, Matches(".*: this is a (folder|pipe|socket|device), no file: .*"
-                                           "\n",
-                                           Catch::CaseSensitive::Yes));
+            CHECK_THAT(done.error,
+                       Matches(".*: this is a (folder|pipe|socket|device), no file: .*\n",
+                               Catch::CaseSensitive::Yes));
         }
     }
     close(socket_of);
@@ -189,11 +187,11 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
     const TemporaryFolder folder;
     const std::string scene = folder.file("s.toml");
     const bool plane = GENERATE(true, false);
-    write(scene, plane
-                     ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
-                     : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = "
-                       "[0, 0, 1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, "
-                       "0.1, 0]]]\n");
+    write(scene,
+          plane
+              ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
+              : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = [0, 0, "
+                "1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, 0.1, 0]]]\n");
     const std::string z = plane ? "" : ",0";
     for (const char* far : {"1e155", "-1e155", "1e308", "1.7976931348623157e308", "1000001"}) {
         CAPTURE(far);
@@ -202,9 +200,9 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
         const Finished closest = ran({"closest", scene, folder.file("q.csv")}, 2);
         CHECK_THAT(closest.error,
                    ContainsSubstring("q.csv:3: x_m is ") && ContainsSubstring("give metres from"));
-        write(folder.file("t.csv"), fmt::format("t_s,x_m,y_m{0}\n0,0.05,0.01{1}\n0.001,0.05,{2}{1}"
-                                                "\n",
-                                                plane ? "" : ",z_m", z, far));
+        write(folder.file("t.csv"),
+              fmt::format("t_s,x_m,y_m{0}\n0,0.05,0.01{1}\n0.001,0.05,{2}{1}\n",
+                          plane ? "" : ",z_m", z, far));
         const Finished render = ran({"render", scene, folder.file("t.csv")}, 2);
         CHECK_THAT(render.error, ContainsSubstring("t.csv:3: y_m is "));
     }

@@ -37,10 +37,10 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
               "SELECT count(*) FROM (SELECT 1 FROM plan GROUP BY block HAVING count(DISTINCT "
               "friction) > 1)") == "0");
     CHECK(one(file,
-              "SELECT count(DISTINCT value) FROM session_provenance WHERE key LIKE 'object "
-              "sha256 %'") == "6");
-    CHECK_THAT(palpate_command({"summary", file}).out, ContainsSubstring("[exclusion] leave out "
-                                                                         "none of 1"));
+              "SELECT count(DISTINCT value) FROM session_provenance WHERE key LIKE 'object sha256 "
+              "%'") == "6");
+    CHECK_THAT(palpate_command({"summary", file}).out,
+               ContainsSubstring("[exclusion] leave out none of 1"));
 }
 
 TEST_CASE("whoever is counted, the order of friction blocks is verified as it was",
@@ -55,11 +55,11 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
         ran({"run", study, "--participant", code, "--db", file, "--headless"});
         // As if people had felt it: only they count for the next one's order.
         data::Database database(file, data::Access::write);
-        database.prepare("UPDATE session SET session_kind = 'real'").run();
+        database.run("UPDATE session SET session_kind = 'real'");
     }
     CHECK(one(file,
-              "SELECT group_concat(n) FROM (SELECT count(*) AS n FROM plan WHERE phase = "
-              "'main' AND block = 0 GROUP BY friction)") == "12,12");
+              "SELECT group_concat(n) FROM (SELECT count(*) AS n FROM plan WHERE phase = 'main' "
+              "AND block = 0 GROUP BY friction)") == "12,12");
     const Finished verified = palpate_command({"verify", file});
     CAPTURE(verified.out);
     CHECK_THAT(verified.out, !ContainsSubstring("plan_sha256"));
@@ -73,10 +73,8 @@ TEST_CASE("another outline under the same name is found by its hash", "[free_for
         0);
     {
         data::Database database(file, data::Access::write);
-        database
-            .prepare(
-                "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'")
-            .run();
+        database.run(
+            "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
     }
     const Finished verified = ran({"verify", file}, 1);
     CHECK_THAT(verified.out, ContainsSubstring("dome"));

@@ -21,8 +21,7 @@ TEST_CASE("every recorded force comes back to the bit from the database alone", 
     const TemporaryFolder folder;
     ran(run(folder.file("a.sqlite"), "sim"));
     data::Database database(folder.file("a.sqlite"), data::Access::read);
-    auto text = database.prepare("SELECT protocol_toml FROM study");
-    text.step();
+    auto text = database.first("SELECT protocol_toml FROM study");
     const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
     auto trial = database.prepare(
         "SELECT trial_id, felt_object, friction, slip_decay, heal_decay FROM presentation");
@@ -73,11 +72,11 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
         }
     }
     const auto choices = [](data::Database& database) {
-        auto row = database.prepare(
-            "SELECT group_concat(chosen_object) FROM (SELECT chosen_object FROM analysis_trial "
-            "WHERE counts ORDER BY plan_position)");
-        row.step();
-        return row.text(0);
+        return database
+            .first(
+                "SELECT group_concat(chosen_object) FROM (SELECT chosen_object FROM analysis_trial "
+                "WHERE counts ORDER BY plan_position)")
+            .text(0);
     };
     CHECK(choices(a) == choices(b));
 }

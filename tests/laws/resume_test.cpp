@@ -37,10 +37,10 @@ std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t po
         std::this_thread::sleep_for(std::chrono::milliseconds(4));
         try {
             data::Database database(file, data::Access::read);
-            auto row = database.prepare(
+            auto row = database.first(
                 "SELECT coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk JOIN trial USING "
-                "(trial_id) WHERE plan_position = ?1 AND outcome = 'running'");
-            row.bind(1, position).step();
+                "(trial_id) WHERE plan_position = ?1 AND outcome = 'running'",
+                position);
             if (row.integer(0) >= 512) {
                 return process;
             }
@@ -78,9 +78,7 @@ std::string answers(const std::string& file) {
 std::int64_t number(const std::string& file, const char* sql) {
     try {
         data::Database database(file, data::Access::read);
-        auto row = database.prepare(sql);
-        row.step();
-        return row.integer(0);
+        return database.first(sql).integer(0);
     } catch (const data::StoreError&) {
         return -1;
     }
@@ -148,8 +146,7 @@ TEST_CASE(
         process->signal(SIGKILL);
         CHECK(process->wait().code == 128 + SIGKILL);
         data::Database database(file, data::Access::read);
-        auto check = database.prepare("PRAGMA integrity_check");
-        check.step();
+        auto check = database.first("PRAGMA integrity_check");
         CHECK(check.text(0) == "ok");
         CHECK(data::answered_trials(database).size() == static_cast<std::size_t>(position));
     }
@@ -168,8 +165,7 @@ TEST_CASE(
         }
     }
     data::Database database(file, data::Access::read);
-    auto interrupted = database.prepare("SELECT count(*) FROM trial WHERE outcome = 'interrupted'");
-    interrupted.step();
+    auto interrupted = database.first("SELECT count(*) FROM trial WHERE outcome = 'interrupted'");
     CHECK(interrupted.integer(0) == 2);
 }
 

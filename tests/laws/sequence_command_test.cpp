@@ -10,8 +10,8 @@ namespace {
 std::string recorded_plan(data::Database& database, std::int64_t session) {
     auto row = database.prepare(
         "SELECT plan_position, phase, planned_object, curvature_per_m, friction, mu_s, mu_d, "
-        "break_before FROM plan WHERE session_id = ?1 ORDER BY plan_position");
-    row.bind(1, session);
+        "break_before FROM plan WHERE session_id = ?1 ORDER BY plan_position",
+        session);
     std::string text =
         "position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n";
     while (row.step()) {
@@ -23,8 +23,7 @@ std::string recorded_plan(data::Database& database, std::int64_t session) {
 
 std::string recorded_pictures(data::Database& database, std::int64_t session) {
     auto row = database.prepare(
-        "SELECT picture_object FROM picture WHERE session_id = ?1 ORDER BY picture_place");
-    row.bind(1, session);
+        "SELECT picture_object FROM picture WHERE session_id = ?1 ORDER BY picture_place", session);
     std::string text = "pictures, left to right:";
     while (row.step()) {
         text += ' ' + row.text(0);
@@ -33,9 +32,7 @@ std::string recorded_pictures(data::Database& database, std::int64_t session) {
 }
 
 std::string recorded_hash(data::Database& database, std::int64_t session) {
-    auto row = database.prepare("SELECT plan_sha256 FROM session WHERE session_id = ?1");
-    row.bind(1, session).step();
-    return row.text(0);
+    return database.first("SELECT plan_sha256 FROM session WHERE session_id = ?1", session).text(0);
 }
 
 /// What sequence says of a session in a database, against what was run there.
@@ -144,10 +141,8 @@ TEST_CASE("sequence prints the exact plan of a file, and an example without one"
     REQUIRE(run("P02") == 0);
     CHECK(sequence("P02", true).out == next);
     data::Database database(file, data::Access::read);
-    auto row = database.prepare(
-        "SELECT plan_position || ',' || phase || ',0,' || planned_object FROM plan WHERE "
-        "session_id = 2");
-    while (row.step()) {
+    for (const auto& row : database.prepare("SELECT plan_position || ',' || phase || ',0,' || "
+                                            "planned_object FROM plan WHERE session_id = 2")) {
         CHECK_THAT(next, ContainsSubstring('\n' + row.text(0)));
     }
     CHECK_THAT(palpate_command({"sequence", "shape_friction_demo", "--participant", "P02"}).out,

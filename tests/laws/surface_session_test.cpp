@@ -89,8 +89,8 @@ TEST_CASE("what sample says of surfaces is what their geometry and laws ask for"
         " FROM sample JOIN presentation AS p USING (trial_id, interval) WHERE mode <> 'free'";
     // F = K (GO - HIP) along each axis, 800 N/m.
     CHECK(row(file,
-              "SELECT max(max(abs(rendered_x_n - 800 * (go_x_m - hip_x_m)), abs(rendered_y_n "
-              "- 800 * (go_y_m - hip_y_m)), abs(rendered_z_n - 800 * (go_z_m - hip_z_m)))) < 1e-9" +
+              "SELECT max(max(abs(rendered_x_n - 800 * (go_x_m - hip_x_m)), abs(rendered_y_n - 800 "
+              "* (go_y_m - hip_y_m)), abs(rendered_z_n - 800 * (go_z_m - hip_z_m)))) < 1e-9" +
                   of) == "1");
     // Friction lies in the tangent plane: |F|^2 = Fn^2 + Ft^2, Ft <= mu Fn.
     CHECK(row(file,
@@ -114,24 +114,23 @@ TEST_CASE("what sample says of surfaces is what their geometry and laws ask for"
                         " AND felt_object = 'flat'") == "1");
     // The saddle rises along x and falls along y.
     CHECK(row(file,
-              "SELECT min(go_z_m) FILTER (WHERE abs(go_y_m) < 0.002 AND abs(go_x_m) > 0.01) > "
-              "0 AND max(go_z_m) FILTER (WHERE abs(go_x_m) < 0.002 AND abs(go_y_m) > 0.01) < 0" +
+              "SELECT min(go_z_m) FILTER (WHERE abs(go_y_m) < 0.002 AND abs(go_x_m) > 0.01) > 0 "
+              "AND max(go_z_m) FILTER (WHERE abs(go_x_m) < 0.002 AND abs(go_y_m) > 0.01) < 0" +
                   within + " AND felt_object = 'saddle'") == "1");
     // No other point of the object is nearer than the closest one; without friction the god-object
     // is it.
     CHECK(row(file,
-              "SELECT max(abs(cp_x_m - go_x_m) + abs(cp_y_m - go_y_m) + abs(cp_z_m - go_z_m)) "
-              "< 1e-9" +
+              "SELECT max(abs(cp_x_m - go_x_m) + abs(cp_y_m - go_y_m) + abs(cp_z_m - go_z_m)) < "
+              "1e-9" +
                   within + " AND p.friction = 'off'") == "1");
     // The command is within its limit, and codes are its mN.
     CHECK(row(file,
               "SELECT max(commanded_x_n * commanded_x_n + commanded_y_n * commanded_y_n + "
               "commanded_z_n * commanded_z_n) <= 64.001 AND max(abs(code_3 - 1000 * "
               "commanded_z_n)) <= 0.6 AND max(commanded_z_n) > 1.5 FROM sample") == "1");
-    CHECK(
-        row(file,
-            "SELECT min(covered_share) > 0.1 AND max(covered_share) <= 1 AND min(strokes) > 5 AND "
-            "max(vertex_ticks) = 0 FROM presentation") == "1");
+    CHECK(row(file,
+              "SELECT min(covered_share) > 0.1 AND max(covered_share) <= 1 AND min(strokes) > 5 "
+              "AND max(vertex_ticks) = 0 FROM presentation") == "1");
 }
 
 TEST_CASE(
@@ -140,8 +139,7 @@ TEST_CASE(
     "[surface-session][law]") {
     const Recorded& session = recorded();
     data::Database database(session.file, data::Access::read);
-    auto text = database.prepare("SELECT protocol_toml FROM study");
-    text.step();
+    auto text = database.first("SELECT protocol_toml FROM study");
     const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
     auto trial = database.prepare(
         "SELECT trial_id, felt_object, friction, slip_decay, heal_decay FROM presentation");
@@ -168,8 +166,8 @@ TEST_CASE(
     const std::string again = session.folder.file("again.sqlite");
     ran(run(session.protocol, again, "replay:" + session.file));
     const char* const forces =
-        "SELECT trial_id, count(*), sum(rendered_x_n), sum(rendered_y_n), sum(rendered_z_n), "
-        "sum(u * v) FROM sample WHERE tick < 3000 GROUP BY trial_id";
+        "SELECT trial_id, count(*), sum(rendered_x_n), sum(rendered_y_n), sum(rendered_z_n), sum(u "
+        "* v) FROM sample WHERE tick < 3000 GROUP BY trial_id";
     CHECK(palpate_command({"sql", again, "-c", forces}).out ==
           palpate_command({"sql", session.file, "-c", forces}).out);
 }

@@ -78,8 +78,7 @@ TEST_CASE("a session keeps which binary, which libraries and which geometry made
     ran(run_words(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::read);
     const auto value = [&](const std::string& key) {
-        auto row = database.prepare("SELECT value FROM session_provenance WHERE key = ?1");
-        row.bind(1, key);
+        auto row = database.prepare("SELECT value FROM session_provenance WHERE key = ?1", key);
         return row.step() ? row.text(0) : "";
     };
     std::string id;  // as bytes, which the program's file must hold
@@ -151,9 +150,7 @@ TEST_CASE("a row that is gone is reported", "[verify][law]") {
             tests::Random random(static_cast<std::uint64_t>(i));
             const Undone undone(database);
             const std::int64_t row = a_row(database, table, random);
-            database.prepare(fmt::format("DELETE FROM {} WHERE rowid = ?1", table))
-                .bind(1, row)
-                .run();
+            database.run(fmt::format("DELETE FROM {} WHERE rowid = ?1", table), row);
             CAPTURE(table, row);
             CHECK(data::verify(database).count(FindingKind::differs) > 0);
         }
@@ -187,8 +184,7 @@ TEST_CASE("a session whose device trips verifies as that, and its last ticks are
     CHECK(text_of(found).empty());
     REQUIRE(found.sessions.size() == 1);
     CHECK(found.sessions[0].replayed > 100);
-    auto faults = database.prepare("SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'");
-    faults.step();
+    auto faults = database.first("SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'");
     REQUIRE(faults.integer(0) > 0);
     faults.reset();
     CHECK(check_edits(database, result_columns(database, {"fault_tick"}), 80, 5) > 60);
@@ -216,19 +212,17 @@ TEST_CASE(
     const auto ticks_from = [&](std::int64_t trial) {
         try {
             data::Database database(file, data::Access::read);
-            auto row = database.prepare(
-                "SELECT coalesce(sum(ticks), 0) / 256 FROM trace_chunk WHERE trial_id >= ?1");
-            row.bind(1, trial).step();
-            return row.integer(0);
+            return database
+                .first("SELECT coalesce(sum(ticks), 0) / 256 FROM trace_chunk WHERE trial_id >= ?1",
+                       trial)
+                .integer(0);
         } catch (const data::StoreError&) {
             return std::int64_t{0};
         }
     };
     const auto outcome = [&](const std::string& which) {
         data::Database database(file, data::Access::read);
-        auto row = database.prepare("SELECT count(*) FROM trial WHERE outcome = ?1");
-        row.bind(1, which).step();
-        return row.integer(0);
+        return database.first("SELECT count(*) FROM trial WHERE outcome = ?1", which).integer(0);
     };
     const auto verifies = [&] {
         const Finished verified = ran({"verify", file});

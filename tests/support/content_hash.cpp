@@ -23,14 +23,9 @@ private:
 };
 
 std::vector<std::string> tables(data::Database& database) {
-    std::vector<std::string> names;
-    data::Statement row = database.prepare(
-        "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
-        " AND name NOT IN ('session_provenance', 'trace_chunk', 'secret') ORDER BY name");
-    while (row.step()) {
-        names.push_back(row.text(0));
-    }
-    return names;
+    return texts(database.prepare(
+        "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%' AND name "
+        "NOT IN ('session_provenance', 'trace_chunk', 'secret') ORDER BY name"));
 }
 
 /// From run to run, though nothing else differs.
@@ -41,8 +36,8 @@ bool varies(std::string_view column) {
 
 void add_table(data::Database& database, const std::string& table, Content& content) {
     // The first two columns are a key in every table, or begin with one.
-    data::Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2", table));
-    while (row.step()) {
+    for (const data::Statement& row :
+         database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2", table))) {
         std::string text = table + ':';
         for (int column = 0; column < row.columns(); ++column) {
             if (!varies(row.name(column))) {
@@ -57,9 +52,8 @@ void add_table(data::Database& database, const std::string& table, Content& cont
 
 void add_traces(data::Database& database, Content& content) {
     std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
-    data::Statement row =
-        database.prepare("SELECT trial_id, interval FROM presentation ORDER BY 1, 2");
-    while (row.step()) {
+    for (const data::Statement& row :
+         database.prepare("SELECT trial_id, interval FROM presentation ORDER BY 1, 2")) {
         intervals.emplace_back(row.integer(0), row.integer(1));
     }
     data::TraceReader traces(database);

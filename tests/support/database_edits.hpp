@@ -35,9 +35,7 @@ inline std::vector<std::string> result_columns(data::Database& database,
                                                const std::vector<std::string>& tables) {
     std::vector<std::string> columns;
     for (const std::string& table : tables) {
-        auto row = database.prepare("SELECT name FROM pragma_table_info(?1)");
-        row.bind(1, table);
-        while (row.step()) {
+        for (const auto& row : database.prepare("SELECT name FROM pragma_table_info(?1)", table)) {
             if (const std::string name = table + '.' + row.text(0); !kSilent.contains(name)) {
                 columns.push_back(name);
             }
@@ -50,9 +48,8 @@ inline std::vector<std::string> result_columns(data::Database& database,
 inline std::vector<std::string> words_of(data::Database& database,
                                          const std::string& table,
                                          const std::string& column) {
-    auto schema = database.prepare("SELECT sql FROM sqlite_master WHERE name = ?1");
-    schema.bind(1, table).step();
-    const std::string sql = schema.text(0);
+    const std::string sql =
+        database.first("SELECT sql FROM sqlite_master WHERE name = ?1", table).text(0);
     std::vector<std::string> words;
     const std::size_t check = sql.find('(' + column + " IN");
     std::size_t at = check == std::string::npos ? check : sql.find('\'', check);
@@ -70,11 +67,11 @@ inline void edit(data::Database& database,
                  const std::string& column,
                  std::int64_t row,
                  Random& random) {
-    auto old = database.prepare(
-        fmt::format("SELECT {0}, (SELECT type FROM pragma_table_info('{1}') WHERE name = '{0}')"
-                    " FROM {1} WHERE rowid = ?1",
-                    column, table));
-    old.bind(1, row);
+    auto old =
+        database.prepare(fmt::format("SELECT {0}, (SELECT type FROM pragma_table_info('{1}') WHERE "
+                                     "name = '{0}') FROM {1} WHERE rowid = ?1",
+                                     column, table),
+                         row);
     REQUIRE(old.step());
     auto change =
         database.prepare(fmt::format("UPDATE {} SET {} = ?1 WHERE rowid = ?2", table, column));
@@ -115,11 +112,8 @@ inline void edit(data::Database& database,
 }
 
 inline std::int64_t a_row(data::Database& database, const std::string& table, Random& random) {
-    auto rows = database.prepare(fmt::format("SELECT rowid FROM {} ORDER BY rowid", table));
-    std::vector<std::int64_t> ids;
-    while (rows.step()) {
-        ids.push_back(rows.integer(0));
-    }
+    std::vector<std::int64_t> ids =
+        integers(database.prepare(fmt::format("SELECT rowid FROM {} ORDER BY rowid", table)));
     REQUIRE_FALSE(ids.empty());
     return ids[static_cast<std::size_t>(random.below(static_cast<int>(ids.size())))];
 }
@@ -128,9 +122,8 @@ inline std::string value_of(data::Database& database,
                             const std::string& table,
                             const std::string& column,
                             std::int64_t row) {
-    auto now =
-        database.prepare(fmt::format("SELECT quote({0}) FROM {1} WHERE rowid = ?1", column, table));
-    now.bind(1, row);
+    auto now = database.prepare(
+        fmt::format("SELECT quote({0}) FROM {1} WHERE rowid = ?1", column, table), row);
     return now.step() ? now.text(0) : "another row";
 }
 
@@ -141,8 +134,7 @@ inline void repack(data::Database& database,
                    const std::set<std::string>& columns,
                    Random& random) {
     auto old = database.prepare(
-        "SELECT trial_id, first_tick, ticks, period_ns FROM trace_chunk WHERE rowid = ?1");
-    old.bind(1, row);
+        "SELECT trial_id, first_tick, ticks, period_ns FROM trace_chunk WHERE rowid = ?1", row);
     REQUIRE(old.step());
     const auto all = data::TraceReader(database).stored(old.integer(0));
     const auto begin = all.begin() + old.integer(1);
@@ -162,16 +154,11 @@ inline void repack(data::Database& database,
         std::byte{1} << random.below(column.name == "mode" ? 2 : 8);
     const data::EncodedChunk chunk =
         data::encode_chunk(ticks, old.integer(1), old.integer(3), data::kAllParts);
-    database
-        .prepare(
-            "UPDATE trace_chunk SET data = ?1, crc32 = ?2, derived = ?3, holds = ?4 WHERE rowid = "
-            "?5")
-        .bind(1, std::span<const std::byte>(chunk.data))
-        .bind(2, std::int64_t{chunk.crc32})
-        .bind(3, std::bit_cast<std::int64_t>(data::derived_hash(ticks)))
-        .bind(4, data::parts_text(data::kAllParts))
-        .bind(5, row)
-        .run();
+    database.run(
+        "UPDATE trace_chunk SET data = ?1, crc32 = ?2, derived = ?3, holds = ?4 WHERE rowid = ?5",
+        std::span<const std::byte>(chunk.data), chunk.crc32,
+        std::bit_cast<std::int64_t>(data::derived_hash(ticks)), data::parts_text(data::kAllParts),
+        row);
 }
 
 /// All findings, a line each.

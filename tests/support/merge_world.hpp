@@ -36,8 +36,8 @@ public:
     void step(Random& random) {
         data::Database database(file_, data::Access::write);
         auto row = database.prepare(
-            "SELECT trial_id, outcome FROM trial WHERE session_id = ?1 ORDER BY trial_id DESC");
-        row.bind(1, session_);
+            "SELECT trial_id, outcome FROM trial WHERE session_id = ?1 ORDER BY trial_id DESC",
+            session_);
         const bool any = row.step();
         const std::int64_t last = any ? row.integer(0) : 0;
         const bool runs = any && row.text(1) == "running";
@@ -63,48 +63,33 @@ public:
 
 private:
     void begin(data::Database& database, Random& random) {
-        database
-            .prepare(
-                "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, "
-                "started_utc)"
-                " SELECT 'test', ?1, ?2, 1 + count(*), 'running', ?3 FROM trial"
-                " WHERE session_id = ?1 AND plan_position = ?2")
-            .bind(1, session_)
-            .bind(2, std::int64_t{random.below(6)})
-            .bind(3, data::utc_now())
-            .run();
+        database.run(
+            "INSERT INTO trial (device, session_id, plan_position, attempt, outcome, started_utc) "
+            "SELECT 'test', ?1, ?2, 1 + count(*), 'running', ?3 FROM trial WHERE session_id = ?1 "
+            "AND plan_position = ?2",
+            session_, random.below(6), data::utc_now());
     }
     void chunk(data::Database& database, std::int64_t trial, Random& random) {
         const std::vector<std::byte> bytes(static_cast<std::size_t>(1 + random.below(40)),
                                            static_cast<std::byte>(random.below(256)));
-        database
-            .prepare(
-                "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
-                "holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256, "
-                "256, 1, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial_id = ?1")
-            .bind(1, trial)
-            .bind(2, std::span<const std::byte>(bytes))
-            .run();
+        database.run(
+            "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
+            "holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256, "
+            "256, 1, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial_id = ?1",
+            trial, std::span<const std::byte>(bytes));
     }
     void end(data::Database& database, std::int64_t trial, Random& random) {
         const bool answered = random.below(4) != 0;
-        database
-            .prepare(
-                "UPDATE trial SET outcome = ?2, done_s = ?3, ended_utc = ?4 WHERE trial_id = ?1")
-            .bind(1, trial)
-            .bind(2, std::string_view(answered ? "complete" : "aborted"))
-            .bind(3, random.in(0.0, 9.0))
-            .bind(4, data::utc_now())
-            .run();
+        database.run(
+            "UPDATE trial SET outcome = ?2, done_s = ?3, ended_utc = ?4 WHERE trial_id = ?1", trial,
+            std::string_view(answered ? "complete" : "aborted"), random.in(0.0, 9.0),
+            data::utc_now());
         if (answered) {
-            database
-                .prepare(
-                    "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, "
-                    "reaction_s, reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, "
-                    "'straight', 1, ?2, 0.0, 'key', 0)")
-                .bind(1, trial)
-                .bind(2, random.in(0.1, 3.0))
-                .run();
+            database.run(
+                "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, reaction_s, "
+                "reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, ?2, "
+                "0.0, 'key', 0)",
+                trial, random.in(0.1, 3.0));
         }
         data::chain_trial(database, trial);
     }

@@ -38,8 +38,7 @@ struct Opened : data::Database {
 
 inline std::vector<SampleRow> rows_of(data::Database& database, const std::string& sql) {
     std::vector<SampleRow> rows;
-    data::Statement row = database.prepare(sql);
-    while (row.step()) {
+    for (const data::Statement& row : database.prepare(sql)) {
         SampleRow& values = rows.emplace_back();
         for (int i = 0; i < row.columns(); ++i) {
             values.push_back(row.null(i)        ? "null"

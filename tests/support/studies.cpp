@@ -128,9 +128,7 @@ std::string lines(data::Database& database, const std::string& sql) {
 }
 
 std::int64_t count(data::Database& database, const std::string& from) {
-    auto row = database.prepare("SELECT count(*) FROM " + from);
-    row.step();
-    return row.integer(0);
+    return database.first("SELECT count(*) FROM " + from).integer(0);
 }
 
 std::string differences(data::Database& database) {

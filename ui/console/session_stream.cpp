@@ -98,8 +98,8 @@ void WatchedSession::look_beside() {
         if (!database_) {
             database_ = std::make_unique<data::Database>(session_.file, data::Access::inspect);
         }
-        data::Statement row = database_->prepare("SELECT newest_seal FROM session WHERE uuid = ?1");
-        row.bind(1, session_.uuid);
+        data::Statement row =
+            database_->prepare("SELECT newest_seal FROM session WHERE uuid = ?1", session_.uuid);
         seal_ = row.step() ? row.text(0).substr(0, 16) : "";
     } catch (const std::exception&) {
         database_.reset();

@@ -50,8 +50,8 @@ Json sessions_of(data::Database& database, const std::string& study) {
     data::Statement row = database.prepare(
         "SELECT participant_code, session_number, session_kind, answered - invalid_answers, "
         "planned, finished, withdrawn_reason IS NOT NULL FROM session_health WHERE study_name = ?1 "
-        "ORDER BY session_id");
-    row.bind(1, study);
+        "ORDER BY session_id",
+        study);
     Json all = Json::array();
     while (row.step()) {
         all.push_back({{"participant", row.text(0)},
@@ -70,8 +70,8 @@ Json people_of(data::Database& database, const std::string& study) {
     data::Statement row = database.prepare(
         "SELECT participant_code, consent, max(finished) FROM session JOIN study USING (study_id) "
         "JOIN participant USING (participant_id) WHERE study_name = ?1 AND session_kind = 'real' "
-        "AND withdrawn_reason IS NULL GROUP BY participant_id ORDER BY min(session_id)");
-    row.bind(1, study);
+        "AND withdrawn_reason IS NULL GROUP BY participant_id ORDER BY min(session_id)",
+        study);
     std::size_t ran = 0;
     Json unfinished = Json::array();
     Json missing = Json::array();

@@ -31,8 +31,9 @@ std::string why_left_out(data::Database& database, std::int64_t trial) {
     data::Statement row = database.prepare(
         "SELECT iif(consent = 0, 'of somebody who is noted as not consenting', iif(exclusion = "
         "'withdrawn', 'of a session that was withdrawn', '')), exclusion FROM analysis_trial JOIN "
-        "participant USING (participant_code) WHERE trial_id = ?1");
-    if (!row.bind(1, trial).step()) {
+        "participant USING (participant_code) WHERE trial_id = ?1",
+        trial);
+    if (!row.step()) {
         return {};
     }
     if (!row.text(0).empty()) {

@@ -170,14 +170,14 @@ std::string run_summary(data::Database& database,
                         std::int64_t session,
                         std::int64_t after,
                         double minutes) {
-    data::Statement row = database.prepare(
+    data::Statement row = database.first(
         "SELECT count(response.trial_id), count(invalid_reason), count(*) FILTER (WHERE outcome = "
         "'faulted'), coalesce(sum(late_ticks) * 100.0 / nullif(sum(ticks), 0), 0.0) FROM trial "
-        "LEFT JOIN response USING (trial_id) WHERE session_id = ?1 AND trial.trial_id > ?2");
-    row.bind(1, session).bind(2, after).step();
+        "LEFT JOIN response USING (trial_id) WHERE session_id = ?1 AND trial.trial_id > ?2",
+        session, after);
     return fmt::format(
-        "This run: {} answered, {} of them {} not count, {} faulted, {:.1f} min, "
-        "{:.3g} % of the ticks late.\n",
+        "This run: {} answered, {} of them {} not count, {} faulted, {:.1f} min, {:.3g} % of the "
+        "ticks late.\n",
         row.integer(0), row.integer(1), row.integer(1) == 1 ? "does" : "do", row.integer(2),
         minutes, row.real(3));
 }
@@ -224,8 +224,8 @@ std::string given_up_text(const protocols::SessionEnd& end) {
                                 ? counted(end.tries, "try", "tries") + " to reach the device again"
                                 : counted(end.in_a_row, "fault") + " in a row";
     return fmt::format(
-        "gave up after {}: {}. The force is off and what was recorded is kept; the "
-        "same command goes on at {}",
+        "gave up after {}: {}. The force is off and what was recorded is kept; the same command "
+        "goes on at {}",
         after, without_stop(end.fault), number_text(end.number));
 }
 

@@ -19,8 +19,8 @@ LiveFacts live_facts(const RigSpec& spec,
                      const OpenedApparatus& felt,
                      data::Database& database,
                      const data::OpenedSession& opened) {
-    data::Statement row = database.prepare("SELECT uuid FROM session WHERE session_id = ?1");
-    row.bind(1, opened.id).step();
+    data::Statement row =
+        database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
     const auto calibration = std::ranges::find(felt.provenance, "calibration name",
                                                [](const auto& p) { return p.first; });
     return {.uuid = std::string(row.text(0)),

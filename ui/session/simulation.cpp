@@ -63,8 +63,8 @@ std::set<std::string> codes_in(data::Database& database, const SimulationSpec& s
         "key = 'build id'), coalesce((SELECT value FROM session_provenance AS p WHERE p.session_id "
         "= session.session_id AND key = ?1), ''), coalesce((SELECT value FROM session_provenance "
         "AS p WHERE p.session_id = session.session_id AND key = ?2), '') FROM session JOIN study "
-        "USING (study_id) JOIN participant USING (participant_id) WHERE finished = 1");
-    row.bind(1, data::kObserverKey).bind(2, data::kTracesKey);
+        "USING (study_id) JOIN participant USING (participant_id) WHERE finished = 1",
+        data::kObserverKey, data::kTracesKey);
     std::set<std::string> codes;
     while (row.step()) {
         const std::string code = row.text(0);
@@ -87,8 +87,7 @@ std::set<std::string> codes_in(data::Database& database, const SimulationSpec& s
         }
         codes.insert(code);
     }
-    data::Statement all = database.prepare("SELECT count(*) FROM session");
-    all.step();
+    data::Statement all = database.first("SELECT count(*) FROM session");
     if (all.integer(0) != static_cast<std::int64_t>(codes.size())) {
         refuse("a session that is not finished");
     }
@@ -203,8 +202,7 @@ void remove_database(const fs::path& file) {
 
 [[noreturn]] void cannot_keep(const fs::path& file, const std::error_code& why) {
     throw std::runtime_error(fmt::format(
-        "{}: the file could not be put there: {}; the same command goes on with what was "
-        "simulated",
+        "{}: the file could not be put there: {}; the same command goes on with what was simulated",
         file.string(), why.message()));
 }
 
@@ -253,7 +251,7 @@ private:
 /// What the rows say in a file of its own, whose bytes depend on nothing else.
 void write_anew(data::Database& from, const fs::path& to) {
     const NewFile made(to);
-    from.prepare("VACUUM INTO ?1").bind(1, std::string_view(made.name().string())).run();
+    from.run("VACUUM INTO ?1", std::string_view(made.name().string()));
     put_in_place(made.name(), to);
 }
 
@@ -287,8 +285,7 @@ bool whole(const SimulationSpec& spec, const fs::path& file) {
         })) {
         throw std::invalid_argument(
             fmt::format("{}: it holds {} other than the {} asked for: give the same --participants "
-                        "and --shard, "
-                        "or another --db",
+                        "and --shard, or another --db",
                         file.string(), counted(codes.size(), "participant"), indices.size()));
     }
     return true;
@@ -302,8 +299,7 @@ std::size_t grown(const SimulationSpec& spec, data::Database& partial) {
         if (i >= indices.size() || !codes.contains(simulated_code(indices[i]))) {
             throw std::invalid_argument(
                 fmt::format("{}: it holds other participants than those asked for: give the same "
-                            "--participants "
-                            "and --shard, or move it away",
+                            "--participants and --shard, or move it away",
                             partial.file()));
         }
     }

@@ -88,11 +88,7 @@ public:
     }
 
 private:
-    [[nodiscard]] double value(const std::string& sql) {
-        data::Statement row = database_.prepare(sql);
-        row.step();
-        return row.real(0);
-    }
+    [[nodiscard]] double value(const std::string& sql) { return database_.first(sql).real(0); }
 
     const MadeStudy& study_;
     std::string file_;
