@@ -11,68 +11,38 @@
 /// What a protocol file may say.
 namespace palpate::protocols {
 
-// What a key for an enumeration may say, by its numbers.
-inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
-inline constexpr std::array<std::string_view, 3> kFrictionBlocks{"interleaved", "abba", "blocked"};
-inline constexpr std::array<std::string_view, 5> kDeviceClasses{"any", "haply", "comedi", "mouse",
-                                                                "board"};
-inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
-inline constexpr std::array<std::string_view, 2> kReveals{"ask", "never"};
+// What a key for an enumeration may say.
 inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
-inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
-inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
-                                                                "yes_no", "rating"};
 inline constexpr std::array<std::string_view, 4> kPrimaryTests{"paired_t", "sign_flip",
                                                                "signed_rank", "mixed"};
-inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
-inline constexpr std::array<std::string_view, 3> kVaries{"curvature_per_m", "mu",
-                                                         "compliance_mm_per_n"};
-inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
-
-/// The words of an enumeration as files have them, in the order of its values: what a key's slot
-/// looks up by the type of its member. The argument's value is not read.
-[[nodiscard]] constexpr WordList words_of(OrderRule) {
-    return kOrderRules;
-}
-[[nodiscard]] constexpr WordList words_of(FrictionBlocks) {
-    return kFrictionBlocks;
-}
-[[nodiscard]] constexpr WordList words_of(DeviceClass) {
-    return kDeviceClasses;
-}
-[[nodiscard]] constexpr WordList words_of(Handedness) {
-    return kHandedness;
-}
-[[nodiscard]] constexpr WordList words_of(Reveal) {
-    return kReveals;
-}
-[[nodiscard]] constexpr WordList words_of(Language) {
-    return kLanguages;
-}
-[[nodiscard]] constexpr WordList words_of(ResponseKind) {
-    return kResponseKinds;
-}
-[[nodiscard]] constexpr WordList words_of(PrimaryTest) {
-    return kPrimaryTests;
-}
-[[nodiscard]] constexpr WordList words_of(Feedback) {
-    return kFeedbacks;
-}
-[[nodiscard]] constexpr WordList words_of(Varies) {
-    return kVaries;
-}
-[[nodiscard]] constexpr WordList words_of(StimulusAs) {
-    return kStimulusAs;
-}
-[[nodiscard]] constexpr WordList words_of(Noise) {
-    return kNoises;
-}
-
-/// Its word in a file.
-template <class Enumeration>
-[[nodiscard]] constexpr std::string_view word_of(Enumeration value) {
-    return words_of(value)[static_cast<std::size_t>(value)];
-}
+template <>
+inline constexpr std::array<std::string_view, 2> kWordsOf<OrderRule>{"random", "first_order"};
+template <>
+inline constexpr std::array<std::string_view, 3> kWordsOf<FrictionBlocks>{"interleaved", "abba",
+                                                                          "blocked"};
+template <>
+inline constexpr std::array<std::string_view, 5> kWordsOf<DeviceClass>{"any", "haply", "comedi",
+                                                                       "mouse", "board"};
+template <>
+inline constexpr std::array<std::string_view, 3> kWordsOf<Handedness>{"right", "left", "any"};
+template <>
+inline constexpr std::array<std::string_view, 2> kWordsOf<Reveal>{"ask", "never"};
+template <>
+inline constexpr auto kWordsOf<Language> = kLanguages;
+template <>
+inline constexpr std::array<std::string_view, 2> kWordsOf<Noise>{"none", "pink"};
+template <>
+inline constexpr std::array<std::string_view, 4> kWordsOf<ResponseKind>{
+    "identification", "two_interval", "yes_no", "rating"};
+template <>
+inline constexpr auto kWordsOf<PrimaryTest> = kPrimaryTests;
+template <>
+inline constexpr std::array<std::string_view, 3> kWordsOf<Feedback>{"none", "practice", "all"};
+template <>
+inline constexpr std::array<std::string_view, 3> kWordsOf<Varies>{"curvature_per_m", "mu",
+                                                                  "compliance_mm_per_n"};
+template <>
+inline constexpr std::array<std::string_view, 2> kWordsOf<StimulusAs>{"value", "log10"};
 
 // Rows of [study], [[object]], ... by the struct that they fill. [study] fills Protocol itself.
 template <>

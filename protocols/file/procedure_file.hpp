@@ -46,28 +46,20 @@ enum class ModelKind : std::uint8_t { psychometric, covariate, identification };
 inline constexpr std::array<std::string_view, 3> kModelKinds{"psychometric", "covariate",
                                                              "identification"};
 
-/// As words_of() of keys.hpp, for the keys of these files.
-[[nodiscard]] constexpr WordList words_of(RuleKind) {
-    return kRuleKinds;
-}
-[[nodiscard]] constexpr WordList words_of(ModelKind) {
-    return kModelKinds;
-}
-[[nodiscard]] constexpr WordList words_of(StepScale) {
-    return kStepScales;
-}
-[[nodiscard]] constexpr WordList words_of(QuestRule) {
-    return kQuestRules;
-}
-[[nodiscard]] constexpr WordList words_of(Family) {
-    return kFamilyWords;
-}
-[[nodiscard]] constexpr WordList words_of(LapseForm) {
-    return kLapseWords;
-}
-[[nodiscard]] constexpr WordList words_of(SlopeAs) {
-    return kSlopeWords;
-}
+template <>
+inline constexpr auto kWordsOf<RuleKind> = kRuleKinds;
+template <>
+inline constexpr auto kWordsOf<ModelKind> = kModelKinds;
+template <>
+inline constexpr auto kWordsOf<StepScale> = kStepScales;
+template <>
+inline constexpr auto kWordsOf<QuestRule> = kQuestRules;
+template <>
+inline constexpr auto kWordsOf<Family> = kFamilyWords;
+template <>
+inline constexpr auto kWordsOf<LapseForm> = kLapseWords;
+template <>
+inline constexpr auto kWordsOf<SlopeAs> = kSlopeWords;
 
 /// [procedure]
 struct RuleTable {

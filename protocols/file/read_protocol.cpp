@@ -22,31 +22,34 @@ constexpr std::array<std::string_view, 19> kTablesOfProtocols{
 class Stage {
 public:
     Stage(const Table& file, Problems& problems, Places& places)
-        : file_(file), problems_(problems), places_(places) {}
+        : file_(file),
+          problems_(problems),
+          places_(places),
+          top_(file, "", {}, problems, places, "the file") {}
 
     Protocol read() {
         Protocol protocol;
         refuse_unknown();
-        TableReader(file_, "", {}, problems_, places_, "the file").check_format(kFormat);
+        top_.check_format(kFormat);
         table("study", protocol, true);
-        table("apparatus", protocol.apparatus, false);
-        table("outline", protocol.outline, false);
-        if (find("surface") != nullptr) {
-            table("surface", protocol.surface.emplace(), false);
+        table("apparatus", protocol.apparatus);
+        table("outline", protocol.outline);
+        if (top_.has("surface")) {
+            table("surface", protocol.surface.emplace());
         }
-        tables("object", [&](const Table& found, const Position& at) {
-            read_object(found, at, problems_, places_, protocol.objects);
-        });
+        for (const TableReader& object : tables("object")) {
+            read_object(object.table(), object.at(), problems_, places_, protocol.objects);
+        }
         frictions(protocol);
-        table("safety", protocol.safety, false);
-        table("invalid", protocol.invalid, false);
-        table("exclusion", protocol.exclusion, false);
-        table("analysis", protocol.analysis, false);
+        table("safety", protocol.safety);
+        table("invalid", protocol.invalid);
+        table("exclusion", protocol.exclusion);
+        table("analysis", protocol.analysis);
         design(protocol);
-        table("timing", protocol.timing, false);
-        table("response", protocol.response, false);
-        table("observer", protocol.observer, false);
-        table("masking", protocol.masking, false);
+        table("timing", protocol.timing);
+        table("response", protocol.response);
+        table("observer", protocol.observer);
+        table("masking", protocol.masking);
         instructions(protocol);
         return protocol;
     }
@@ -59,10 +62,9 @@ private:
         if (procedure != nullptr) {
             breaks_alone(procedure->at);
             read_adaptive(*procedure, problems_, places_, protocol);
-            tables("run", [&](const Table& found, const Position& at) {
-                const std::string path = fmt::format("run.{}", protocol.runs.size() + 1);
-                fill(found, path, at, protocol.runs.emplace_back());
-            });
+            for (TableReader& run : tables("run")) {
+                fill(run, protocol.runs.emplace_back());
+            }
         } else {
             factorial();
         }
@@ -79,12 +81,9 @@ private:
     }
 
     void frictions(Protocol& protocol) {
-        tables("friction", [&](const Table& found, const Position& at) {
-            const std::string path = fmt::format("friction.{}", protocol.frictions.size() + 1);
-            fill(found, path, at, protocol.frictions.emplace_back());
-        });
-        for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
-            law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
+        for (TableReader& friction : tables("friction")) {
+            fill(friction, protocol.frictions.emplace_back());
+            law(protocol.frictions.back(), friction.path());
         }
     }
 
@@ -93,10 +92,9 @@ private:
     }
 
     template <class Record>
-    void fill(const Table& table, const std::string& path, const Position& at, Record& record) {
-        TableReader reader(table, path, at, problems_, places_);
-        reader.fill(record);
-        reader.refuse_unknown();
+    static void fill(TableReader& table, Record& record) {
+        table.fill(record);
+        table.refuse_unknown();
     }
 
     /// Without a rule that chooses, the design has to say how often each condition comes.
@@ -135,19 +133,11 @@ private:
     }
 
     template <class Record>
-    void table(std::string_view name, Record& record, bool required) {
-        const Entry* entry = find(name);
-        if (entry == nullptr) {
-            if (required) {
-                problems_.add({}, fmt::format("the table [{}] is missing: add it", name));
-            }
-            return;
-        }
-        if (const auto* found = std::get_if<Table>(&entry->value.data)) {
-            fill(*found, std::string(name), entry->at, record);
-        } else {
-            problems_.add(entry->at, fmt::format("{} is {}: write it as a table, [{}]", name,
-                                                 shown(entry->value), name));
+    void table(std::string_view name, Record& record, bool required = false) {
+        if (auto found = top_.table(name)) {
+            fill(*found, record);
+        } else if (required && !top_.has(name)) {
+            problems_.add({}, fmt::format("the table [{}] is missing: add it", name));
         }
     }
 
@@ -167,8 +157,9 @@ private:
                                       suggestion(language.key, kLanguages)));
         } else {
             const auto index = static_cast<std::size_t>(known - kLanguages.begin());
-            fill(*texts, "instructions." + language.key, language.at,
-                 protocol.instructions.at(index));
+            TableReader reader(*texts, "instructions." + language.key, language.at, problems_,
+                               places_);
+            fill(reader, protocol.instructions.at(index));
         }
     }
 
@@ -190,32 +181,12 @@ private:
         }
     }
 
-    template <class Read>
-    void tables(std::string_view name, const Read& read_one) {
-        const Entry* entry = find(name);
-        if (entry == nullptr) {
+    std::vector<TableReader> tables(std::string_view name) {
+        if (!top_.has(name)) {
             problems_.add({},
                           fmt::format("there is no [[{}]]: add one table for each {}", name, name));
-            return;
         }
-        const auto* array = std::get_if<Array>(&entry->value.data);
-        if (array == nullptr) {
-            problems_.add(
-                entry->at,
-                fmt::format("{} is {}: write each {} as a table [[{}]], with two brackets", name,
-                            shown(entry->value), name, name));
-            return;
-        }
-        for (std::size_t i = 0; i < array->size(); ++i) {
-            const Value& value = (*array)[i];
-            const auto* found = std::get_if<Table>(&value.data);
-            if (found == nullptr) {
-                problems_.add(value.at, fmt::format("{} {} is {}: write it as a table [[{}]]", name,
-                                                    i + 1, shown(value), name));
-                continue;
-            }
-            read_one(*found, value.at);
-        }
+        return top_.tables(name);
     }
 
     /// Which numbers a friction needs depends on its law.
@@ -246,6 +217,7 @@ private:
     const Table& file_;
     Problems& problems_;
     Places& places_;
+    TableReader top_;
 };
 
 Protocol parse(std::string_view text, std::string_view file_name, bool stored) {

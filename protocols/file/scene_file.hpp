@@ -33,10 +33,8 @@ enum class Tracker : std::uint8_t {
 
 inline constexpr std::array<std::string_view, 6> kTrackers{
     "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
-/// As words_of() of keys.hpp: in the order of Tracker.
-[[nodiscard]] constexpr WordList words_of(Tracker) {
-    return kTrackers;
-}
+template <>
+inline constexpr auto kWordsOf<Tracker> = kTrackers;
 
 /// The largest coordinate, m: the squares of distances to farther places would overflow or round
 /// away.

@@ -131,7 +131,23 @@ template <std::integral T>
             }};
 }
 
-/// The slot of a variable; an enumeration E needs words_of(E) beside it.
+template <class Enumeration>
+struct HasNoWords;
+/// The words of an enumeration as files have them, in the order of its values: specialised for each.
+template <class Enumeration>
+inline constexpr HasNoWords<Enumeration> kWordsOf;
+
+template <class Enumeration>
+[[nodiscard]] constexpr WordList words_of(Enumeration /*any*/) {
+    return kWordsOf<Enumeration>;
+}
+/// Its word in a file.
+template <class Enumeration>
+[[nodiscard]] constexpr std::string_view word_of(Enumeration value) {
+    return kWordsOf<Enumeration>[static_cast<std::size_t>(value)];
+}
+
+/// The slot of a variable; an enumeration has its kWordsOf.
 template <class T>
 [[nodiscard]] Slot slot_of(T& value) {
     if constexpr (std::is_enum_v<T>) {
@@ -262,8 +278,9 @@ public:
     [[nodiscard]] bool has(std::string_view key) const { return find(*table_, key) != nullptr; }
     /// The table as it was parsed.
     [[nodiscard]] const Table& table() const noexcept { return *table_; }
-    /// Its path in the file, as Places has it: "design", "object.3".
+    /// Its path in the file, as Places has it: "design", "object.3"; and where it begins.
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
+    [[nodiscard]] const Position& at() const noexcept { return at_; }
     /// A table in this one, if it is there.
     [[nodiscard]] std::optional<TableReader> table(std::string_view key);
     /// The tables [[key]] in this one.

@@ -61,6 +61,19 @@ private:
 
 constexpr Vec2 kGuardedPress{0.3, -0.4};
 
+/// Open, and pressed for so many ticks without a fault.
+template <class On>
+struct PressedDesk : Desk<On> {
+    explicit PressedDesk(int ticks) {
+        this->open();
+        REQUIRE(this->ticks(kGuardedPress, ticks).ok());
+    }
+    void comes_back() {
+        CHECK(this->device->reconnect());
+        CHECK(this->ticks(kGuardedPress, 5).ok());
+    }
+};
+
 }  // namespace
 
 TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the force",
@@ -144,9 +157,7 @@ TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the re
 TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released and forgiven",
                    "[open][law]",
                    DESKS) {
-    Desk<TestType> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
+    PressedDesk<TestType> desk(20);
     CHECK(desk.board.enabled());
     desk.board.press_stop(true);
     desk.ticks(kGuardedPress, 2);
@@ -166,9 +177,7 @@ TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released
 }
 
 TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten", "[open][law]", DESKS) {
-    Desk<TestType> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 5).ok());
+    PressedDesk<TestType> desk(5);
     desk.ticks({}, 5);
     desk.board.press_stop(true);
     desk.cable.pass(300'000'000);
@@ -176,17 +185,14 @@ TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten", "[o
     desk.cable.pass(300'000'000);
     CHECK(desk.tick(kGuardedPress).fault == DeviceFault::stopped);
     CHECK_FALSE(desk.board.enabled());
-    CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kGuardedPress, 5).ok());
+    desk.comes_back();
 }
 
 TEMPLATE_TEST_CASE(
     "a host that stalls with the force on finds its motors off, and a rest is no stall",
     "[open][law]",
     DESKS) {
-    Desk<TestType> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
+    PressedDesk<TestType> desk(20);
     desk.ticks({}, 2);
     desk.cable.pass(1'000'000'000);  // a rest: the board has stopped by itself
     CHECK_FALSE(desk.board.enabled());
@@ -196,16 +202,13 @@ TEMPLATE_TEST_CASE(
     CHECK_FALSE(desk.board.enabled());
     CHECK(desk.ticks(kGuardedPress, 4).fault == DeviceFault::stopped);
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("no torque came for 20 ms"));
-    CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kGuardedPress, 5).ok());
+    desk.comes_back();
 }
 
 TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was",
                    "[open][law]",
                    DESKS) {
-    Desk<TestType> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 30).ok());
+    PressedDesk<TestType> desk(30);
     desk.board.power_cycle();
     const bool at_once = GENERATE(true, false);
     desk.cable.pass(at_once ? 3'000'000 : 45'000'000);
@@ -227,9 +230,7 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
 TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and comes back",
                    "[open][law]",
                    DESKS) {
-    Desk<TestType> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
+    PressedDesk<TestType> desk(20);
     desk.cable.plug(false);
     CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::lost);
     CHECK_FALSE(desk.board.enabled());
@@ -237,8 +238,7 @@ TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and com
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("plug it in"));
     desk.cable.plug(true);
     CHECK_FALSE(desk.device->reconnect());
-    CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kGuardedPress, 5).ok());
+    desk.comes_back();
     CHECK(desk.board.enabled());
 }
 
@@ -264,22 +264,17 @@ TEST_CASE("answers that are lost now and then make a reading old, and no fault",
 
 TEST_CASE("an encoder that skipped an edge ends the force until the handle was at home",
           "[open][law]") {
-    Desk<OnHost> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 10).ok());
+    PressedDesk<OnHost> desk(10);
     desk.board.skip_edge();
     CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::lost);
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("skipped an edge"));
     CHECK_FALSE(desk.device->reconnect());
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("home pose"));
-    CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kGuardedPress, 5).ok());
+    desk.comes_back();
 }
 
 TEST_CASE("a joint that jumps between two answers ends the force", "[open][law]") {
-    Desk<OnHost> desk;
-    desk.open();
-    REQUIRE(desk.ticks(kGuardedPress, 10).ok());
+    PressedDesk<OnHost> desk(10);
     desk.plant.lead({0.04, 0.05});
     CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::garbage);
 }

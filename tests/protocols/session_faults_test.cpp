@@ -9,6 +9,9 @@ using Why = SessionEnd::Why;
 
 namespace {
 
+const Protocol kShortProtocol = short_protocol();
+const Plan kShortPlan = plan_of(kShortProtocol);
+
 struct Made {
     std::size_t position = 0;
     bool running = true;
@@ -43,8 +46,8 @@ public:
     }
     void finish_session() override { finished = true; }
 
-    [[nodiscard]] SessionProgress progress(const Protocol& protocol, const Plan& plan) const {
-        SessionProgress progress(protocol, plan, {});
+    [[nodiscard]] SessionProgress progress() const {
+        SessionProgress progress(kShortProtocol, kShortPlan, {});
         for (const Made& made : attempts) {
             progress = apply(std::move(progress), {.position = made.position,
                                                    .outcome = made.outcome,
@@ -71,14 +74,9 @@ private:
     }
 };
 
-SessionEnd run(const Protocol& protocol,
-               const Plan& plan,
-               World& world,
-               Observer& observer,
-               Ledger& ledger,
-               int* pauses = nullptr) {
+SessionEnd run(World& world, Observer& observer, Ledger& ledger, int* pauses = nullptr) {
     FaultyApparatus apparatus(world);
-    const SessionEnd end = run_session(protocol, plan, {}, ledger.progress(protocol, plan),
+    const SessionEnd end = run_session(kShortProtocol, kShortPlan, {}, ledger.progress(),
                                        {.apparatus = apparatus,
                                         .observer = observer,
                                         .recorder = ledger,
@@ -105,12 +103,10 @@ std::vector<std::pair<std::size_t, Outcome>> felt(const Ledger& ledger) {
 }
 
 /// What an unbroken session of the same world felt.
-std::vector<std::pair<std::size_t, Outcome>> unbroken(const Protocol& protocol,
-                                                      const Plan& plan,
-                                                      World world) {
+std::vector<std::pair<std::size_t, Outcome>> unbroken(World world) {
     Patient observer;
     Ledger ledger;
-    CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+    CHECK(run(world, observer, ledger).why == Why::finished);
     return felt(ledger);
 }
 
@@ -122,22 +118,20 @@ TEST_CASE(
     "[session][fault][law]") {
     const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
     Patient observer;
     Ledger ledger;
-    const SessionEnd end = run(protocol, plan, world, observer, ledger);
+    const SessionEnd end = run(world, observer, ledger);
     CHECK(end.why == Why::finished);
-    CHECK(end.next == plan.trials.size());
+    CHECK(end.next == kShortPlan.trials.size());
     CHECK(ledger.finished);
     std::multiset<std::size_t> answered;
     std::set<std::size_t> repeated_at_once;
     for (std::size_t i = 0; i < ledger.attempts.size(); ++i) {
         const std::size_t at = ledger.attempts[i].position;
         if (i > 0) {  // practice first
-            CHECK((plan.trials[at].phase == Phase::practice ||
-                   plan.trials[ledger.attempts[i - 1].position].phase != Phase::practice ||
+            CHECK((kShortPlan.trials[at].phase == Phase::practice ||
+                   kShortPlan.trials[ledger.attempts[i - 1].position].phase != Phase::practice ||
                    answered.size() == 6));
         }
         if (is_answered(ledger.attempts[i].outcome)) {
@@ -147,21 +141,21 @@ TEST_CASE(
             repeated_at_once.insert(ledger.attempts[i].position);
         }
     }
-    CHECK(answered.size() == plan.trials.size());
-    CHECK(std::set(answered.begin(), answered.end()).size() == plan.trials.size());
+    CHECK(answered.size() == kShortPlan.trials.size());
+    CHECK(std::set(answered.begin(), answered.end()).size() == kShortPlan.trials.size());
     CHECK(repeated_at_once.size() <= 2);  // only the last one of practice, and of the session
     // Breaks after as many answers as planned, and the numbers on the screen never tell a
     // repetition: practice is counted to its end, then the others.
     constexpr std::size_t kPractice = 6;
     std::vector<std::size_t> rests;
-    for (const PlannedTrial& planned : plan.trials) {
+    for (const PlannedTrial& planned : kShortPlan.trials) {
         if (planned.break_before && planned.position > 0) {
             rests.push_back(planned.position + 1 - kPractice);
         }
     }
     CHECK(observer.rests == rests);
     CHECK(std::is_sorted(observer.numbers.begin(), observer.numbers.end()));
-    CHECK(observer.numbers.back() == plan.trials.size());
+    CHECK(observer.numbers.back() == kShortPlan.trials.size());
     CHECK(observer.in_range);
 }
 
@@ -169,10 +163,8 @@ TEST_CASE("killed at any moment, any number of times, a session goes on as the u
           "[session][fault][law]") {
     const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
     CAPTURE(seed);
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     World world{.seed = seed, .fault_share = 0.3};
-    const auto expected = unbroken(protocol, plan, world);
+    const auto expected = unbroken(world);
     Random random(seed);
     Ledger ledger;
     Patient observer;
@@ -180,7 +172,7 @@ TEST_CASE("killed at any moment, any number of times, a session goes on as the u
     for (bool finished = false; !finished;) {
         ledger.calls_left = random.below(kills < 20 ? 300 : 1'000'000);
         try {
-            finished = run(protocol, plan, world, observer, ledger).why == Why::finished;
+            finished = run(world, observer, ledger).why == Why::finished;
         } catch (const Killed&) {
             ++kills;
             // A fault that no one wrote down before the kill happens to the same trial again.
@@ -196,13 +188,11 @@ TEST_CASE("killed at any moment, any number of times, a session goes on as the u
 
 TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks, and is no answer",
           "[session][fault]") {
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     World world{.fault_share = 1.0, .max_faults = 1, .away = 2};
     Patient observer;
     Ledger ledger;
-    CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
-    CHECK(ledger.attempts.size() == 2 * plan.trials.size());
+    CHECK(run(world, observer, ledger).why == Why::finished);
+    CHECK(ledger.attempts.size() == 2 * kShortPlan.trials.size());
     for (const Made& attempt : ledger.attempts) {
         if (attempt.outcome != Outcome::faulted) {
             CHECK_FALSE(attempt.result.fault.has_value());
@@ -221,22 +211,20 @@ TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks,
         CHECK((fault.last.back().flags & engine::tick_fault) != 0);
         CHECK((fault.last[98].flags & engine::tick_fault) == 0);
     }
-    CHECK(ledger.count("fault") == plan.trials.size());
-    CHECK(ledger.count("reconnect") == plan.trials.size());
-    CHECK(ledger.count("go on") == plan.trials.size());
+    CHECK(ledger.count("fault") == kShortPlan.trials.size());
+    CHECK(ledger.count("reconnect") == kShortPlan.trials.size());
+    CHECK(ledger.count("go on") == kShortPlan.trials.size());
     CHECK(ledger.count("gave up") == 0);
 }
 
 TEST_CASE("the device is asked at once, then at every tenth question, until it is back",
           "[session][fault]") {
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     World world{.fault_share = 1.0, .max_faults = 1, .away = 3};
     Patient observer;
     Ledger ledger;
     int pauses = 0;
-    CHECK(run(protocol, plan, world, observer, ledger, &pauses).why == Why::finished);
-    const std::size_t faults = plan.trials.size();
+    CHECK(run(world, observer, ledger, &pauses).why == Why::finished);
+    const std::size_t faults = kShortPlan.trials.size();
     CHECK(world.asked == 4 * faults);
     CHECK(static_cast<std::size_t>(pauses) == 3 * kSlicesPerTry * faults);
     CHECK(kTroubleSlice * static_cast<double>(kSlicesPerTry) >= 0.5);
@@ -249,8 +237,6 @@ TEST_CASE("the device is asked at once, then at every tenth question, until it i
 
 TEST_CASE("with nobody there a session gives up after ten tries, or three faults in a row",
           "[session][fault]") {
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     class Headless : public Patient {
     public:
         std::optional<Signal> trouble(const TroubleView& view) override {
@@ -261,7 +247,7 @@ TEST_CASE("with nobody there a session gives up after ten tries, or three faults
         World world{.fault_share = 1.0, .max_faults = 1, .away = 1000};
         Headless observer;
         Ledger ledger;
-        const SessionEnd end = run(protocol, plan, world, observer, ledger);
+        const SessionEnd end = run(world, observer, ledger);
         CHECK(end.why == Why::faulted);
         CHECK(end.next == 1);  // the first one has been set back
         CHECK(world.asked == 10);
@@ -272,14 +258,14 @@ TEST_CASE("with nobody there a session gives up after ten tries, or three faults
         World world{.fault_share = 1.0, .max_faults = 99};
         Headless observer;
         Ledger ledger;
-        CHECK(run(protocol, plan, world, observer, ledger).why == Why::faulted);
+        CHECK(run(world, observer, ledger).why == Why::faulted);
         CHECK(ledger.attempts.size() == 3);
     }
     {  // a good trial in between starts the count again
         World world{.seed = 3, .fault_share = 0.3};
         Headless observer;
         Ledger ledger;
-        CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+        CHECK(run(world, observer, ledger).why == Why::finished);
         CHECK(ledger.count("fault") > 3);
     }
 }
@@ -293,12 +279,10 @@ TEST_CASE("no session goes on before the device works, however often it is asked
             return Signal::go_on;
         }
     };
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     World world{.fault_share = 0.4, .away = 5};
     Hasty observer;
     Ledger ledger;
-    CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+    CHECK(run(world, observer, ledger).why == Why::finished);
     CHECK(world.asked == 6 * ledger.count("fault"));
 }
 
@@ -309,34 +293,32 @@ TEST_CASE("a stop or a signal ends a session in trouble as aborted", "[session][
             return Signal::abort;
         }
     };
-    const Protocol protocol = short_protocol();
-    const Plan plan = plan_of(protocol);
     World world{.fault_share = 1.0, .away = 5};
     Stopping observer;
     Ledger ledger;
-    CHECK(run(protocol, plan, world, observer, ledger).why == Why::aborted);
-    CHECK(ledger.progress(protocol, plan).pending().next() == 1);
+    CHECK(run(world, observer, ledger).why == Why::aborted);
+    CHECK(ledger.progress().pending().next() == 1);
 
     FaultyApparatus apparatus(world);
     Patient patient;
     bool arrived = false;
-    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
-                                       {.apparatus = apparatus,
-                                        .observer = patient,
-                                        .recorder = ledger,
-                                        .interrupted = [&] { return arrived; },
-                                        .pause =
-                                            [&](double) {
-                                                arrived = true;
-                                            }});
+    const SessionEnd end =
+        run_session(kShortProtocol, kShortPlan, {}, SessionProgress(kShortProtocol, kShortPlan, {}),
+                    {.apparatus = apparatus,
+                     .observer = patient,
+                     .recorder = ledger,
+                     .interrupted = [&] { return arrived; },
+                     .pause =
+                         [&](double) {
+                             arrived = true;
+                         }});
     CHECK(end.why == Why::aborted);
 }
 
 TEST_CASE(
     "a trip before done spoils the trial although it was seen later, one in the ramp out does not",
     "[session][fault]") {
-    const Protocol protocol = short_protocol();
-    Plan plan = plan_of(protocol);
+    Plan plan = kShortPlan;
     plan.trials.resize(1);
     World world;
     Patient observer;
@@ -344,7 +326,7 @@ TEST_CASE(
         FaultyApparatus apparatus(world);
         apparatus.trips_in_ramp = true;
         Ledger ledger;
-        CHECK(run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+        CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
                           {apparatus, observer, ledger})
                   .why == Why::finished);
         REQUIRE(ledger.attempts.size() == 1);
@@ -363,7 +345,7 @@ TEST_CASE(
             }
         } never;
         Ledger ledger;
-        CHECK(run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+        CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
                           {apparatus, never, ledger})
                   .why == Why::aborted);
         REQUIRE(ledger.attempts.size() == 1);
