@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data/inference/stats_parts.hpp"
+#include "data/inference/stats_tables.hpp"
 
 namespace palpate::data {
 namespace {

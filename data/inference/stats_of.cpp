@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "data/inference/stats_parts.hpp"
 #include "data/inference/stats_report.hpp"
+#include "data/inference/stats_tables.hpp"
 
 namespace palpate::data {
 namespace {

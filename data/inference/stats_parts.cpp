@@ -1,5 +1,3 @@
-#include "data/inference/stats_parts.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/inference/stats_tables.hpp"
 
 namespace palpate::data {
 namespace {

@@ -10,7 +10,7 @@
 #include "data/page/trial_trace.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
-#include "data/store/stored_chunks.hpp"
+#include "data/store/reader.hpp"
 
 namespace palpate::data {
 namespace {

@@ -30,4 +30,7 @@ inline constexpr std::int64_t kSchemaVersion = 1;
 /// @return nothing if the catalogue does not have it
 [[nodiscard]] const ColumnManual* find_column(std::string_view name);
 
+/// The views of the catalogue: part of schema_sql().
+[[nodiscard]] std::string_view views_sql();
+
 }  // namespace palpate::data

@@ -8,7 +8,6 @@
 #include <sqlite3.h>
 
 #include "data/schema/catalogue.hpp"
-#include "data/schema/views.hpp"
 
 namespace palpate::data {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "engine/base/remark.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/schema/views.hpp"
 
 namespace palpate::data {
 namespace {

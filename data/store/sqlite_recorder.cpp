@@ -19,8 +19,8 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
+#include "data/store/reader.hpp"
 #include "data/store/row.hpp"
-#include "data/store/stored_chunks.hpp"
 #include "data/store/written_rows.hpp"
 #include "data/trace/chunk.hpp"
 

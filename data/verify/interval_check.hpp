@@ -13,7 +13,7 @@
 #include "protocols/session/adaptive_runs.hpp"
 #include "protocols/trial/presentation.hpp"
 #include "data/store/database.hpp"
-#include "data/store/stored_chunks.hpp"
+#include "data/store/reader.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {

@@ -1,5 +1,3 @@
-#include "protocols/file/json_schema.hpp"
-
 #include <algorithm>
 #include <stdexcept>
 #include <vector>
@@ -12,6 +10,7 @@
 #include "protocols/file/object_tables.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "protocols/file/procedure_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/file/scene_file.hpp"
 #include "protocols/file/table_schema.hpp"
 

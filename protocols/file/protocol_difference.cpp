@@ -1,10 +1,10 @@
-#include "protocols/file/protocol_difference.hpp"
-
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "protocols/file/protocol_file.hpp"
 
 namespace palpate::protocols {
 namespace {

@@ -5,7 +5,6 @@
 #include "engine/realtime/felt_scene.hpp"
 #include "engine/rendering/scene.hpp"
 #include "data/store/reader.hpp"
-#include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/verify/replay_check.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/file/json_schema.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"

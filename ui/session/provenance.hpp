@@ -17,4 +17,8 @@ namespace palpate::ui {
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> provenance(
     const protocols::Protocol& protocol);
 
+/// The linker's build id of the program that runs, in hexadecimal: a hash of its code and data. Two
+/// programs with the same one are the same. "unknown" if it was linked without.
+[[nodiscard]] std::string build_id();
+
 }  // namespace palpate::ui

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/file/protocol_difference.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"

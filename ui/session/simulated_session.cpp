@@ -16,8 +16,8 @@
 #include "data/store/sqlite_recorder.hpp"
 #include "data/store/uuid.hpp"
 #include "ui/rig/interrupt.hpp"
-#include "ui/session/build_id.hpp"
 #include "ui/session/open_apparatus.hpp"
+#include "ui/session/provenance.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -27,7 +27,6 @@
 #include "data/store/session_store.hpp"
 #include "data/sync/session_copy.hpp"
 #include "ui/rig/interrupt.hpp"
-#include "ui/session/build_id.hpp"
 #include "ui/session/provenance.hpp"
 
 namespace palpate::ui {
