@@ -115,13 +115,9 @@ Table means_table(const PeopleTable& table, const std::set<std::string>& left_ou
 Table differences_table(const PeopleTable& table, const std::set<std::string>& left_out) {
     Table made{.place = "differences/*",
                .title = "  within person",
-               .columns = {{.key = "comparison", .words = " "},
-                           {.key = "mean", .words = "mean"},
-                           {.key = "interval_95", .words = "interval"},
-                           {.key = "people", .words = "people"},
-                           {.key = "sign_flip_p", .words = "sign-flip p", .says = Column::Says::p},
-                           {.key = "own_95",
-                            .words = "of this person's own trials (Newcombe), not of people"}}};
+               .columns = heads({"comparison| ", "mean", "interval_95|interval", "people",
+                                 "sign_flip_p|sign-flip p|p",
+                                 "own_95|of this person's own trials (Newcombe), not of people"})};
     const auto kept = std::ranges::count_if(
         table.people, [&](const auto& one) { return !left_out.contains(one.first); });
     for (std::size_t i = 1; i < table.conditions.size(); ++i) {

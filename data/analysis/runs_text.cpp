@@ -75,34 +75,21 @@ void add_row(Table& table, const Run& run, std::vector<Cell> more) {
 
 /// A row for each run, with more columns.
 Table of_runs(std::string place, std::vector<Column> more) {
-    Table table{.place = std::move(place),
-                .columns = {{.key = "person", .words = "person"},
-                            {.key = "session", .words = "session"},
-                            {.key = "run", .words = "run"}},
-                .index = 3};
+    Table table{
+        .place = std::move(place), .columns = heads({"person", "session", "run"}), .index = 3};
     table.columns.insert(table.columns.end(), more.begin(), more.end());
     return table;
 }
 
 RuleRuns nothing_found() {
-    const auto number = Column::Says::significant;
     RuleRuns found{
-        .runs = of_runs("runs/-", {{.key = "answers", .words = "answers"},
-                                   {.key = "planned", .words = "of"},
-                                   {.key = "marked", .words = "marked, left out"},
-                                   {.key = "no_correct", .words = "without correct"}}),
+        .runs = of_runs("runs/-", heads({"answers", "planned|of", "marked|marked, left out",
+                                         "no_correct|without correct"})),
         .estimates =
-            of_runs("estimates/-", {{.key = "estimate", .words = "estimate"},
-                                    {.key = "mean", .words = "mean", .says = number},
-                                    {.key = "sd", .words = "sd", .says = number},
-                                    {.key = "interval_95", .words = "interval", .says = number},
-                                    {.key = "reversals", .words = "reversals"},
-                                    {.key = "remark", .words = " "}}),
-        .shares = of_runs("shares/-", {{.key = "stimulus", .words = "at", .says = number},
-                                       {.key = "k", .words = "k"},
-                                       {.key = "n", .words = "of n"},
-                                       {.key = "share", .words = "share", .digits = 2},
-                                       {.key = "interval_95", .words = "interval", .digits = 2}})};
+            of_runs("estimates/-", heads({"estimate", "mean|mean|s", "sd|sd|s",
+                                          "interval_95|interval|s", "reversals", "remark| "})),
+        .shares = of_runs("shares/-", heads({"stimulus|at|s", "k", "n|of n", "share|share|2",
+                                             "interval_95|interval|2"}))};
     found.estimates.index = 4;
     return found;
 }

@@ -209,10 +209,7 @@ Table devices_table(Database& database, const Group& group) {
         group.study, group.kind);
     Table table{.place = "devices/-",
                 .title = "  CAUTION: felt on more than one device or calibration",
-                .columns = {{.key = "person", .words = "person"},
-                            {.key = "session", .words = "session"},
-                            {.key = "attempts", .words = "attempts"},
-                            {.key = "device", .words = "on"}},
+                .columns = heads({"person", "session", "attempts", "device|on"}),
                 .index = 2};
     while (row.step()) {
         if (row.integer(5) > 1) {

@@ -63,22 +63,12 @@ void add_notes(const IdentificationReport& report,
 
 /// A row a friction; changes are against the first.
 Table conditions_table(const IdentificationReport& report, const IdentifiedPerson& person) {
-    constexpr auto kSignificant = Column::Says::significant;
-    constexpr auto kP = Column::Says::p;
-    Table table{
-        .place = "conditions/-",
-        .title = person.name,
-        .columns = {{.key = "friction", .words = "friction"},
-                    {.key = "sigma", .words = "sigma", .says = kSignificant},
-                    {.key = "sigma_95", .words = "interval", .says = kSignificant, .open = true},
-                    {.key = "ratio", .words = "ratio", .says = kSignificant},
-                    {.key = "ratio_95", .words = "interval", .says = kSignificant, .open = true},
-                    {.key = "ratio_p", .words = "p", .says = kP},
-                    {.key = "shift", .words = "shift", .says = kSignificant},
-                    {.key = "shift_95", .words = "interval", .says = kSignificant, .open = true},
-                    {.key = "shift_p", .words = "p", .says = kP},
-                    {.key = "mean_similarity", .words = "mean similarity", .says = kSignificant},
-                    {.key = "similarity_deviance"}}};
+    Table table{.place = "conditions/-",
+                .title = person.name,
+                .columns = heads({"friction", "sigma|sigma|s", "sigma_95|interval|so",
+                                  "ratio|ratio|s", "ratio_95|interval|so", "ratio_p|p|p",
+                                  "shift|shift|s", "shift_95|interval|so", "shift_p|p|p",
+                                  "mean_similarity|mean similarity|s", "similarity_deviance|"})};
     for (std::size_t f = 0; f < report.table.frictions.size(); ++f) {
         const ThurstonePart& part = person.thurstone.parts[f];
         const auto& fit = person.similarity[f];

@@ -6,9 +6,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr auto kSignificant = Column::Says::significant;
-constexpr auto kP = Column::Says::p;
-
 std::string key_of(Quantity quantity) {
     switch (quantity) {
         case Quantity::threshold:
@@ -38,17 +35,10 @@ std::string quantity_text(const FitOptions& options, Quantity quantity) {
 
 Table estimates_table(const FitReport& report, const FittedCurve& curve) {
     const FitOptions& options = report.options;
-    Table table{
-        .place = "*",
-        .columns = {
-            {.key = "quantity", .words = " "},
-            {.key = "estimate", .words = "estimate", .says = kSignificant},
-            {.key = "given", .on_page = false},
-            {.words = "  "},
-            {.key = "se", .words = "se", .says = kSignificant},
-            {.key = "profile_95", .words = "profile", .says = kSignificant, .open = true},
-            {.key = "bootstrap_95", .words = "bootstrap", .says = kSignificant, .open = true},
-            {.key = "corrected", .words = "corrected", .says = kSignificant}}};
+    Table table{.place = "*",
+                .columns = heads({"quantity| ", "estimate|estimate|s", "given||-", "|  ", "se|se|s",
+                                  "profile_95|profile|so", "bootstrap_95|bootstrap|so",
+                                  "corrected|corrected|s"})};
     for (const FitEstimate& one : curve.estimates) {
         const bool as_lapse = options.spec.two_sided && one.quantity == Quantity::guess;
         table.rows.push_back({Named{key_of(one.quantity), quantity_text(options, one.quantity)},
@@ -68,15 +58,8 @@ Table differences_table(const FitReport& report) {
                 .title =
                     "  Within person (interval: bootstrap; p: likelihood ratio, chi-square of "
                     "1 df; of JND: of equal slopes b)",
-                .columns = {{.key = "participant", .words = "person"},
-                            {.key = "comparison", .words = "comparison"},
-                            {.key = "quantity", .words = "quantity"},
-                            {.key = "difference", .words = "difference", .says = kSignificant},
-                            {.key = "bootstrap_95",
-                             .words = "interval",
-                             .says = kSignificant,
-                             .open = true},
-                            {.key = "p", .words = "p", .says = kP}},
+                .columns = heads({"participant|person", "comparison", "quantity",
+                                  "difference|difference|s", "bootstrap_95|interval|so", "p|p|p"}),
                 .index = 3};
     for (const Difference& one : report.differences) {
         const std::string comparison =

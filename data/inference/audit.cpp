@@ -220,15 +220,9 @@ Audit audit_of(Database& database, const AnswerChoice& choice, const AuditBounds
 Table audit_table(const Audit& audit) {
     Table table{
         .place = "quantities/-",
-        .columns = {{.key = "quantity", .words = "quantity"},
-                    {.key = "of", .words = "of"},
-                    {.key = "friction", .words = "comparison"},
-                    {.key = "people", .words = "people"},
-                    {.key = "difference", .words = "difference", .digits = 4},
-                    {.key = "interval_90", .words = "90 % interval", .digits = 4},
-                    {.key = "bound", .words = "bound", .digits = 4},
-                    {.key = "unit", .words = "unit"},
-                    {.key = "verdict", .words = " "}},
+        .columns =
+            heads({"quantity", "of", "friction|comparison", "people", "difference|difference|4",
+                   "interval_90|90 % interval|4", "bound|bound|4", "unit", "verdict| "}),
         .notes = {
             "rig: nothing of it may differ; hand: what differs here, friction may have changed."}};
     for (const AuditLine& line : audit.lines) {

@@ -23,17 +23,11 @@ Interval share_interval(const MonteCarlo& share, std::size_t studies) {
 Table points_table(const PowerReport& report) {
     Table table{
         .place = "points/-",
-        .columns = {{.key = "participants", .words = "people"},
-                    {.key = "power", .words = "power"},
-                    {.key = "power_95", .words = "interval"},
-                    {.key = "type_i_error", .words = "type I error", .digits = 4},
-                    {.key = "type_i_error_95", .words = "interval", .digits = 4},
-                    {.key = "interval_width", .words = "interval width"},
-                    {.key = "interval_width_se", .words = "se"},
-                    {.key = "exaggeration", .words = "exaggeration", .digits = 2},
-                    {.key = "exaggeration_se", .words = "se", .digits = 2},
-                    {.key = "wrong_sign", .words = "wrong sign", .digits = 4},
-                    {.key = "wrong_sign_95", .words = "interval", .digits = 4}},
+        .columns = heads({"participants|people", "power", "power_95|interval",
+                          "type_i_error|type I error|4", "type_i_error_95|interval|4",
+                          "interval_width|interval width", "interval_width_se|se",
+                          "exaggeration|exaggeration|2", "exaggeration_se|se|2",
+                          "wrong_sign|wrong sign|4", "wrong_sign_95|interval|4"}),
         .notes = {"Intervals: Wilson's of 95 %, of the share of studies; se: of Monte Carlo. "
                   "Interval width: of the 95 %\n  interval of the difference of shares, over "
                   "people. Exaggeration and wrong sign: of significant studies, size of\n  the "

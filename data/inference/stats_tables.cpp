@@ -28,25 +28,12 @@ Table people_table(const StatsReport& report, const StatsPart& part) {
                 : fmt::format("of {} alternatives, unbiased observer (n of n counts as n - 1/2)",
                               report.table.alternatives),
             report.options.permutations),
-        .columns = {{.key = "person", .words = "person"},
-                    {.key = "friction", .words = "friction"},
-                    {.key = "k", .words = "k"},
-                    {.key = "n", .words = "of n"},
-                    {.key = "share"},
-                    {.key = "wilson_95", .words = "Wilson"},
-                    {.key = "clopper_pearson_95", .words = "Clopper-Pearson"},
-                    {.key = "d_prime", .words = "d'", .digits = 2},
-                    {.key = "criterion", .words = "c", .digits = 2},
-                    {.key = "bits/plug_in", .words = "bits", .digits = 2},
-                    {.key = "bits/miller_madow", .words = "MM", .digits = 2},
-                    {.key = "bits/null_mean", .words = "null", .digits = 2},
-                    {.key = "bits/null_p", .words = "p", .says = Column::Says::p},
-                    {.key = "bits/interval_95", .words = "interval", .digits = 2},
-                    {.key = "log_rt"},
-                    {.key = "rt_s", .words = "rt s", .digits = 2},
-                    {.key = "log_explore"},
-                    {.key = "felt_s", .words = "felt s", .digits = 2},
-                    {.key = "confidence", .words = "confidence", .digits = 2}},
+        .columns =
+            heads({"person", "friction", "k", "n|of n", "share|", "wilson_95|Wilson",
+                   "clopper_pearson_95|Clopper-Pearson", "d_prime|d'|2", "criterion|c|2",
+                   "bits/plug_in|bits|2", "bits/miller_madow|MM|2", "bits/null_mean|null|2",
+                   "bits/null_p|p|p", "bits/interval_95|interval|2", "log_rt|", "rt_s|rt s|2",
+                   "log_explore|", "felt_s|felt s|2", "confidence|confidence|2"}),
         .index = 2};
     for (const PersonStats& person : part.people) {
         for (std::size_t f = 0; f < person.cells.size(); ++f) {
@@ -75,14 +62,9 @@ Table persons_table(const StatsPart& part) {
                 .title =
                     "  Confidence, person by person: area under the type 2 ROC, mean less share "
                     "correct, Brier's score\n  (0: sure and right; 0.25: always .5)",
-                .columns = {{.key = "person", .words = "person"},
-                            {.key = "confidence_area", .words = "area"},
-                            {.key = "overconfidence", .words = "over"},
-                            {.key = "brier", .words = "Brier"},
-                            {.key = "share_per_trial"},
-                            {.key = "share_since_break"},
-                            {.key = "log_rt_per_trial"},
-                            {.key = "log_rt_since_break"}}};
+                .columns = heads({"person", "confidence_area|area", "overconfidence|over",
+                                  "brier|Brier", "share_per_trial|", "share_since_break|",
+                                  "log_rt_per_trial|", "log_rt_since_break|"})};
     bool any = false;
     std::vector<double> scores;
     for (const PersonStats& person : part.people) {
@@ -108,7 +90,7 @@ Table persons_table(const StatsPart& part) {
 
 /// JSON's alone: text and page name a measure in each of its rows.
 Table titles_table(const StatsPart& part) {
-    Table table{.place = "measures/*", .columns = {{.key = "measure"}, {.key = "title"}}};
+    Table table{.place = "measures/*", .columns = heads({"measure|", "title|"})};
     for (const Measure& one : part.measures) {
         table.rows.push_back({one.key, one.title});
     }
@@ -143,11 +125,8 @@ std::vector<Cell> primary_row(const StatsReport& report, const StatsPart& part, 
 
 Table primary_table(const StatsReport& report, const StatsPart& part) {
     Table table{.place = "primary/*",
-                .columns = {{.key = "comparison", .words = "comparison"},
-                            {.key = "estimate", .words = "estimate"},
-                            {.key = "interval_95", .words = "interval"},
-                            {.key = "chi_square", .words = "ratio"},
-                            {.key = "p", .words = "p", .says = Column::Says::p}}};
+                .columns = heads({"comparison", "estimate", "interval_95|interval",
+                                  "chi_square|ratio", "p|p|p"})};
     if (!report.table.primary) {
         return table;
     }
@@ -166,11 +145,7 @@ Table confidence_table(const StatsPart& part) {
     Table table{
         .place = "confidence/-",
         .title = "  Confidence: share correct at each level, mean over the people who used it",
-        .columns = {{.key = "level", .words = "level", .digits = 2},
-                    {.key = "answers", .words = "answers"},
-                    {.key = "people", .words = "people"},
-                    {.key = "share", .words = "share"},
-                    {.key = "interval_95", .words = "interval"}}};
+        .columns = heads({"level|level|2", "answers", "people", "share", "interval_95|interval"})};
     for (const ConfidenceLevel& one : part.levels) {
         table.rows.push_back({one.level, one.n, cell_of(one.share.people), cell_of(one.share.mean),
                               cell_of(one.share.interval)});
@@ -181,7 +156,7 @@ Table confidence_table(const StatsPart& part) {
 /// JSON's alone: text says it above the model.
 Table models_table(const StatsReport& report, const StatsPart& part) {
     Table table{.place = "mixed_model/*",
-                .columns = {{.key = "comparison"}, {.key = "people"}, {.key = "warnings"}}};
+                .columns = heads({"comparison|", "people|", "warnings|"})};
     for (const MixedStats& mixed : part.mixed) {
         table.rows.push_back(
             {report.table.frictions[mixed.friction], cell_of(mixed.people), warnings_of(mixed)});

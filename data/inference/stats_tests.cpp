@@ -9,8 +9,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr auto kP = Column::Says::p;
-
 /// In how many people two frictions have different numbers of answers.
 std::size_t uneven_people(const StatsPart& part) {
     return static_cast<std::size_t>(std::ranges::count_if(part.people, [](const PersonStats& one) {
@@ -70,21 +68,12 @@ Table tests_table(std::string place, std::string title, std::vector<Column> inde
                 .columns = std::move(index),
                 .index = 0};
     table.index = table.columns.size();
-    for (const Column& column :
-         {Column{.key = "people", .words = "people"}, Column{.key = "mean", .words = "mean"},
-          Column{.key = "interval_95", .words = "interval"}, Column{.key = "t", .words = "t"},
-          Column{.key = "df", .words = "df", .digits = 0},
-          Column{.key = "t_p", .words = "t p", .says = kP},
-          Column{.key = "dz", .words = "dz", .digits = 2},
-          Column{.key = "sign_flip_p", .words = "sign-flip p", .says = kP},
-          Column{.key = "sign_flip_exact", .on_page = false},
-          Column{.key = "wilcoxon_v", .words = "Wilcoxon V", .digits = 1},
-          Column{.key = "wilcoxon_ranked", .words = "of", .on_page = false},
-          Column{.key = "wilcoxon_p", .words = "Wilcoxon p", .says = kP},
-          Column{.key = "wilcoxon_exact", .on_page = false},
-          Column{.key = "bayes_factor_10", .words = "BF10"},
-          Column{.key = "left_out", .on_page = false}}) {
-        table.columns.push_back(column);
+    for (Column& column :
+         heads({"people", "mean", "interval_95|interval", "t", "df|df|0", "t_p|t p|p", "dz|dz|2",
+                "sign_flip_p|sign-flip p|p", "sign_flip_exact||-", "wilcoxon_v|Wilcoxon V|1",
+                "wilcoxon_ranked|of|-", "wilcoxon_p|Wilcoxon p|p", "wilcoxon_exact||-",
+                "bayes_factor_10|BF10", "left_out||-"})) {
+        table.columns.push_back(std::move(column));
     }
     return table;
 }
@@ -116,11 +105,7 @@ void add_test(Table& table, std::vector<Cell> name, const PeopleTest& test) {
 Table means_table(const StatsReport& report, const StatsPart& part) {
     Table table{.place = "measures/*/means/*",
                 .title = "  Over people: means (Student's interval; of shares on the logit)",
-                .columns = {{.key = "measure", .words = "measure"},
-                            {.key = "friction", .words = "friction"},
-                            {.key = "people", .words = "people"},
-                            {.key = "mean", .words = "mean"},
-                            {.key = "interval_95", .words = "interval"}},
+                .columns = heads({"measure", "friction", "people", "mean", "interval_95|interval"}),
                 .index = 2};
     for (const Measure& one : part.measures) {
         for (std::size_t f = 0; f < one.means.size(); ++f) {
@@ -142,7 +127,7 @@ Table effects_table(const StatsReport& report, const StatsPart& part) {
                     "BF10: JZS, Cauchy prior of r = {:.4g} (Rouder et al. 2009; above 1\n  for an "
                     "effect, below for none)",
                     report.table.frictions.front(), report.options.prior_scale),
-        {{.key = "measure", .words = "measure"}, {.key = "comparison", .words = "comparison"}});
+        heads({"measure", "comparison"}));
     for (const Measure& one : part.measures) {
         for (std::size_t f = 1; f < one.effects.size(); ++f) {
             const Named measure{one.key, one.title};
@@ -182,32 +167,29 @@ Table mixed_table(const StatsReport& report, const MixedStats& mixed) {
                              "{} against {}, {} people; adaptive Gauss-Hermite of {} x {} nodes",
                              report.right_known ? "right" : "yes", other, report.table.frictions[0],
                              mixed.people, report.options.nodes, report.options.nodes),
-        .columns =
-            {{.key = "comparison"},
-             {.key = "method", .words = " "},
-             {.key = "intercept", .words = "intercept", .digits = 4},
-             {.key = "intercept_se", .words = "  se", .digits = 4},
-             {.key = "effect", .words = "friction " + other, .digits = 4},
-             {.key = "effect_se", .words = "  se", .digits = 4},
-             {.key = "sd_intercept", .words = "sd of intercepts", .digits = 4},
-             {.key = "sd_effect", .words = "sd of friction", .digits = 4},
-             {.key = "correlation", .words = "their correlation", .digits = 4, .on_page = false},
-             {.key = "log_likelihood", .words = "log-likelihood", .digits = 4},
-             {.key = "no_effect/chi_square", .words = "no effect: ratio", .digits = 4},
-             {.key = "no_effect/df", .on_page = false},
-             {.key = "no_effect/p", .words = "  p", .says = kP},
-             {.key = "no_effect/simulated_p", .words = "  p by simulation", .says = kP},
-             {.key = "no_spread/chi_square",
-              .words = "no spread of it: ratio",
-              .digits = 4,
-              .on_page = false},
-             {.key = "no_spread/mixture_p", .words = "  p", .says = kP, .on_page = false},
-             {.key = "nodes", .on_page = false},
-             {.key = "singular", .on_page = false},
-             {.key = "unbounded", .on_page = false},
-             {.key = "converged", .on_page = false}},
+        .columns = heads({"comparison|",
+                          "method| ",
+                          "intercept|intercept|4",
+                          "intercept_se|  se|4",
+                          "effect||4",
+                          "effect_se|  se|4",
+                          "sd_intercept|sd of intercepts|4",
+                          "sd_effect|sd of friction|4",
+                          "correlation|their correlation|4-",
+                          "log_likelihood|log-likelihood|4",
+                          "no_effect/chi_square|no effect: ratio|4",
+                          "no_effect/df||-",
+                          "no_effect/p|  p|p",
+                          "no_effect/simulated_p|  p by simulation|p",
+                          "no_spread/chi_square|no spread of it: ratio|4-",
+                          "no_spread/mixture_p|  p|p-",
+                          "nodes||-",
+                          "singular||-",
+                          "unbounded||-",
+                          "converged||-"}),
         .index = 2,
         .across = true};
+    table.columns[4].words = "friction " + other;
     const Named comparison{other, comparison_text(report, mixed.friction)};
     add_method(table, comparison, {"laplace", "Laplace"}, mixed.laplace, mixed.laplace_null,
                mixed.simulated, likelihood_ratio(mixed.laplace, mixed.laplace_intercept));
@@ -234,7 +216,7 @@ Table within_table(const StatsReport& report, const StatsPart& part) {
         "  Within person, then over people: does confidence know (area under the type 2 ROC, 0.5: "
         "no), and what do\n  time and rest change (joint slopes of least squares on both, a trial: "
         "at the same rest, since the last\n  break at the same trial)",
-        {{.key = "what", .words = "what"}});
+        heads({"what"}));
     table.columns[2].digits = table.columns[3].digits = 5;  // slopes are small
     for (const auto& [key, test] : part.tests) {
         const std::string of = key.starts_with("share") ? share_title(report) : "ln rt";

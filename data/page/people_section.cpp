@@ -107,14 +107,9 @@ std::string flow_html(const Study& study, const Rows& rows) {
 
 /// Share correct with exclusions applied and not.
 Results both_ways(const PageNumbers& numbers) {
-    Results results{.table = {.columns = {{.key = "exclusions"},
-                                          {.key = "comparison"},
-                                          {.key = "people"},
-                                          {.key = "answers"},
-                                          {.key = "difference_in_share"},
-                                          {.key = "interval_95"},
-                                          {.key = "t_p"},
-                                          {.key = "sign_flip_p"}}},
+    Results results{.table = {.columns = heads({"exclusions|", "comparison|", "people|", "answers|",
+                                                "difference_in_share|", "interval_95|", "t_p|",
+                                                "sign_flip_p|"})},
                     .command = numbers.stats_words,
                     .caption = "The effect of friction, exclusions applied and not"};
     const StatsReport& stats = *numbers.stats;

@@ -86,12 +86,8 @@ void add_means(PageWriter& page,
                       .width = 264.0,
                       .data = study.ask(kMeans)};
     Results results{
-        .table = {.columns = {{.key = "felt"},
-                              {.key = "what"},
-                              {.key = "people"},
-                              {.key = "mean"},
-                              {.key = "interval_95"},
-                              {.key = "sign_flip_p"}}},
+        .table = {.columns = heads(
+                      {"felt|", "what|", "people|", "mean|", "interval_95|", "sign_flip_p|"})},
         .command = fmt::format("palpate summary {}", study.file()),
         .caption = "Means over people and differences within person, with 95 % intervals"};
     for (const std::string& object : felt) {

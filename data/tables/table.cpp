@@ -1,5 +1,6 @@
 #include "data/tables/table.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -45,6 +46,28 @@ std::string end_name(const std::string& key, const char* end) {
 }
 
 }  // namespace
+
+std::vector<Column> heads(std::initializer_list<std::string_view> all) {
+    std::vector<Column> columns;
+    for (const std::string_view text : all) {
+        const std::size_t first = std::min(text.find('|'), text.size());
+        const std::size_t second = std::min(text.find('|', first + 1), text.size());
+        const std::string_view key = text.substr(0, first);
+        const bool same = first == text.size();
+        Column& column = columns.emplace_back();
+        column.key = key;
+        column.words = same ? key : text.substr(first + 1, second - first - 1);
+        for (const char mark : text.substr(second)) {
+            column.digits = mark >= '0' && mark <= '9' ? mark - '0' : column.digits;
+            column.says = mark == 'p' ? Column::Says::p
+                        : mark == 's' ? Column::Says::significant
+                                      : column.says;
+            column.open = column.open || mark == 'o';
+            column.on_page = column.on_page && mark != '-';
+        }
+    }
+    return columns;
+}
 
 Cell cell_of(double value, std::string why) {
     return std::isfinite(value) ? Cell(value) : Cell(Nothing{std::move(why)});
@@ -107,18 +130,12 @@ std::string table_csv(const Fields& fields) {
 }
 
 Table over_people_table(std::string place, std::span<const OverPeople> all) {
-    constexpr auto kSignificant = Column::Says::significant;
     Table table{
         .place = std::move(place),
         .title = "  Over people (mean, of ratios the geometric one, Student's interval of 95 %)",
-        .columns = {{.key = "what", .words = "what"},
-                    {.key = "people", .words = "people"},
-                    {.key = "mean", .words = "mean", .says = kSignificant},
-                    {.key = "interval_95", .words = "interval", .says = kSignificant},
-                    {.key = "sign_flip_p", .words = "sign-flip p", .says = Column::Says::p},
-                    {.key = "median", .words = "median, unbounded by rank", .says = kSignificant},
-                    {.key = "geometric", .on_page = false},
-                    {.key = "left_out", .on_page = false}}};
+        .columns = heads({"what", "people", "mean|mean|s", "interval_95|interval|s",
+                          "sign_flip_p|sign-flip p|p", "median|median, unbounded by rank|s",
+                          "geometric||-", "left_out||-"})};
     for (const OverPeople& one : all) {
         const auto shown = [&](double value) {
             return one.ratio ? std::exp(value) : value;

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -52,6 +54,10 @@ struct Column {
     bool open =
         false;  ///< JSON says of an interval "low", "high" or "both" where an end is infinite
 };
+
+/// Columns as "key|words|marks", one a text: "key" alone has words that are the same, "key|" none.
+/// Marks: a digit says `digits`, p and s what Says begins with, o `open`, - that the page is without.
+[[nodiscard]] std::vector<Column> heads(std::initializer_list<std::string_view> all);
 
 /// Rows that the first `index` columns name.
 struct Table {
