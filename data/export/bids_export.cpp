@@ -347,10 +347,8 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
 
 }  // namespace
 
-void export_bids(Database& database,
-                 const Selection& selection,
-                 const ExportOptions& options,
-                 const std::filesystem::path& folder) {
+void export_bids(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     write_json(folder / "dataset_description.json",
                {{"Name", selection.titles()},
                 {"BIDSVersion", kBidsVersion},

@@ -6,7 +6,6 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
-#include "data/export/tables.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 
@@ -142,10 +141,8 @@ void write_codes(Database& database, const std::filesystem::path& path) {
     file.close();
 }
 
-void export_csv(Database& database,
-                const Selection& selection,
-                const ExportOptions& options,
-                const std::filesystem::path& folder) {
+void export_csv(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     for (const ExportTable& table : export_tables()) {
         if (!table.detail || options.details) {
             write_table(database, table, options, folder / (std::string(table.name) + ".csv"));

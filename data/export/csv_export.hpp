@@ -12,11 +12,7 @@ namespace palpate::data {
 /// details also participant_details and provenance), columns.csv with type, unit and meaning of
 /// every column, README.txt; with codes codes.csv; with traces
 /// ticks/SUBJECT_STUDY_ses-NN_trial-NNNN.csv.gz.
-/// @param folder  is there, and empty
-void export_csv(Database& database,
-                const Selection& selection,
-                const ExportOptions& options,
-                const std::filesystem::path& folder);
+void export_csv(const Exporting& to);
 
 /// A table of the export as CSV with a head line: of all sessions, or of one.
 void write_table(Database& database,

@@ -1,6 +1,7 @@
 #include "data/export/export.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -147,12 +148,10 @@ std::string all_ticks(const fs::path& folder) {
 }
 
 /// The tables of export_csv(), zstd; columns.csv and README.txt stay beside them.
-void export_parquet(Database& database,
-                    const Selection& selection,
-                    const ExportOptions& options,
-                    const std::filesystem::path& folder) {
+void export_parquet(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     DuckDb duck;  // before any work
-    export_csv(database, selection, options, folder);
+    export_csv(to);
     duck.run("SET preserve_insertion_order = true");
     for (const ExportTable& table : export_tables()) {
         const fs::path from = folder / (std::string(table.name) + ".csv");
@@ -176,9 +175,8 @@ void export_parquet(Database& database,
 
 /// Every run of a rule as `palpate procedure` reads it: its random numbers follow from the file's
 /// secret, and lead back neither to it nor to the participant. Marked answers are left out.
-void export_procedures(Database& database,
-                       const Selection& selection,
-                       const std::filesystem::path& folder) {
+void export_procedures(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     int runs = 0;
     Statement row = database.prepare(
         "SELECT DISTINCT run_number FROM adaptive_plan WHERE session_id = ?1 ORDER BY run_number");
@@ -200,6 +198,11 @@ void export_procedures(Database& database,
             "no session of the file has a rule that chooses stimuli: take another format");
     }
 }
+
+/// In the order of ExportFormat.
+constexpr std::array<void (*)(const Exporting&), kExportWords.size()> kWriters{
+    export_csv,        export_bids,     export_psych_ds,  export_parquet,
+    export_procedures, export_quickpsy, export_psignifit, export_psychopy};
 
 /// At the end of what a format says of itself.
 void add_accounts(const std::filesystem::path& readme,
@@ -225,43 +228,6 @@ ExportFormat parse_export_format(std::string_view word) {
     return static_cast<ExportFormat>(found - kExportWords.begin());
 }
 
-namespace {
-
-void write_tables(Database& database,
-                  ExportFormat format,
-                  const Selection& selection,
-                  const ExportOptions& options,
-                  const std::filesystem::path& folder) {
-    switch (format) {
-        case ExportFormat::csv:
-            export_csv(database, selection, options, folder);
-            break;
-        case ExportFormat::bids:
-            export_bids(database, selection, options, folder);
-            break;
-        case ExportFormat::psych_ds:
-            export_psych_ds(database, selection, options, folder);
-            break;
-        case ExportFormat::parquet:
-            export_parquet(database, selection, options, folder);
-            break;
-        case ExportFormat::procedure:
-            export_procedures(database, selection, folder);
-            break;
-        case ExportFormat::quickpsy:
-            export_quickpsy(database, selection, folder);
-            break;
-        case ExportFormat::psignifit:
-            export_psignifit(database, selection, folder);
-            break;
-        case ExportFormat::psychopy:
-            export_psychopy(database, selection, folder);
-            break;
-    }
-}
-
-}  // namespace
-
 ExportSummary export_file(const std::string& file,
                           ExportFormat format,
                           const ExportOptions& options,
@@ -276,7 +242,7 @@ ExportSummary export_file(const std::string& file,
     Database database(file, Access::read);
     NewFolder built(folder);
     const Selection selection(database, options);
-    write_tables(database, format, selection, options, built.path());
+    kWriters.at(static_cast<std::size_t>(format))({database, selection, options, built.path()});
     analyse(database, Versions::apart);  // from here on without whom analyses do not see
     std::vector<LeftOut> left_out = left_out_everywhere(database, options.kind, false);
     add_accounts(built.path() / (format == ExportFormat::bids       ? "README"

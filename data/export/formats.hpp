@@ -28,10 +28,7 @@ inline constexpr const char* kBidsVersion = "1.9.0";
 ///   standard: they are in the rows of _beh.tsv as far as they were presented.
 /// - With traces of two intervals of a trial, the run is "0012" for the first and its acq is
 ///   "interval2" for the second.
-void export_bids(Database& database,
-                 const Selection& selection,
-                 const ExportOptions& options,
-                 const std::filesystem::path& folder);
+void export_bids(const Exporting& to);
 
 /// A Psych-DS dataset (psych-ds.github.io; the schema of psychds-validator 1.4):
 /// dataset_description.json (schema.org's Dataset as JSON-LD, all columns as variableMeasured),
@@ -39,10 +36,7 @@ void export_bids(Database& database,
 /// an attempt; with traces also
 /// data/study-X_subject-NNN_session-N_trial-NNNN_description-ticks_data.csv, uncompressed, since
 /// the standard has CSV only.
-void export_psych_ds(Database& database,
-                     const Selection& selection,
-                     const ExportOptions& options,
-                     const std::filesystem::path& folder);
+void export_psych_ds(const Exporting& to);
 
 // ------------------------------------------------- answers as other programs of the field take them
 // With a README.txt that says how. Kinds of sessions stay apart.
@@ -51,22 +45,16 @@ void export_psych_ds(Database& database,
 /// participant, study, kind, condition, x, k, n; k of n answers at x were yes, or the comparison.
 /// Main trials that count.
 /// @throws std::invalid_argument if there is no answer on a graded stimulus
-void export_quickpsy(Database& database,
-                     const Selection& selection,
-                     const std::filesystem::path& folder);
+void export_quickpsy(const Exporting& to);
 
 /// The same counts for psignifit 4: a file without head for each participant and condition, lines
 /// of x,k,n, and index.csv: which file is whose. @throws as export_quickpsy
-void export_psignifit(Database& database,
-                      const Selection& selection,
-                      const std::filesystem::path& folder);
+void export_psignifit(const Exporting& to);
 
 /// A file a session with the columns of PsychoPy's wide CSV: a row an answer in the order given,
 /// practice and answers that do not count too (column counts). trials.thisN counts the rows from 0,
 /// trials.thisIndex is the place in the plan, trials.thisRepN says how often that place was tried
 /// before, key_resp.keys what was answered, key_resp.rt in s. No PsychoPy has read them here.
-void export_psychopy(Database& database,
-                     const Selection& selection,
-                     const std::filesystem::path& folder);
+void export_psychopy(const Exporting& to);
 
 }  // namespace palpate::data

@@ -50,9 +50,8 @@ void write_words(DelimitedFile& file, std::initializer_list<std::string_view> wo
 
 }  // namespace
 
-void export_quickpsy(Database& database,
-                     const Selection& /*selection*/,
-                     const std::filesystem::path& folder) {
+void export_quickpsy(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     DelimitedFile file(folder / "quickpsy.csv", TableStyle::csv);
     write_words(file, {"participant", "study", "kind", "condition", "x", "k", "n"});
     each_count(database, [&](const GradedCount& one) {
@@ -85,9 +84,8 @@ constexpr std::string_view kPsignifitText =
 
 }  // namespace
 
-void export_psignifit(Database& database,
-                      const Selection& /*selection*/,
-                      const std::filesystem::path& folder) {
+void export_psignifit(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     DelimitedFile index(folder / "index.csv", TableStyle::csv);
     write_words(index, {"file", "participant", "study", "kind", "condition"});
     std::string before;
@@ -127,9 +125,8 @@ constexpr std::string_view kPsychopyText =
 
 }  // namespace
 
-void export_psychopy(Database& database,
-                     const Selection& selection,
-                     const std::filesystem::path& folder) {
+void export_psychopy(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     Statement row = database.prepare(
         "SELECT analysis_trial.attempt - 1, plan_position, phase, planned_object, friction, "
         "curvature_per_m, run_name, stimulus, coalesce(chosen_object, answer_code), correct, "

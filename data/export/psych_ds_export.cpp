@@ -94,10 +94,8 @@ void write_description(const Selection& selection,
 
 }  // namespace
 
-void export_psych_ds(Database& database,
-                     const Selection& selection,
-                     const ExportOptions& options,
-                     const std::filesystem::path& folder) {
+void export_psych_ds(const Exporting& to) {
+    const auto& [database, selection, options, folder] = to;
     const fs::path data = folder / "data";
     fs::create_directory(data);
     write_description(selection, options, folder);

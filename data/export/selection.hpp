@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,14 @@ private:
     Database& database_;
     Snapshot now_;
     std::vector<ChosenSession> sessions_;
+};
+
+/// What every format is given: whose tables, how much of them, and a folder, there and empty.
+struct Exporting {
+    Database& database;
+    const Selection& selection;
+    const ExportOptions& options;
+    std::filesystem::path folder;
 };
 
 }  // namespace palpate::data
