@@ -319,27 +319,25 @@ std::string add_event(Database& database,
 std::string add_mark(Database& database,
                      std::int64_t session,
                      std::int64_t trial,
-                     std::string_view reason,
-                     std::string_view operator_name) {
-    database.run("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1", trial, reason);
+                     const Reason& why) {
+    database.run("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1", trial, why.text);
     return add_event(
         database, session,
-        {.kind = protocols::EventKind::mark, .text = std::string(reason), .trial = trial},
-        operator_name);
+        {.kind = protocols::EventKind::mark, .text = std::string(why.text), .trial = trial},
+        why.operator_name);
 }
 
 std::string undo_mark(Database& database,
                       std::int64_t session,
                       std::int64_t trial,
-                      std::string_view reason,
-                      std::string_view operator_name) {
+                      const Reason& why) {
     database.run("UPDATE trial SET invalid_reason = NULL WHERE trial_id = ?1", trial);
     return add_event(database, session,
                      {.kind = protocols::EventKind::mark,
-                      .text = std::string(reason),
+                      .text = std::string(why.text),
                       .trial = trial,
                       .key = std::string(protocols::kUndone)},
-                     operator_name);
+                     why.operator_name);
 }
 
 std::optional<std::string> mark_reason(Database& database, std::int64_t trial) {

@@ -40,21 +40,25 @@ std::string add_event(Database& database,
                       std::string_view operator_name = {},
                       std::string_view noted_utc = {});
 
+/// Why somebody notes something, and who it is; no name: nobody is named.
+struct Reason {
+    std::string_view text;
+    std::string_view operator_name{};
+};
+
 /// The answer of `trial` does not count for this reason: its row and an event say so. In the
 /// caller's transaction. @return the new head
 std::string add_mark(Database& database,
                      std::int64_t session,
                      std::int64_t trial,
-                     std::string_view reason,
-                     std::string_view operator_name = {});
+                     const Reason& why);
 
 /// Takes the mark of a trial back: its answer counts again. In the caller's transaction. @return
 /// the new head
 std::string undo_mark(Database& database,
                       std::int64_t session,
                       std::int64_t trial,
-                      std::string_view reason,
-                      std::string_view operator_name = {});
+                      const Reason& why);
 
 /// The reason that a mark noted of a trial; none: it has no mark, or its last one was taken back.
 [[nodiscard]] std::optional<std::string> mark_reason(Database& database, std::int64_t trial);

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "data/schema/catalogue.hpp"
-#include "data/store/chain.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_lock.hpp"
@@ -16,10 +15,7 @@ namespace palpate::data {
 namespace {
 
 /// The events that noted a score lose it; all later links are made again.
-void destroy_scores(Database& database,
-                    std::int64_t session,
-                    std::string_view reason,
-                    std::string_view operator_name) {
+void destroy_scores(Database& database, std::int64_t session, const Reason& why) {
     const std::string before = chain_head(database, session);
     database.run(
         "UPDATE event SET text = key, value = NULL WHERE session_id = ?1 AND event_kind = "
@@ -28,30 +24,27 @@ void destroy_scores(Database& database,
     chain_anew(database, session);
     add_event(database, session,
               {.kind = protocols::EventKind::participant,
-               .text = std::string(reason),
+               .text = std::string(why.text),
                .key = std::string(kDestroyed),
                .value = before},
-              operator_name);
+              why.operator_name);
 }
 
 /// Where it was run as somebody else, nothing that says so is left: it is theirs.
-void destroy_session(Database& database,
-                     std::int64_t session,
-                     std::string_view reason,
-                     std::string_view operator_name) {
+void destroy_session(Database& database, std::int64_t session, const Reason& why) {
     const std::string before = chain_head(database, session);
     clear_session(database, session);
     database.run(
         "UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events = NULL, "
         "newest_seal = NULL, operator = NULL, run_code = NULL, run_number = NULL, withdrawn_reason "
         "= ?2 WHERE session_id = ?1",
-        session, reason);
+        session, why.text);
     add_event(database, session,
               {.kind = protocols::EventKind::mark,
-               .text = std::string(reason),
+               .text = std::string(why.text),
                .key = std::string(kDestroyed),
                .value = before},
-              operator_name);
+              why.operator_name);
 }
 
 /// All of a participant. @throws std::invalid_argument for nobody, or if one of them runs
@@ -86,8 +79,7 @@ void destroy_notes(Database& database, std::string_view code, bool consent) {
 void destroy_participant(Database& database,
                          std::string_view code,
                          Destroy what,
-                         std::string_view reason,
-                         std::string_view operator_name) {
+                         const Reason& why) {
     if (const std::string theirs = ordered_elsewhere(database.connection()); !theirs.empty()) {
         throw std::invalid_argument(
             fmt::format("{}: {} is ordered by a rule of another program, so that the file cannot "
@@ -104,8 +96,7 @@ void destroy_participant(Database& database,
             if (is_destroyed(database, session.id)) {
                 continue;
             }
-            (everything ? destroy_session : destroy_scores)(database, session.id, reason,
-                                                            operator_name);
+            (everything ? destroy_session : destroy_scores)(database, session.id, why);
         }
         all.commit();
     }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "data/store/chain.hpp"
 #include "data/store/database.hpp"
 
 /// What is destroyed because a participant wants it: the only rows that this program ever deletes.
@@ -24,8 +25,7 @@ enum class Destroy {
 void destroy_participant(Database& database,
                          std::string_view code,
                          Destroy what,
-                         std::string_view reason,
-                         std::string_view operator_name = {});
+                         const Reason& why);
 
 /// Deletes all that belongs to a session, but not its own row. In the caller's transaction, with
 /// deferred foreign keys.

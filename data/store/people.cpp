@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "data/store/chain.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
 
@@ -278,10 +277,7 @@ std::string came_of_mark(Database& database, std::int64_t trial) {
 
 }  // namespace
 
-MarkResult mark_invalid(Database& database,
-                        std::int64_t trial,
-                        std::string_view reason,
-                        std::string_view operator_name) {
+MarkResult mark_invalid(Database& database, std::int64_t trial, const Reason& why) {
     Transaction all(database);
     const Markable found = markable(database, trial);
     if (!found.answered) {
@@ -295,15 +291,12 @@ MarkResult mark_invalid(Database& database,
     }
     refuse_running(database, trial, found.session);
     MarkResult marked{.finished = found.finished,
-                      .head = add_mark(database, found.session, trial, reason, operator_name)};
+                      .head = add_mark(database, found.session, trial, why)};
     all.commit();
     return marked;
 }
 
-MarkResult undo_mark(Database& database,
-                     std::int64_t trial,
-                     std::string_view reason,
-                     std::string_view operator_name) {
+MarkResult undo_mark(Database& database, std::int64_t trial, const Reason& why) {
     Transaction all(database);
     const Markable found = markable(database, trial);
     if (!mark_reason(database, trial)) {
@@ -313,13 +306,13 @@ MarkResult undo_mark(Database& database,
                         : found.answered ? "counts"
                                          : "has no answer"));
     }
-    if (const std::string why = came_of_mark(database, trial); !why.empty()) {
+    if (const std::string kept = came_of_mark(database, trial); !kept.empty()) {
         throw std::invalid_argument(
-            fmt::format("{}: the mark of trial {} stays: {}", database.file(), trial, why));
+            fmt::format("{}: the mark of trial {} stays: {}", database.file(), trial, kept));
     }
     refuse_running(database, trial, found.session);
     MarkResult undone{.finished = found.finished,
-                      .head = undo_mark(database, found.session, trial, reason, operator_name)};
+                      .head = undo_mark(database, found.session, trial, why)};
     all.commit();
     return undone;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/store/chain.hpp"
 #include "data/store/database.hpp"
 
 /// What people note by hand: of participants, of sessions, and of answers that do not count after
@@ -92,19 +93,13 @@ struct MarkResult {
 /// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count
 ///         already, or while a program runs its session, which goes by what it knows: the next
 ///         trials would contradict the mark
-MarkResult mark_invalid(Database& database,
-                        std::int64_t trial,
-                        std::string_view reason,
-                        std::string_view operator_name = {});
+MarkResult mark_invalid(Database& database, std::int64_t trial, const Reason& why);
 
 /// The mark of a trial is taken back, for this reason: its answer counts again, as if it had never
 /// been marked.
 /// @throws std::invalid_argument if there is no such trial, if it is not marked, while a program
 ///         runs its session, or where the session went on otherwise for the mark: another answer
 ///         counts in its place, its part was run again, or its rule went on without it
-MarkResult undo_mark(Database& database,
-                     std::int64_t trial,
-                     std::string_view reason,
-                     std::string_view operator_name = {});
+MarkResult undo_mark(Database& database, std::int64_t trial, const Reason& why);
 
 }  // namespace palpate::data

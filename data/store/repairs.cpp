@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "protocols/session/progress.hpp"
-#include "data/store/chain.hpp"
 #include "data/store/destruction.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_lock.hpp"
@@ -36,15 +35,15 @@ void refuse_running(Database& database, std::int64_t session) {
 /// A mark of the session as a whole.
 std::string mark_session(Database& database,
                          std::int64_t session,
-                         std::string_view reason,
-                         std::string_view key,
-                         std::string_view operator_name) {
+                         const Reason& why,
+                         std::string_view key) {
     database.run("UPDATE session SET withdrawn_reason = ?2 WHERE session_id = ?1", session,
-                 key.empty() ? std::optional(reason) : std::nullopt);
-    return add_event(
-        database, session,
-        {.kind = protocols::EventKind::mark, .text = std::string(reason), .key = std::string(key)},
-        operator_name);
+                 key.empty() ? std::optional(why.text) : std::nullopt);
+    return add_event(database, session,
+                     {.kind = protocols::EventKind::mark,
+                      .text = std::string(why.text),
+                      .key = std::string(key)},
+                     why.operator_name);
 }
 
 /// The wished number if the participant has no session of it, in any version of the study; else the
@@ -99,24 +98,18 @@ void require_movable(Database& database,
 
 }  // namespace
 
-std::string withdraw_session(Database& database,
-                             std::int64_t session,
-                             std::string_view reason,
-                             std::string_view operator_name) {
+std::string withdraw_session(Database& database, std::int64_t session, const Reason& why) {
     Transaction all(database);
     if (const auto before = withdrawal(database, session)) {
         refuse(database, session, "is withdrawn already: " + *before);
     }
     refuse_running(database, session);
-    std::string head = mark_session(database, session, reason, {}, operator_name);
+    std::string head = mark_session(database, session, why, {});
     all.commit();
     return head;
 }
 
-std::string undo_withdrawal(Database& database,
-                            std::int64_t session,
-                            std::string_view reason,
-                            std::string_view operator_name) {
+std::string undo_withdrawal(Database& database, std::int64_t session, const Reason& why) {
     Transaction all(database);
     if (is_destroyed(database, session)) {
         refuse(database, session, "was destroyed: nothing is left that could be analysed");
@@ -125,7 +118,7 @@ std::string undo_withdrawal(Database& database,
         refuse(database, session, "is not withdrawn: there is nothing to take back");
     }
     refuse_running(database, session);
-    std::string head = mark_session(database, session, reason, protocols::kUndone, operator_name);
+    std::string head = mark_session(database, session, why, protocols::kUndone);
     all.commit();
     return head;
 }
@@ -133,8 +126,7 @@ std::string undo_withdrawal(Database& database,
 MovedSession move_session(Database& database,
                           std::int64_t session,
                           std::string_view code,
-                          std::string_view reason,
-                          std::string_view operator_name) {
+                          const Reason& why) {
     Transaction all(database);
     Statement row = database.first(
         "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
@@ -152,11 +144,11 @@ MovedSession move_session(Database& database,
     give_session(database, session, code, moved.number, {run_code, run_number});
     add_event(database, session,
               {.kind = protocols::EventKind::participant,
-               .text = std::string(reason),
+               .text = std::string(why.text),
                .count = moved.number,
                .key = std::string(kIsReally),
                .value = std::string(code)},
-              operator_name);
+              why.operator_name);
     note_at_beginning(database, session);
     moved.head = chain_head(database, session);
     all.commit();

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "data/store/chain.hpp"
 #include "data/store/database.hpp"
 
 /// What people set right of whole sessions: each an event under the seal, so that nothing is
@@ -13,17 +14,11 @@ namespace palpate::data {
 /// Analyses and exports leave the session out, for this reason, and it is never resumed. @return
 /// the new head
 /// @throws std::invalid_argument if that is so already, or while a program runs it
-std::string withdraw_session(Database& database,
-                             std::int64_t session,
-                             std::string_view reason,
-                             std::string_view operator_name = {});
+std::string withdraw_session(Database& database, std::int64_t session, const Reason& why);
 
 /// Takes that back. @throws std::invalid_argument if it is not withdrawn, or while a program runs
 /// it
-std::string undo_withdrawal(Database& database,
-                            std::int64_t session,
-                            std::string_view reason,
-                            std::string_view operator_name = {});
+std::string undo_withdrawal(Database& database, std::int64_t session, const Reason& why);
 
 struct MovedSession {
     std::int64_t number = 0;  ///< of the participant's sessions, from now on
@@ -39,7 +34,6 @@ struct MovedSession {
 MovedSession move_session(Database& database,
                           std::int64_t session,
                           std::string_view code,
-                          std::string_view reason,
-                          std::string_view operator_name = {});
+                          const Reason& why);
 
 }  // namespace palpate::data

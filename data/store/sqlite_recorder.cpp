@@ -8,7 +8,6 @@
 #include <optional>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -290,7 +289,7 @@ void SqliteRecorder::event(const protocols::Event& event) {
     with_room([&] {
         Transaction all(database_);
         if (event.kind == protocols::EventKind::mark) {
-            add_mark(database_, session_, event.trial.value(), event.text);
+            add_mark(database_, session_, event.trial.value(), {event.text});
         } else {
             add_event(database_, session_, event);
         }

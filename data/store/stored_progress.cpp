@@ -143,7 +143,7 @@ SessionProgress begin_again(Database& database,
         .count = static_cast<std::int64_t>(trials.size())};
     add_event(database, session, redo);
     for (const protocols::TrialId trial : trials) {
-        add_mark(database, session, trial, fmt::format("{} was run again", part_name(part)));
+        add_mark(database, session, trial, {fmt::format("{} was run again", part_name(part))});
     }
     return apply(std::move(progress), redo);
 }

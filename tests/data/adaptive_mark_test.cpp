@@ -189,7 +189,7 @@ TEST_CASE("a mark at the desk does to a rule what the same mark from outside and
             try {
                 end = run(outside, spec, std::nullopt, left);
             } catch (const Dying::Died& died) {
-                CHECK_FALSE(data::mark_invalid(outside, died.trial, kMarkedAtDesk).finished);
+                CHECK_FALSE(data::mark_invalid(outside, died.trial, {kMarkedAtDesk}).finished);
             }
         }
         REQUIRE(end->why == SessionEnd::Why::finished);

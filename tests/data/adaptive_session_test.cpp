@@ -178,7 +178,7 @@ TEST_CASE("an answer marked after a break is forgotten by the rule, and verify k
         return Killer(recorder, 40);
     };
     REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
-    CHECK_FALSE(data::mark_invalid(database, 5, "the phone rang").finished);
+    CHECK_FALSE(data::mark_invalid(database, 5, {"the phone rang"}).finished);
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL AND counts") == 14);
     CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL AND NOT counts") == 1);
@@ -348,7 +348,7 @@ TEST_CASE("the summary counts answers without pictures, and says what each run o
         return std::pair(row.text(0), row.integer(1));
     };
     CHECK(said() == estimate(7).first);
-    data::mark_invalid(database, estimate(7).second, "bell");
+    data::mark_invalid(database, estimate(7).second, {"bell"});
     // Without the last answer the rule stands where it stood after the sixth.
     CHECK(said() == estimate(6).first);
     CHECK(summary().at("runs").at(1).at("marked") == 1);

@@ -243,7 +243,7 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
     REQUIRE(data::chain_breaks(database, session).empty());
     const std::string finished = data::chain_head(database, session);
     CHECK(finished.size() == 64);
-    const std::string head = data::mark_invalid(database, 2, "the bell rang", "Ada").head;
+    const std::string head = data::mark_invalid(database, 2, {"the bell rang", "Ada"}).head;
     CHECK(head != finished);
     CHECK(data::chain_head(database, session) == head);
     CHECK(data::chain_breaks(database, session).empty());

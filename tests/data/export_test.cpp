@@ -63,7 +63,7 @@ std::string exported_database(const TemporaryFolder& folder) {
             "reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, "
             "'key', 0)",
             trial);
-        (void)data::mark_invalid(database, trial, "SECRET reason");
+        (void)data::mark_invalid(database, trial, {"SECRET reason"});
     }
     return file;
 }

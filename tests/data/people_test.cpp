@@ -131,12 +131,12 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
         aborted.outcome = protocols::Outcome::aborted;
         recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[3]),
                            aborted);
-        CHECK_THROWS_WITH(data::mark_invalid(database, 2, "x"), ContainsSubstring("runs now"));
+        CHECK_THROWS_WITH(data::mark_invalid(database, 2, {"x"}), ContainsSubstring("runs now"));
     }
-    CHECK_THROWS_WITH(data::mark_invalid(database, 99, "x"), ContainsSubstring("no trial 99"));
-    CHECK_THROWS_WITH(data::mark_invalid(database, 4, "x"), ContainsSubstring("aborted"));
-    CHECK_FALSE(data::mark_invalid(database, 2, "she sneezed").finished);
-    CHECK_THROWS_WITH(data::mark_invalid(database, 2, "again"), ContainsSubstring("she sneezed"));
+    CHECK_THROWS_WITH(data::mark_invalid(database, 99, {"x"}), ContainsSubstring("no trial 99"));
+    CHECK_THROWS_WITH(data::mark_invalid(database, 4, {"x"}), ContainsSubstring("aborted"));
+    CHECK_FALSE(data::mark_invalid(database, 2, {"she sneezed"}).finished);
+    CHECK_THROWS_WITH(data::mark_invalid(database, 2, {"again"}), ContainsSubstring("she sneezed"));
     CHECK(lines(database, "SELECT trial_id FROM analysis_trial WHERE counts ORDER BY 1") ==
           "1 \n3 \n");
     CHECK(lines(database, "SELECT trial_id, text FROM event WHERE event_kind = 'mark'") ==
@@ -153,7 +153,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
         CHECK(others == std::vector<std::size_t>{3, 4, 5});
     }
     run_on(database, spec, 1000, 1);
-    CHECK(data::mark_invalid(database, 1, "late").finished);
+    CHECK(data::mark_invalid(database, 1, {"late"}).finished);
     CHECK(data::open_session(database, spec).finished);
 }
 

@@ -213,7 +213,7 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
                 if (count(database,
                           fmt::format("trial WHERE trial_id = {} AND invalid_reason IS NULL",
                                       trial)) == 1) {
-                    static_cast<void>(data::mark_invalid(database, trial, "part 1: position 3"));
+                    static_cast<void>(data::mark_invalid(database, trial, {"part 1: position 3"}));
                 }
             }
         }

@@ -95,7 +95,7 @@ private:
     }
     void mark(data::Database& database, std::int64_t trial) {
         try {
-            data::mark_invalid(database, trial, "talked meanwhile");
+            data::mark_invalid(database, trial, {"talked meanwhile"});
         } catch (const std::invalid_argument&) {  // it has no answer, or is marked already
         }
     }

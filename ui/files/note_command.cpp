@@ -104,8 +104,8 @@ int mark(const MarkOptions& options) {
                  undo ? "the reason of --undo" : "the reason of --invalid");
     data::Database database = open_there(options.database);
     const data::MarkResult marked =
-        undo ? data::undo_mark(database, options.trial, options.undo, options.operator_name)
-             : data::mark_invalid(database, options.trial, options.reason, options.operator_name);
+        undo ? data::undo_mark(database, options.trial, {options.undo, options.operator_name})
+             : data::mark_invalid(database, options.trial, {options.reason, options.operator_name});
     if (undo) {
         say("Trial {} counts again; that it was marked is kept.\n", options.trial);
     } else {

@@ -109,8 +109,8 @@ int give_away(data::Database& database, const ParticipantOptions& options) {
             fmt::format("{}: {} has no such session", options.database, options.participant));
     }
     for (auto session = sessions.rbegin(); session != sessions.rend(); ++session) {
-        const data::MovedSession moved = data::move_session(database, session->id, options.really,
-                                                            options.reason, options.operator_name);
+        const data::MovedSession moved = data::move_session(
+            database, session->id, options.really, {options.reason, options.operator_name});
         say("Session {} of {}, study {}, is session {} of {}.{}\nSeal {}: note it in the lab "
             "book.\n",
             session->number, options.participant, plain(session->study), moved.number,
@@ -142,8 +142,8 @@ int destroy(data::Database& database, const ParticipantOptions& options) {
     data::destroy_participant(
         database, options.participant,
         everything ? data::Destroy::everything : data::Destroy::details,
-        options.reason.empty() ? "destroyed on request of the participant" : options.reason,
-        options.operator_name);
+        {options.reason.empty() ? "destroyed on request of the participant" : options.reason,
+         options.operator_name});
     say("Destroyed in this file: {}. Copies, exports, servers and backups are not.\n",
         everything ? "all but that each session was, when, and its last seal"
                    : "handedness and details");

@@ -56,9 +56,9 @@ int run(const SessionOptions& options) {
     const data::SessionRow session = session_of(database, options);
     const bool undo = !options.undo.empty();
     const std::string head =
-        undo
-            ? data::undo_withdrawal(database, session.id, options.undo, options.operator_name)
-            : data::withdraw_session(database, session.id, options.withdraw, options.operator_name);
+        undo ? data::undo_withdrawal(database, session.id, {options.undo, options.operator_name})
+             : data::withdraw_session(database, session.id,
+                                      {options.withdraw, options.operator_name});
     say("Session {} of {}, study {}, {}. Nothing is erased.\nSeal {}: note it in the lab book.\n",
         session.number, options.participant, plain(session.study),
         undo ? "is analysed again" : "is left out of analyses and exports", head);
