@@ -1,7 +1,6 @@
 #include "stimuli/free_outline.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>

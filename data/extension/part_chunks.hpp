@@ -5,7 +5,6 @@
 #include <new>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"

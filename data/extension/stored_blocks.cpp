@@ -1,7 +1,5 @@
 #include "data/extension/stored_blocks.hpp"
 
-#include <utility>
-
 #include "data/extension/part_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"

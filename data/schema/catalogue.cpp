@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "protocols/session/trial_meter.hpp"
-#include "data/schema/manual.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {

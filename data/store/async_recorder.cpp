@@ -149,16 +149,4 @@ bool AsyncRecorder::save() {
     return saved;
 }
 
-void AsyncRecorder::end_trial(protocols::TrialId trial, const protocols::TrialResult& result) {
-    wait_for([&] { recorder_.end_trial(trial, result); });
-}
-
-void AsyncRecorder::event(const protocols::Event& event) {
-    wait_for([&] { recorder_.event(event); });
-}
-
-void AsyncRecorder::finish_session() {
-    wait_for([&] { recorder_.finish_session(); });
-}
-
 }  // namespace palpate::data

@@ -41,9 +41,15 @@ public:
                         const protocols::SceneConstants& scene) override;
     void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
     bool save() override;
-    void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
-    void event(const protocols::Event& event) override;
-    void finish_session() override;
+    void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override {
+        wait_for([&] { recorder_.end_trial(trial, result); });
+    }
+    void event(const protocols::Event& event) override {
+        wait_for([&] { recorder_.event(event); });
+    }
+    void finish_session() override {
+        wait_for([&] { recorder_.finish_session(); });
+    }
 
 private:
     /// With the lock: the ticks that append() gathered become work.

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/felt_scene.hpp"
-#include "data/trace/chunk.hpp"
 
 namespace palpate::data {
 

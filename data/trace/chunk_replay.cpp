@@ -1,7 +1,6 @@
 #include "data/trace/chunk_replay.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <new>

@@ -1,7 +1,6 @@
 #include "data/trace/derived_hash.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <new>

@@ -8,8 +8,6 @@
 #include <string>
 #include <string_view>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "engine/device/calibration.hpp"
 #include "engine/realtime/scene_view.hpp"

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/replay.hpp"

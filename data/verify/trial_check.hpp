@@ -1,9 +1,7 @@
 #pragma once
 
 #include <deque>
-#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/factorial.hpp"
 
 namespace palpate::protocols {

@@ -1,7 +1,6 @@
 #include "protocols/file/object_tables.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -11,7 +11,6 @@
 
 #include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/observer/person.hpp"
 
 namespace palpate::protocols {
 namespace {

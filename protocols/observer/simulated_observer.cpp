@@ -7,7 +7,6 @@
 
 #include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/observer/person.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {

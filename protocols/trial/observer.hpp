@@ -172,19 +172,26 @@ public:
     [[nodiscard]] virtual Choice choose(const TrialView& trial, const Question& question) = 0;
     /// After an answer, where the protocol says so: was it right? go_on or abort. The default tells
     /// nobody.
-    [[nodiscard]] virtual Signal feedback(const TrialView& trial, bool correct);
+    [[nodiscard]] virtual Signal feedback(const TrialView& /*trial*/, bool /*correct*/) {
+        return Signal::go_on;
+    }
     /// Blank screen between two trials, s. go_on or abort.
     [[nodiscard]] virtual Signal gap(double seconds) = 0;
     /// A break of at least `seconds`; returns when the participant goes on. go_on or abort.
     [[nodiscard]] virtual Signal rest(double seconds, const TrialView& next) = 0;
     /// The experimenter asked for a pause; returns when the experimenter ends it. go_on or abort.
     /// The default has nobody to wait for.
-    [[nodiscard]] virtual Signal pause(const TrialView& next);
+    [[nodiscard]] virtual Signal pause(const TrialView& /*next*/) { return Signal::go_on; }
     /// After a fault, again and again, with the device asked in between; must return within a few
     /// ms. go_on (taken only when solved), abort, give_up, or nothing: still waiting. The default
     /// has nobody to wait for: it goes on at once when solved, and gives up after kMaxTries or
     /// kMaxFaults.
-    [[nodiscard]] virtual std::optional<Signal> trouble(const TroubleView& view);
+    [[nodiscard]] virtual std::optional<Signal> trouble(const TroubleView& view) {
+        return view.tries >= kMaxTries || view.in_a_row >= kMaxFaults
+                 ? std::optional(Signal::give_up)
+             : view.solved ? std::optional(Signal::go_on)
+                           : std::nullopt;
+    }
     /// The plan is finished.
     virtual void finish(const SessionView& session) = 0;
 };

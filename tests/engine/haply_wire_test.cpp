@@ -1,4 +1,3 @@
-#include <cstring>
 
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"

@@ -1,5 +1,4 @@
 #include <csignal>
-#include <cstdio>
 
 #include "tests/support/pressed_desk.hpp"
 #include "tests/support/program.hpp"

@@ -1,4 +1,3 @@
-#include <cstdio>
 
 #include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"

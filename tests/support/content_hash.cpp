@@ -1,6 +1,5 @@
 #include "tests/support/content_hash.hpp"
 
-#include <cstring>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstring>
-
 #include "data/extension/sample_module.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"

@@ -1,7 +1,6 @@
 #include "ui/session/console_child.hpp"
 
 #include <array>
-#include <csignal>
 #include <utility>
 
 #include <spawn.h>

@@ -1,7 +1,5 @@
 #include "ui/session/observers.hpp"
 
-#include <utility>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/servo_apparatus.hpp"

@@ -23,7 +23,6 @@
 #include "ui/session/console_child.hpp"
 #include "ui/session/live_facts.hpp"
 #include "ui/session/observers.hpp"
-#include "ui/session/open_apparatus.hpp"
 #include "ui/session/open_masking.hpp"
 #include "ui/session/provenance.hpp"
 #include "ui/session/session_choice.hpp"

@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "protocols/session/session.hpp"
 #include "data/store/database.hpp"

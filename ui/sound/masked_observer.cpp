@@ -61,10 +61,6 @@ void MaskedObserver::note_silence() {
     }
 }
 
-Signal MaskedObserver::welcome(const protocols::SessionView& session) {
-    return observer_.welcome(session);
-}
-
 Signal MaskedObserver::ready(const protocols::TrialView& trial) {
     if (required_ && !player_.works()) {
         recorder_.event({.kind = protocols::EventKind::masking,
@@ -84,28 +80,10 @@ Signal MaskedObserver::ready(const protocols::TrialView& trial) {
     return signal;
 }
 
-protocols::ExplorationStep MaskedObserver::explore(const protocols::TrialView& trial,
-                                                   double elapsed_s) {
-    return observer_.explore(trial, elapsed_s);
-}
-
-void MaskedObserver::feel(std::span<const engine::TickRecord> ticks) {
-    observer_.feel(ticks);
-}
-
 protocols::Choice MaskedObserver::choose(const protocols::TrialView& trial,
                                          const protocols::Question& question) {
     end();
     return observer_.choose(trial, question);
-}
-
-Signal MaskedObserver::feedback(const protocols::TrialView& trial, bool correct) {
-    return observer_.feedback(trial, correct);
-}
-
-/// Between two intervals of a trial the noise goes on, and after an answer there is none.
-Signal MaskedObserver::gap(double seconds) {
-    return observer_.gap(seconds);
 }
 
 Signal MaskedObserver::rest(double seconds, const protocols::TrialView& next) {

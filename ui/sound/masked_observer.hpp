@@ -25,17 +25,24 @@ public:
                    bool required);
     ~MaskedObserver() override;
 
-    [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override;
+    [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override {
+        return observer_.welcome(session);
+    }
     /// @throws std::runtime_error if the device is lost and masking is required
     [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
     [[nodiscard]] protocols::ExplorationStep explore(const protocols::TrialView& trial,
-                                                     double elapsed_s) override;
-    void feel(std::span<const engine::TickRecord> ticks) override;
+                                                     double elapsed_s) override {
+        return observer_.explore(trial, elapsed_s);
+    }
+    void feel(std::span<const engine::TickRecord> ticks) override { observer_.feel(ticks); }
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
                                            const protocols::Question& question) override;
     [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,
-                                             bool correct) override;
-    [[nodiscard]] protocols::Signal gap(double seconds) override;
+                                             bool correct) override {
+        return observer_.feedback(trial, correct);
+    }
+    /// Between two intervals of a trial the noise goes on, and after an answer there is none.
+    [[nodiscard]] protocols::Signal gap(double seconds) override { return observer_.gap(seconds); }
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
     [[nodiscard]] protocols::Signal pause(const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(

@@ -69,10 +69,6 @@ ExplorationStep SpectatorScreen::explore(const protocols::TrialView& trial, doub
     return observer_.explore(trial, elapsed_s);
 }
 
-void SpectatorScreen::feel(std::span<const engine::TickRecord> ticks) {
-    observer_.feel(ticks);
-}
-
 Choice SpectatorScreen::choose(const protocols::TrialView& trial,
                                const protocols::Question& question) {
     stage_.show(ChooseFace{.question = question, .selected = {}, .watched = true});

@@ -16,7 +16,7 @@ public:
     [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
     [[nodiscard]] protocols::ExplorationStep explore(const protocols::TrialView& trial,
                                                      double elapsed_s) override;
-    void feel(std::span<const engine::TickRecord> ticks) override;
+    void feel(std::span<const engine::TickRecord> ticks) override { observer_.feel(ticks); }
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
                                            const protocols::Question& question) override;
     [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,

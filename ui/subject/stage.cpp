@@ -1,7 +1,6 @@
 #include "ui/subject/stage.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include <SDL.h>
 #include <fmt/format.h>
@@ -175,14 +174,6 @@ void Stage::mind_keyboard() {
         drop_bar();
         redraw();
     }
-}
-
-void Stage::close_desk() {
-    desk_closed_ = true;
-}
-
-void Stage::drop_bar() {
-    bar_ = Bar::none;
 }
 
 Input Stage::answer_question(std::int32_t symbol) {

@@ -69,9 +69,9 @@ public:
     /// Whether a mark means the trial that runs, or the last one.
     void in_trial(bool runs) noexcept { in_trial_ = runs; }
     /// The session is over: the desk can mark and pause nothing any more, and its keys say so.
-    void close_desk();
+    void close_desk() { desk_closed_ = true; }
     /// Nothing at the lower edge from the next show() on.
-    void drop_bar();
+    void drop_bar() { bar_ = Bar::none; }
     /// Waits up to `wait_ms` for something that matters.
     Input next(int wait_ms);
     /// Forgets presses and clicks that came before now: they were meant for another screen.

@@ -1,7 +1,6 @@
 #include "ui/subject/stroke.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace palpate::ui {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "engine/realtime/servo.hpp"
 #include "ui/subject/answer_row.hpp"
