@@ -132,7 +132,7 @@ TEST_CASE("who had the port open before is named, and no session or check begins
           {"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
         begins.insert(begins.begin(), palpate_program());
         begins.insert(begins.end(), {"--device", "haply:" + link, "--calibration", "2diy_gen3"});
-        const tests::Finished beside = Process(begins, {"SDL_VIDEODRIVER=dummy"}).wait();
+        const Finished beside = Process(begins, {"SDL_VIDEODRIVER=dummy"}).wait();
         CAPTURE(begins, beside.out, beside.error);
         CHECK(beside.code == 1);
         CHECK_THAT(on_one_line(beside.error),
