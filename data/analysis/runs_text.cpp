@@ -9,7 +9,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/analysis/people_text.hpp"
 #include "data/statistics/wilson.hpp"
-#include "data/store/adaptive_store.hpp"
+#include "data/store/stored_progress.hpp"
 
 namespace palpate::data {
 namespace {

@@ -11,7 +11,7 @@
 #include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
-#include "data/csv/csv_row.hpp"
+#include "data/csv/csv_text.hpp"
 
 namespace palpate::data {
 namespace {

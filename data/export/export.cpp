@@ -18,7 +18,7 @@
 #include "data/export/duckdb.hpp"
 #include "data/export/formats.hpp"
 #include "data/export/tables.hpp"
-#include "data/store/adaptive_store.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {

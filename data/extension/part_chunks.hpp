@@ -2,16 +2,20 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <new>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "engine/device/pantograph.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/tick_parts.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/fixed_point.hpp"
+#include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {
 
@@ -71,5 +75,19 @@ auto of_part(const TrialPart& part, const Work& work) {
 /// Those of the range and the one before, which velocities need. Numbers and times never go back.
 [[nodiscard]] std::span<const engine::TickRecord> ticks_in(
     std::span<const engine::TickRecord> ticks, const TickRange& range) noexcept;
+
+/// What HIP follows from, if columns of HIP are wanted.
+struct HipSource {
+    std::optional<engine::PantographSpec> machine{};  ///< if the session has a calibration
+    bool in_space = false;                            ///< from its own columns
+};
+
+/// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay,
+/// decoding the columns wanted only, those chunks left out that are out of range.
+[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(StatementCache& db,
+                                                        const TrialPart& part,
+                                                        SampleColumns columns,
+                                                        const TickRange& range,
+                                                        const HipSource& source);
 
 }  // namespace palpate::data

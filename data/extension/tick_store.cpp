@@ -10,7 +10,6 @@
 #include "engine/realtime/felt_scene.hpp"
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
-#include "data/extension/stored_blocks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/replay.hpp"

@@ -1,6 +1,12 @@
 
+#include <array>
+#include <cmath>
+#include <limits>
+
 #include <fmt/format.h>
 
+#include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/curve_fit.hpp"
 #include "data/fit/fit_words.hpp"
 
 namespace palpate::data {
@@ -74,6 +80,107 @@ Table differences_table(const FitReport& report) {
                               cell_of(one.jnd_interval), cell_of(one.slope_p)});
     }
     return table;
+}
+
+namespace {
+
+using protocols::exponential;
+using protocols::Family;
+
+bool logarithmic(Family family) {
+    return family == Family::weibull_log10 || family == Family::weibull_db;
+}
+
+/// The u of F = 1/4, 1/2 and 3/4, asked for with every sample.
+const std::array<double, 3>& quartiles(Family family) {
+    static const auto kAll = [] {
+        std::array<std::array<double, 3>, protocols::kFamilyWords.size()> all{};
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            for (std::size_t q = 0; q < 3; ++q) {
+                all.at(i).at(q) =
+                    core_quantile(static_cast<Family>(i), 0.25 * static_cast<double>(q + 1));
+            }
+        }
+        return all;
+    }();
+    return kAll.at(static_cast<std::size_t>(family));
+}
+
+double jnd_in_slopes(Family family) {
+    return 0.5 * (quartiles(family)[2] - quartiles(family)[0]);
+}
+
+}  // namespace
+
+double quantity_of(const CurveSpec& spec,
+                   const CurvePoint& point,
+                   Quantity quantity,
+                   double share) {
+    const Family family = spec.family;
+    const double b = exponential(point[1]);
+    const auto& [lower, half, upper] = quartiles(family);
+    const auto place = [&, half = half](double u) {
+        return off_axis(family, point[0] + (u - half) / b);
+    };
+    switch (quantity) {
+        case Quantity::threshold:
+            return off_axis(family, point[0]);
+        case Quantity::jnd:
+            return family == Family::weibull ? 0.5 * (place(upper) - place(lower))
+                                             : jnd_in_slopes(family) / b;
+        case Quantity::weber: {
+            if (logarithmic(family) || (family != Family::weibull && !(point[0] > 0.0))) {
+                return std::numeric_limits<double>::quiet_NaN();
+            }
+            const double up = (upper - half) / b;
+            const double down = (lower - half) / b;
+            return family == Family::weibull ? 0.5 * (exponential(up) - exponential(down))
+                                             : jnd_in_slopes(family) / b / point[0];
+        }
+        case Quantity::slope:
+            return b / slope_factor(family);
+        case Quantity::guess:
+            return spec.two_sided ? point[3] : point[2];
+        case Quantity::lapse:
+            return point[3];
+        case Quantity::at_share: {
+            const double bottom = spec.two_sided ? point[3] : point[2];
+            const double core = (share - bottom) / (1.0 - bottom - point[3]);
+            return core > 0.0 && core < 1.0 ? place(core_quantile(family, core))
+                                            : std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<double> standard_error(const CurveSpec& spec,
+                                     const CurveFit& fit,
+                                     Quantity quantity,
+                                     double share) {
+    CurvePoint slope{};
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        const double se = std::sqrt(fit.covariance[i][i]);
+        if (!(se > 0.0) || !std::isfinite(se)) {
+            continue;
+        }
+        const double step = 1e-4 * se;
+        CurvePoint up = fit.at;
+        CurvePoint down = fit.at;
+        up[i] += step;
+        down[i] -= step;
+        slope[i] =
+            (quantity_of(spec, up, quantity, share) - quantity_of(spec, down, quantity, share)) /
+            (2.0 * step);
+    }
+    double variance = 0.0;
+    for (std::size_t r = 0; r < kCurveParameters; ++r) {
+        for (std::size_t c = 0; c < kCurveParameters; ++c) {
+            variance += slope[r] * slope[c] * fit.covariance[r][c];
+        }
+    }
+    return variance > 0.0 && std::isfinite(variance) && !fit.steep && !fit.shallow
+             ? std::optional(std::sqrt(variance))
+             : std::nullopt;
 }
 
 }  // namespace palpate::data

@@ -18,7 +18,6 @@
 #include "engine/base/clock.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/disk_space.hpp"
-#include "data/store/migration.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/uuid.hpp"
 

@@ -5,10 +5,9 @@
 
 #include "protocols/design/object_outline.hpp"
 #include "protocols/session/trial_meter.hpp"
-#include "data/store/adaptive_store.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
-#include "data/trace/stored_columns.hpp"
 
 namespace palpate::data {
 namespace {

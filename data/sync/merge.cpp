@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
-#include "data/store/destruction.hpp"
+#include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
-#include "data/store/destruction.hpp"
+#include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
 
 namespace palpate::data {

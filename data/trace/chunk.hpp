@@ -11,7 +11,7 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "data/trace/column_codec.hpp"
-#include "data/trace/stored_columns.hpp"
+#include "data/trace/columns.hpp"
 
 /// Codec 1. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
 /// stored_columns() without the parts that it does not hold, and then the streams. A size of 0 says

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
-#include "data/trace/stored_columns.hpp"
+#include "data/trace/columns.hpp"
 
 /// From the values of one column of a chunk to its stream (chunk.hpp), and back.
 namespace palpate::data {

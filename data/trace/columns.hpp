@@ -41,4 +41,72 @@ struct TraceColumn {
 /// Columns one after the other, bytes shuffled within each: what a content hash is made of.
 [[nodiscard]] std::vector<std::byte> shuffled_columns(std::span<const engine::TickRecord> ticks);
 
+// -------------------------------------------------------------------------------------------------
+// What of a tick is written into a chunk. The table trace_column of every database repeats this,
+// so that the file explains itself.
+
+/// The columns that every chunk holds, whole numbers that anyone can read, in their order in a
+/// chunk.
+enum class ColumnId : std::uint8_t {
+    tick,
+    time_ns,
+    count_1,
+    count_2,
+    code_1,
+    code_2,
+    lateness_ns,
+    flags,
+    hip_x,
+    hip_y,
+    command_x,
+    command_y,
+    count_3,  ///< from here on of sessions in space; all 0 in the plane, which takes no bytes
+    code_3,
+    hip_z,
+    command_z,
+};
+inline constexpr std::size_t kStoredColumns = 16;
+/// With the exact ones.
+inline constexpr std::size_t kAllColumns = 36;
+
+/// How a value becomes the number that is written, in two's complement of the column's width. All
+/// but `plain` and `exact` are then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
+enum class Rule : std::uint8_t {
+    plain,  ///< as it is
+    after,  ///< minus one more than the value before; the first: minus the chunk's first_tick
+    clock,  ///< minus tick * period_ns, then minus the value before; before the first it is 0
+    line,   ///< minus twice the value before, plus the one before that; before the first they are 0
+    exact,  ///< the bytes of a floating-point number, or those of `command` XOR those of `force`
+};
+
+/// Exact columns are in a chunk only where they do not follow from the others: a chunk names the
+/// parts that it holds.
+enum Part : std::uint8_t {
+    /// HIP is not what the calibration makes of the counts; without one: no whole steps.
+    part_hip = 1U << 0U,
+    part_contact = 1U << 1U,   ///< the contact is not what the scene makes of HIP
+    part_command = 1U << 2U,   ///< the safety chain changed the force
+    part_lateness = 1U << 3U,  ///< no whole number of ns
+};
+inline constexpr std::uint8_t kAllParts = 15;
+
+/// A column of a chunk, as table trace_column describes it.
+struct StoredColumn {
+    std::string_view name;
+    std::string_view type;  ///< i64le, i32le, i16le, u8, u64le, f64le, f32le
+    std::string_view unit;
+    double scale;  ///< value * scale is in `unit`
+    Rule rule;
+    std::uint8_t part;   ///< 0: in every chunk
+    std::size_t size;    ///< bytes of a value
+    std::size_t offset;  ///< exact: of the value in TickRecord
+};
+
+/// The twelve of `ColumnId`, then the exact ones.
+[[nodiscard]] std::span<const StoredColumn> stored_columns() noexcept;
+[[nodiscard]] std::string_view to_string(Rule rule) noexcept;
+
+/// "hip contact": the parts as a chunk's row names them.
+[[nodiscard]] std::string_view part_name(std::uint8_t part) noexcept;
+
 }  // namespace palpate::data

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/order/order_count.hpp"
 #include "protocols/order/order_counter.hpp"
 #include "protocols/protocol/run.hpp"
 

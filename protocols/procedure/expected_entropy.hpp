@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/procedure/likelihood_table.hpp"
+#include "protocols/procedure/grid.hpp"
 
 namespace palpate::protocols {
 

@@ -9,7 +9,6 @@
 
 #include "protocols/procedure/estimate.hpp"
 #include "protocols/procedure/grid.hpp"
-#include "protocols/procedure/likelihood_table.hpp"
 
 namespace palpate::protocols {
 

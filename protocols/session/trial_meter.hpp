@@ -10,7 +10,6 @@
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/session/exploration_meter.hpp"
 #include "protocols/session/recorder.hpp"
-#include "protocols/session/stroke_counter.hpp"
 
 namespace palpate::protocols {
 

@@ -4,7 +4,7 @@
 #include "protocols/file/procedure_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/analysis/summary.hpp"
-#include "data/store/adaptive_store.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/store/people.hpp"
 #include "data/sync/merge.hpp"
 #include "data/verify/verify.hpp"

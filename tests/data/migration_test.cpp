@@ -1,6 +1,6 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/database.hpp"
-#include "data/store/migration.hpp"
+#include "data/store/own_schema.hpp"
 #include "data/store/row.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

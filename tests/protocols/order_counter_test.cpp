@@ -1,5 +1,4 @@
-#include "protocols/design/acceptance.hpp"
-#include "protocols/order/order_count.hpp"
+#include "protocols/design/plan_summary.hpp"
 #include "protocols/order/order_counter.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"

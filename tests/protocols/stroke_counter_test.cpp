@@ -1,7 +1,7 @@
 #include <variant>
 
 #include "stimuli/two_curve.hpp"
-#include "protocols/session/stroke_counter.hpp"
+#include "protocols/session/exploration_meter.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

@@ -1,7 +1,6 @@
 #include <complex>
 
 #include "ui/sound/faded_noise.hpp"
-#include "ui/sound/pink_noise.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;

@@ -4,7 +4,6 @@
 
 #include "engine/base/text.hpp"
 #include "data/store/chain.hpp"
-#include "data/store/destruction.hpp"
 #include "data/store/people.hpp"
 #include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"

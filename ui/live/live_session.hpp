@@ -13,7 +13,7 @@
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"
 #include "ui/live/live_board.hpp"
-#include "ui/rig/control_socket.hpp"
+#include "ui/rig/control_line.hpp"
 
 namespace palpate::ui {
 

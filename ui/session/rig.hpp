@@ -11,7 +11,7 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/session_store.hpp"
 #include "ui/rig/device_choice.hpp"
-#include "ui/rig/stop_button.hpp"
+#include "ui/rig/stop_lines.hpp"
 #include "ui/session/load_study.hpp"
 
 namespace palpate::ui {
