@@ -47,9 +47,17 @@ public:
     [[nodiscard]] ClosestPoint track(TrackState& state, const Vec2& h) const noexcept;
 
 private:
-    [[nodiscard]] ClosestPoint named(const TrackWindow& window,
-                                     const WindowFoot& found,
-                                     const Vec2& h) const noexcept;
+    template <class Curve>
+    [[gnu::always_inline]] ClosestPoint track_on(const Curve& curve,
+                                                 TrackState& state,
+                                                 const Vec2& h) const noexcept;
+    template <class Curve>
+    [[gnu::noinline]] ClosestPoint track_apart(const Curve& curve,
+                                               TrackState& state,
+                                               const Vec2& h) const noexcept;
+    ClosestPoint rest(TrackState& state, const Vec2& h) const noexcept;
+    static bool rival_is_due(const TrackState& state, double distance, const Vec2& h) noexcept;
+    ClosestPoint judge(TrackState& state, const WindowFoot& best, const Vec2& h) const noexcept;
     ClosestPoint search(TrackState& state, const Vec2& h) const noexcept;
     void open_rival(TrackState& state, const Vec2& h) const noexcept;
 

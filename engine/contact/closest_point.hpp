@@ -66,8 +66,12 @@ public:
     [[nodiscard]] ClosestPoint named(const Vec2& h,
                                      const Foot<2>& foot,
                                      const Vec2& tangent) const noexcept {
-        const bool amid = std::fabs(foot.u - 0.5) < 0.5 - kNearEnd && plain_[foot.span];
-        return amid ? on_span(h, foot, tangent, false) : near_end(h, foot, tangent);
+        return amid(foot.span, foot.u) ? on_span(h, foot, tangent, false)
+                                       : near_end(h, foot, tangent);
+    }
+    /// Far from the ends of the span, where named() is no matter of seams.
+    [[nodiscard]] bool amid(std::size_t span, double u) const noexcept {
+        return std::fabs(u - 0.5) < 0.5 - kNearEnd && plain_[span];
     }
     /// The closest point of h where h is nearest to a seam.
     [[nodiscard]] ClosestPoint at_seam(std::size_t seam, const Vec2& h) const noexcept;

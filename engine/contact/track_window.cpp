@@ -50,27 +50,6 @@ constexpr std::size_t kReach = 8;
 /// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
 constexpr double kWanted = 0.005;
 
-/// Whether h is at the end of a curve is known to this share of the lengths only: the seam's
-/// tangents are rounded, and so is the curve's own derivative there.
-constexpr double kVertexMargin = 1e-12;
-
-/// How far h is from seeing a maximum at the vertex, m: from being past it for the curve before it
-/// and not yet at it for the curve after. As h moves it shrinks by no more than h moves. < 0: a
-/// maximum, or within rounding of one. Straight below the end of one curve, the foot of the other
-/// would be missed.
-double clearance(const Seam& seam, const Vec2& h) noexcept {
-    const Vec2 gap = seam.point - h;
-    const double margin =
-        kVertexMargin * (std::fabs(gap.x) + std::fabs(gap.y) + std::fabs(h.x) + std::fabs(h.y));
-    return std::max(-glm::dot(gap, seam.tangent_in), glm::dot(gap, seam.tangent_out)) - margin;
-}
-
-/// On an arc, in units of its length instead of the span's parameter.
-Jet<2> jet_on(const Arc& arc, double s) noexcept {
-    const Arc::Point at = arc.at(s, 1.0 - s);
-    return {.point = at.point, .first = at.tangent, .second = -arc.curvature() * perp(at.tangent)};
-}
-
 }  // namespace
 
 WindowTracker::WindowTracker(const OutlineFeet& feet) : feet_(&feet) {
@@ -79,13 +58,13 @@ WindowTracker::WindowTracker(const OutlineFeet& feet) : feet_(&feet) {
     }
 }
 
-bool WindowTracker::one_minimum(const TrackWindow& window, const Vec2& h) const noexcept {
-    for (std::uint32_t i = 0; i < window.vertex_count; ++i) {
-        if (clearance(feet_->outline().seams()[window.vertices[i]], h) < 0.0) {
-            return false;
-        }
-    }
-    return true;
+WindowFoot WindowTracker::follow(TrackWindow& window, const Vec2& h) const noexcept {
+    const Arc* arc = feet_->outline().arc(window.span);
+    PairFoot foot;
+    const bool glides = arc != nullptr
+                          ? glide(*arc, window, h, foot)
+                          : glide(feet_->outline().spans()[window.span], window, h, foot);
+    return glides ? WindowFoot{.settled = true, .foot = foot.on(window.span)} : rest(window, h);
 }
 
 /// The foot of h, in this place of the window's span.
@@ -136,7 +115,7 @@ WindowFoot WindowTracker::walk(TrackWindow& s, const Vec2& h) const noexcept {
         if (arc != nullptr) {
             next = arc->foot(h);
         } else {
-            const Step newton(s.jet, h);
+            const FootStep newton(PairJet(s.jet), pair(h));
             slope = newton.slope;
             step = newton.by;
             if (i == 0) {
@@ -169,9 +148,9 @@ WindowFoot WindowTracker::walk(TrackWindow& s, const Vec2& h) const noexcept {
             return here(s, next, s.jet.point, h);
         }
         const double longest = taylor_[s.span];
-        const bool last = longest > 0.0
-                            ? std::fabs(step) <= longest && is_last_step(s.jet, slope, step)
-                            : is_straight_step(s.jet, step);
+        const bool last =
+            longest > 0.0 ? std::fabs(step) <= longest && is_last_step(PairJet(s.jet), slope, step)
+                          : is_straight_step(s.jet, step);
         if (!last) {
             s.u = next;
             s.jet = outline.spans()[s.span].at(next);

@@ -10,47 +10,8 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kUnclear = std::numeric_limits<double>::quiet_NaN();
 
-/// A root whose slope is below this share of the lengths in it is not sharp: beside a centre all
-/// places are feet, and the last bits of the span decide.
-constexpr double kSharp = 0x1p-10;
-
-/// The last nudge over the root grows by 4 at a time, from the last bit of d on.
-constexpr int kMaxNudges = 10;
-
 /// Halvings of the way to where a budget ends.
 constexpr int kBudgetHalvings = 40;
-
-/// Whether the square of a slope is that of a sharp root among these lengths, m. Mostly without the
-/// root of `far2`: (chord + far)^2 <= 2 (chord^2 + far^2), with room for rounding.
-bool is_sharp(double slope2, double chord, double far2) noexcept {
-    constexpr double kAmple = 2.0 * (1.0 + 1e-9) * kSharp * kSharp;
-    if (slope2 >= kAmple * (chord * chord + far2)) {
-        return true;
-    }
-    const double sharp = kSharp * (chord + std::sqrt(far2));
-    return slope2 >= sharp * sharp;
-}
-
-/// How far ahead of d in direction `dir` a form that is > 0 there first vanishes; NaN: unclear.
-/// @param chord  of the arc, m
-/// @param far2   squared distance of HIP, m^2
-double way_to_root(const Arc::Form& f, double d, double dir, double chord, double far2) noexcept {
-    const double here = f.value(d);
-    const double slope = dir * (f.c1 + 2.0 * d * f.c2);
-    const double under = slope * slope - 4.0 * f.c2 * here;
-    if (!is_sharp(std::fabs(under), chord, far2)) {
-        return kUnclear;
-    }
-    if (under < 0.0) {
-        return kNever;
-    }
-    const double root = std::sqrt(under);
-    if (slope < 0.0) {
-        return std::max(2.0 * here / (root - slope), 0.0);
-    }
-    const double way = (slope + root) / (-2.0 * f.c2);
-    return way >= 0.0 ? way : kNever;
-}
 
 /// Goes to the first place where the drive in direction task.dir is no more than mu times the load,
 /// as if any load were positive. @return load there; infinity: at the end of the arc, still driven
@@ -59,14 +20,14 @@ template <bool HasFriction>
 double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexcept {
     const double start = spot.u - spot.rest;
     const Vec2 gap = task.h - spot.jet.point;
-    const double way = way_to_root(arc.excess(task.h, mu, task.dir), start, task.dir, arc.chord(),
-                                   glm::dot(gap, gap));
+    const double way =
+        way_to_root(arc, arc.excess(task.h, mu, task.dir), start, task.dir, glm::dot(gap, gap));
     if (std::isnan(way)) {
         return kUnclear;
     }
     double d = start + task.dir * way;
     double nudge = kEpsilon;
-    for (int i = 0; i < kMaxNudges && task.dir * d < 1.0; ++i) {
+    for (int i = 0; i < falling::kMaxNudges && task.dir * d < 1.0; ++i) {
         spot = spot_at(arc, 0.5 + 0.5 * d, 0.5 - 0.5 * d);
         const Drive drive = drive_at(arc, spot.jet, task.h);
         if (drive.template direction<HasFriction>(mu) != task.dir) {
@@ -81,13 +42,6 @@ double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexc
     spot = task.dir > 0.0 ? spot_at(arc, 1.0, 0.0) : spot_at(arc, 0.0, 1.0);
     const Drive drive = drive_at(arc, spot.jet, task.h);
     return task.dir * drive.tangential > 0.0 ? kNever : drive.load;
-}
-
-/// The budget is enough for the way since `before`, whatever the angle between the two places.
-bool surely_pays(const SlideTask& task, const Spot& before, const Spot& spot, double used) {
-    const double left = std::max(task.budget - used, 0.0);
-    const Vec2 straight = spot.jet.point - before.jet.point;
-    return Arc::kMaxWay * Arc::kMaxWay * glm::dot(straight, straight) <= left * left;
 }
 
 /// Takes the way since `before` from the budget; false if the budget ends on it.
@@ -133,7 +87,8 @@ SlideEnd slide_on_arc(const Arc& arc, const SlideTask& task, Spot& spot, double&
         return SlideEnd::unclear;
     }
     const SlideEnd end = load < kNever ? SlideEnd::in_cone : SlideEnd::at_end;
-    if (limited && end == SlideEnd::in_cone && surely_pays(task, before, spot, used)) {
+    if (limited && end == SlideEnd::in_cone &&
+        surely_pays(spot.jet.point - before.jet.point, std::max(task.budget - used, 0.0))) {
         return end;  // the walk ends here: nobody asks how much is left
     }
     return limited && !pays(arc, task, before, spot, used) ? SlideEnd::out_of_budget : end;

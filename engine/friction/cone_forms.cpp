@@ -127,6 +127,10 @@ ConeForms::ConeForms(const Outline& outline, const Pieces<2>& pieces, double mu)
                                   repeats(curve, true) == 0,
                           .size = glm::length(curve.box().size())});
         add(pieces, whole(curve), 0.0, 1.0);
+        spans_[i].arc = outline.arc(i);
+        if (spans_[i].tame && spans_[i].arc == nullptr && curve.is_its_taylor_series()) {
+            spans_[i].cubic = &curve;
+        }
     }
     spans_.push_back({.first = pieces_.size()});
 }

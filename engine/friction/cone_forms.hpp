@@ -53,6 +53,12 @@ public:
     /// The span's own derivatives tell direction and drive to the last digits: it stands nowhere
     /// nearly still, and no weight is heavy.
     [[nodiscard]] bool tame(std::size_t span) const noexcept { return spans_[span].tame; }
+    /// The span, if it is tame, no arc, and its own Taylor series; else null.
+    [[nodiscard]] const RationalBezier<2>* cubic(std::size_t span) const noexcept {
+        return spans_[span].cubic;
+    }
+    /// The span, if it is an arc; else null.
+    [[nodiscard]] const Arc* arc(std::size_t span) const noexcept { return spans_[span].arc; }
     /// Size of the span's control points, m.
     [[nodiscard]] double size(std::size_t span) const noexcept { return spans_[span].size; }
 
@@ -73,6 +79,8 @@ private:
         std::size_t first = 0;  ///< piece
         bool tame = true;
         double size = 0.0;
+        const RationalBezier<2>* cubic = nullptr;
+        const Arc* arc = nullptr;
     };
     struct Part;
 

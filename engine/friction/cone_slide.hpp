@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "engine/friction/cone_forms.hpp"
 #include "engine/friction/fall.hpp"
@@ -50,6 +53,47 @@ struct Drive {
 [[nodiscard]] inline Spot spot_at(const Arc& arc, double u, double rest) noexcept {
     const Arc::Point at = arc.at(u, rest);
     return {.u = u, .rest = rest, .jet = {.point = at.point, .first = at.tangent}};
+}
+
+/// Whether the square of a slope is that of a sharp root among these lengths, m: beside a centre all
+/// places are feet, and the last bits of the span decide. Mostly without the root of `far2`:
+/// (chord + far)^2 <= 2 (chord^2 + far^2), with room for rounding.
+[[nodiscard]] inline bool is_sharp_root(double slope2, double chord, double far2) noexcept {
+    constexpr double kSharp = 0x1p-10;  // share of the lengths
+    constexpr double kAmple = 2.0 * (1.0 + 1e-9) * kSharp * kSharp;
+    if (slope2 >= kAmple * (chord * chord + far2)) {
+        return true;
+    }
+    const double sharp = kSharp * (chord + std::sqrt(far2));
+    return slope2 >= sharp * sharp;
+}
+
+/// How far ahead of d in direction `dir` a form of the arc that is > 0 there first vanishes;
+/// infinity: nowhere; NaN: unclear.
+/// @param far2   squared distance of HIP, m^2
+[[nodiscard, gnu::always_inline]] inline double way_to_root(
+    const Arc& arc, const Arc::Form& f, double d, double dir, double far2) noexcept {
+    const double here = f.value(d);
+    const double slope = dir * (f.c1 + 2.0 * d * f.c2);
+    const double under = slope * slope - 4.0 * f.c2 * here;
+    if (!is_sharp_root(std::fabs(under), arc.chord(), far2)) {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+    if (under < 0.0) {
+        return std::numeric_limits<double>::infinity();
+    }
+    const double root = std::sqrt(under);
+    if (slope < 0.0) {
+        return std::max(2.0 * here / (root - slope), 0.0);
+    }
+    const double way = (slope + root) / (-2.0 * f.c2);
+    return way >= 0.0 ? way : std::numeric_limits<double>::infinity();
+}
+
+/// A budget of `left` m is enough for the way along an arc between two places, whatever the angle
+/// between them. @param straight  from one to the other, m
+[[nodiscard]] inline bool surely_pays(const Vec2& straight, double left) noexcept {
+    return Arc::kMaxWay * Arc::kMaxWay * glm::dot(straight, straight) <= left * left;
 }
 
 /// Over a part of a span, whole pieces, the excess is known to fall, for every HIP near this one.

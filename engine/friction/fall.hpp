@@ -77,6 +77,7 @@ inline constexpr double kShort = 0x1p-12;
 inline constexpr double kRoot = 0x1p-46;
 
 /// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
+inline constexpr double kNudge = 2.0 * kEpsilon;
 inline constexpr int kMaxNudges = 10;
 
 /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact
@@ -87,7 +88,7 @@ template <bool HasFriction>
                                           Spot& spot,
                                           double step,
                                           double deepest) noexcept {
-    double nudge = 2.0 * kEpsilon;
+    double nudge = kNudge;
     for (int i = 0; i < kMaxNudges; ++i) {
         const double next = std::clamp(spot.u + (step + way.dir * nudge), way.lo, way.hi);
         const Jet<2> jet = way.curve.beside(spot.jet, next - spot.u);

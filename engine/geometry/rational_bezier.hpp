@@ -101,6 +101,8 @@ public:
 
     /// Taylor's series of a jet is the curve: a polynomial up to degree 3.
     [[nodiscard]] bool is_its_taylor_series() const noexcept { return horner_; }
+    /// Its coefficients of u^k then, about origin().
+    [[nodiscard]] const Vec<D>& power(std::size_t k) const noexcept { return power_[k]; }
     /// The jet a step `du` beside one of this curve, by Taylor's series: of third order where that
     /// is the curve itself, of second order elsewhere. Its point is right to a few last bits of the
     /// step.

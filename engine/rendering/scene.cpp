@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/base/text.hpp"
+#include "engine/friction/walk_at_once.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -15,6 +16,22 @@ namespace {
 bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
     const double speed2 = glm::dot(jet.first, jet.first);
     return speed2 + glm::dot(jet.point - h, jet.second) > 0.1 * speed2;
+}
+
+/// The spring of a god-object in its cone. Every member is named, for else all are set to zero first.
+Contact pressed_by(const Walk& walk, const Vec2& hip, const Place& place, double k) noexcept {
+    return {.mode = Mode::stuck,
+            .place = place,
+            .go = walk.point,
+            .force = k * (walk.point - hip),
+            .normal_force = k * walk.nu,
+            .tangential_force = -k * walk.tau,
+            .mu = 0.0,
+            .vertex_slew = walk.out_of_budget,
+            .outside_cone = walk.outside_cone,
+            .unproven = walk.unproven,
+            .refused = false,
+            .skipped = false};
 }
 
 /// What the walk of the god-object gives: with a law of friction of its own none.
@@ -110,6 +127,48 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
 
 template <bool HasFriction, bool HasSlew, bool HasDamper>
 Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
+    if (state.touching && !state.go.place.on_seam) {
+        const RationalBezier<2>* cubic = forms_.cubic(state.go.place.index);
+        if (cubic == nullptr) {
+            return arc_step<HasFriction, HasSlew, HasDamper>(state, hip);
+        }
+        const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
+        Walk walk;
+        if (walk_at_once<HasFriction, HasSlew>(Cubic{*cubic}, state.go, hip, mu,
+                                               budget<HasSlew>(state, hip), walk)) {
+            state.last_hip = hip;
+            return felt<HasFriction, HasDamper>(state, walk, hip, mu);
+        }
+    }
+    return long_step<HasFriction, HasSlew, HasDamper>(state, hip);
+}
+
+template <bool HasFriction, bool HasSlew, bool HasDamper>
+[[gnu::noinline]] Contact Scene::arc_step(ContactState& state, const Vec2& hip) const noexcept {
+    if (const Arc* arc = forms_.arc(state.go.place.index)) {
+        const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
+        Walk walk;
+        if (walk_at_once<HasFriction, HasSlew>(*arc, state.go, hip, mu, budget<HasSlew>(state, hip),
+                                               walk)) {
+            state.last_hip = hip;
+            return felt<HasFriction, HasDamper>(state, walk, hip, mu);
+        }
+    }
+    return long_step<HasFriction, HasSlew, HasDamper>(state, hip);
+}
+
+/// Travel allowed in this tick, m.
+template <bool HasSlew>
+double Scene::budget(const ContactState& state, const Vec2& hip) const noexcept {
+    if constexpr (HasSlew) {
+        const double travelled = state.started ? glm::length(hip - state.last_hip) : 0.0;
+        return 2.0 * travelled + spec_.slew.speed * spec_.period;
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+template <bool HasFriction, bool HasSlew, bool HasDamper>
+[[gnu::noinline]] Contact Scene::long_step(ContactState& state, const Vec2& hip) const noexcept {
     state.clear2 = 0.0;
     if (!std::isfinite(hip.x) || !std::isfinite(hip.y)) {
         state.touching = false;
@@ -117,19 +176,17 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
         state.last_spring = Vec2{};
         return {.refused = true};
     }
-    const double travelled = HasSlew && state.started ? glm::length(hip - state.last_hip) : 0.0;
+    const double way = budget<HasSlew>(state, hip);
     const Vec2 from = HasSlew ? state.last_hip : hip;
     state.started = true;
     state.last_hip = hip;
     if (!state.touching) {
         return look<HasFriction, HasDamper>(state, hip);
     }
-    const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
-                                  : std::numeric_limits<double>::infinity();
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
     Walk walk;
-    if (!walk_on_span<HasFriction>(forms_, state.go, hip, mu, budget, walk)) {
-        walk = walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, budget,
+    if (!walk_on_span<HasFriction>(forms_, state.go, hip, mu, way, walk)) {
+        walk = walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, way,
                                             HasSlew ? spec_.slew.radius : 0.0);
     }
     if (walk.nu <= 0.0 && !walk.out_of_budget) {
@@ -168,26 +225,18 @@ template <bool HasFriction, bool HasDamper>
                                                   const Walk& walk,
                                                   const Vec2& hip,
                                                   double mu) const noexcept {
-    const double k = spec_.stiffness;
-    Contact contact{.mode = mode_of<HasFriction>(walk.slid, state.theta, spec_.friction),
-                    .place = state.go.place,
-                    .go = walk.point,
-                    .mu = mu,
-                    .vertex_slew = walk.out_of_budget,
-                    .outside_cone = walk.outside_cone,
-                    .unproven = walk.unproven};
+    Contact contact = pressed_by(walk, hip, state.go.place, spec_.stiffness);
+    contact.mode = mode_of<HasFriction>(walk.slid, state.theta, spec_.friction);
+    contact.mu = mu;
     if (walk.outside_cone) {
         // The GO could not reach its cone in this tick: keep what the surface can carry here.
+        const double k = spec_.stiffness;
         const double load = std::max(walk.nu, 0.0);
         const double limit = cone_radius<HasFriction>(mu, load);
         contact.normal_force = k * load;
         contact.tangential_force = k * std::clamp(-walk.tau, -limit, limit);
         contact.force =
             contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
-    } else {
-        contact.force = k * (walk.point - hip);
-        contact.normal_force = k * walk.nu;
-        contact.tangential_force = -k * walk.tau;
     }
     if constexpr (HasDamper) {
         damp<HasFriction>(state, walk, contact);

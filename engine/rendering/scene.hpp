@@ -134,11 +134,13 @@ public:
 
     /// The contact after HIP moved to `hip`. No allocation, no lock; bit-reproducible.
     [[nodiscard]] Contact tick(ContactState& state, const Vec2& hip) const noexcept {
-        const Vec2 moved = hip - state.clear_from;
-        if (glm::dot(moved, moved) < state.clear2) {
-            state.last_hip = hip;
-            ++state.skipped;
-            return state.away;
+        if (!state.touching) {
+            const Vec2 moved = hip - state.clear_from;
+            if (glm::dot(moved, moved) < state.clear2) {
+                state.last_hip = hip;
+                ++state.skipped;
+                return state.away;
+            }
         }
         return (this->*step_)(state, hip);
     }
@@ -177,6 +179,12 @@ private:
 
     template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
+    template <bool HasFriction, bool HasSlew, bool HasDamper>
+    Contact arc_step(ContactState& state, const Vec2& hip) const noexcept;
+    template <bool HasFriction, bool HasSlew, bool HasDamper>
+    Contact long_step(ContactState& state, const Vec2& hip) const noexcept;
+    template <bool HasSlew>
+    [[nodiscard]] double budget(const ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction, bool HasDamper>
     [[nodiscard]] Contact look(ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction, bool HasDamper>
