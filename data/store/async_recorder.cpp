@@ -149,4 +149,16 @@ bool AsyncRecorder::save() {
     return saved;
 }
 
+void AsyncRecorder::event_soon(protocols::Event event, std::function<void()> stored) {
+    const std::scoped_lock lock(mutex_);
+    if (!error_) {
+        queue_ticks();
+        work_.emplace([this, event = std::move(event), stored = std::move(stored)] {
+            recorder_.event(event);
+            stored();
+        });
+        changed_.notify_all();
+    }
+}
+
 }  // namespace palpate::data

@@ -51,6 +51,10 @@ public:
         wait_for([&] { recorder_.finish_session(); });
     }
 
+    /// Waits for nothing, so that it may be called while something is felt.
+    /// @param stored  on the recorder's thread, once it is durable; never, if it cannot be stored
+    void event_soon(protocols::Event event, std::function<void()> stored);
+
 private:
     /// With the lock: the ticks that append() gathered become work.
     void queue_ticks();

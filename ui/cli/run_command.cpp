@@ -114,28 +114,6 @@ void check_device(const RunOptions& options, const RigSpec& spec) {
     }
 }
 
-/// Of a rig that gives force: what was commissioned, or why nobody may hold it in a real session.
-void check_record(RigSpec& spec, const std::string& device) {
-    if (!held_by_a_person(spec.device.kind) || !gives_force(spec.device.kind)) {
-        return;
-    }
-    const protocols::RigFile rig = spec.calibration.empty()
-                                     ? protocols::RigFile{calibration_of(spec.device, {})}
-                                     : protocols::load_rig(spec.calibration);
-    const std::string why =
-        objection(rig.record ? &*rig.record : nullptr, rig.calibration, device, spec.calibration);
-    if (why.empty()) {
-        spec.record = rig.record;
-    } else if (spec.kind == data::RunKind::real) {
-        throw std::invalid_argument("no real session: " + why);
-    } else {
-        warn("{}{}", why,
-             unproved(spec)
-                 ? fmt::format(". Until then it gives {:g} N at most", protocols::kUnprovedForce)
-                 : "");
-    }
-}
-
 /// What is noted of the participant; none: nobody of that code is known.
 using Person = std::optional<data::Participant>;
 
@@ -298,7 +276,7 @@ RigSpec rig_spec(const RunOptions& options) {
     spec.handle_free = options.handle_free;
     spec.kind = kind_of(options, spec.device, spec.study.protocol);
     check_device(options, spec);
-    check_record(spec, options.device);
+    take_record(spec, options.device);
     check_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;

@@ -69,23 +69,41 @@ std::optional<PageFile> console_file(std::string_view path) {
                                : std::nullopt;
 }
 
+/// @param holds  what a PEM file of its kind has
+std::string pem_text(const std::string& file, std::string_view holds) {
+    std::error_code none;
+    std::string text = std::filesystem::is_regular_file(file, none) ? file_text(file) : "";
+    if (text.find(holds) == std::string::npos) {
+        throw std::invalid_argument(fmt::format(
+            "{}: {}; --tls takes a certificate and its key, two PEM files: openssl req -x509 "
+            "-nodes "
+            "-newkey rsa:2048 -addext subjectAltName=IP:ADDRESS -subj /CN=palpate -keyout KEY -out "
+            "CERT makes them",
+            file,
+            text.empty() ? "no file that can be read is there"
+                         : fmt::format("has no line \"-----BEGIN ... {}\"", holds)));
+    }
+    return text;
+}
+
 int run(const ConsoleOptions& options) {
     catch_signals();
     if (!options.tls.empty() && options.tls.size() != 2) {
         throw std::invalid_argument("--tls takes two files: --tls CERT KEY");
     }
-    auto watched = std::make_shared<WatchedSession>(the_session(options.of));
     PageServerSpec spec;
+    const bool acts = options.listen.empty() || options.act;
+    if (!options.listen.empty()) {
+        spec.address = options.listen;
+        spec.certificate = pem_text(options.tls[0], "CERTIFICATE-----");
+        spec.key = pem_text(options.tls[1], "PRIVATE KEY-----");
+    }
+    auto watched = std::make_shared<WatchedSession>(the_session(options.of), acts);
     spec.file = console_file;
     spec.open = [watched] {
         return std::make_unique<SessionStream>(watched);
     };
-    if (!options.listen.empty()) {
-        spec.address = options.listen;
-        spec.certificate = file_text(options.tls[0]);
-        spec.key = file_text(options.tls[1]);
-    }
-    if (options.listen.empty() || options.act) {
+    if (acts) {
         spec.act = [watched](const std::string& line) {
             return watched->ask(line);
         };

@@ -1,6 +1,7 @@
 #include "ui/console/page_server.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -129,8 +130,8 @@ struct PageRequest {
     static bool comes_from_here(const PageServer& server, MHD_Connection* connection, bool acts) {
         const std::string_view host = value_of(connection, MHD_HEADER_KIND, "Host");
         const std::string local = "localhost:" + server.port_;
-        const bool here = host == server.host_ ||
-                          (server.spec_.address == "127.0.0.1" && host == std::string_view(local));
+        const bool here = host == server.host_ || (server.spec_.address == PageServerSpec::kHere &&
+                                                   host == std::string_view(local));
         const std::string_view origin = value_of(connection, MHD_HEADER_KIND, "Origin");
         const std::string own =
             fmt::format("{}://{}", server.spec_.certificate.empty() ? "http" : "https", host);
@@ -152,6 +153,9 @@ struct PageRequest {
     }
 
     static MHD_Result get(PageServer& server, MHD_Connection* connection, std::string_view path) {
+        if (path == "/favicon.ico") {
+            return answer(connection, MHD_HTTP_NO_CONTENT, "", "image/x-icon");
+        }
         if (path == "/stream") {
             auto stream = std::make_unique<Stream>();
             stream->source = server.spec_.open();
@@ -246,29 +250,39 @@ PageServer::PageServer(PageServerSpec spec)
     sockaddr_in where{};
     where.sin_family = AF_INET;
     where.sin_port = htons(spec_.port);
-    if (inet_pton(AF_INET, spec_.address.c_str(), &where.sin_addr) != 1) {
-        throw std::invalid_argument(
-            fmt::format("{} is no address of this machine, such as 192.168.1.5", spec_.address));
+    const std::string no_address =
+        fmt::format("{} is no address of this machine, such as 192.168.1.5; hostname -I lists them",
+                    spec_.address);
+    if (inet_pton(AF_INET, spec_.address.c_str(), &where.sin_addr) != 1 ||
+        where.sin_addr.s_addr == INADDR_ANY) {
+        throw std::invalid_argument(no_address);
     }
     const bool tls = !spec_.certificate.empty();
+    if (!tls && spec_.address != PageServerSpec::kHere) {
+        throw std::invalid_argument(spec_.address +
+                                    ": only by TLS, with a certificate and its key");
+    }
     const unsigned flags = MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
                            MHD_USE_POLL | (tls ? unsigned{MHD_USE_TLS} : 0U);
     const MHD_OptionItem certificates[]{{MHD_OPTION_HTTPS_MEM_CERT, 0, spec_.certificate.data()},
                                         {MHD_OPTION_HTTPS_MEM_KEY, 0, spec_.key.data()},
                                         {MHD_OPTION_END, 0, nullptr}};
+    errno = 0;
     daemon_ = MHD_start_daemon(flags, 0, nullptr, nullptr, &PageRequest::heard, this,
                                MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_NOTIFY_COMPLETED,
                                &PageRequest::completed, nullptr, MHD_OPTION_CONNECTION_LIMIT,
                                kConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory,
                                MHD_OPTION_CONNECTION_TIMEOUT, kSilence, MHD_OPTION_ARRAY,
                                tls ? certificates : certificates + 2, MHD_OPTION_END);
+    const int error = errno;
     const MHD_DaemonInfo* bound =
         daemon_ == nullptr ? nullptr : MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT);
     if (bound == nullptr) {
-        throw std::runtime_error(fmt::format(
-            "a page cannot be served at {}{}", spec_.address,
-            tls ? ": check the address, and that certificate and key are PEM and belong together"
-                : ""));
+        throw std::runtime_error(
+            error == EADDRNOTAVAIL ? no_address
+            : tls ? "the key is not that of the certificate, or one of them is no whole PEM"
+                  : fmt::format("a page cannot be served at {}: {}", spec_.address,
+                                std::strerror(error)));
     }
     port_ = std::to_string(bound->port);
     host_ = spec_.address + ":" + port_;

@@ -41,10 +41,11 @@ public:
 };
 
 struct PageServerSpec {
-    std::string address = "127.0.0.1";
-    std::uint16_t port = 0;     ///< 0: a free one
-    std::string certificate{};  ///< PEM; empty: http
-    std::string key{};          ///< PEM
+    static constexpr const char* kHere = "127.0.0.1";
+    std::string address = kHere;  ///< another one takes a certificate and its key
+    std::uint16_t port = 0;       ///< 0: a free one
+    std::string certificate{};    ///< PEM; empty: http
+    std::string key{};            ///< PEM
     /// What is at "/", "/console.js", ...; none: nothing is. On any thread.
     std::function<std::optional<PageFile>(std::string_view path)> file{};
     std::function<std::unique_ptr<EventSource>()> open{};
@@ -58,6 +59,8 @@ public:
     static constexpr std::int64_t kPace = 33 * kMillisecond;
     static constexpr std::size_t kLongestBody = 8192;
 
+    /// @throws std::invalid_argument for what is no single address of this machine, and for an
+    ///         address other than kHere in the clear
     /// @throws std::runtime_error if it cannot listen there
     explicit PageServer(PageServerSpec spec);
     PageServer(const PageServer&) = delete;

@@ -79,7 +79,8 @@ std::string event_text(std::string_view name, const Json& data) {
 
 }  // namespace
 
-WatchedSession::WatchedSession(RunningSession session) : session_(std::move(session)) {}
+WatchedSession::WatchedSession(RunningSession session, bool acts)
+    : session_(std::move(session)), acts_(acts) {}
 
 /// A file that cannot be read says nothing.
 void WatchedSession::look_beside() {
@@ -118,6 +119,7 @@ std::string WatchedSession::state() {
     state["disk_free_mb"] = disk_free_mb_;
     state["saved_ms"] = written_ms_ < 0 ? Json(nullptr) : Json(written_ms_);
     state["seal"] = json_or_null(seal_);
+    state["act"] = acts_;
     state["alive"] = there;
     if (!there) {
         state["force"] = {{"on", false}, {"why", "the session's program is gone"}};

@@ -13,7 +13,8 @@ namespace palpate::ui {
 /// What all pages of one session share: the session, and what its file and its disk say beside.
 class WatchedSession {
 public:
-    explicit WatchedSession(RunningSession session);
+    /// @param acts  its pages may act
+    WatchedSession(RunningSession session, bool acts);
 
     [[nodiscard]] const RunningSession& session() const noexcept { return session_; }
     /// The state as the page takes it; empty: none could be read. Any thread.
@@ -27,6 +28,7 @@ private:
     void look_beside();
 
     RunningSession session_;
+    bool acts_;
     std::mutex mutex_;
     std::unique_ptr<data::Database> database_;
     std::int64_t looked_ns_ = 0;

@@ -44,6 +44,7 @@ public:
                          {"next_break_in", json_or_null(next_break())},
                          {"answered", facts.answered},
                          {"alarm", board_.alarm_},
+                         {"pausing", board_.wishes_.first},
                          {"force", {{"on", force_on()}, {"why", why()}}},
                          {"reveal", protocol.reveal == protocols::Reveal::never ? "never"
                                     : board_.revealed_                          ? "shown"
@@ -66,7 +67,7 @@ private:
                                 : std::nullopt;
         state["device"] = {{"name", facts.device},
                            {"calibration", json_or_null(facts.calibration)},
-                           {"round_trip_us", nullptr},
+                           {"round_trip_us", json_or_null(facts.round_trip_us)},
                            {"check", json_or_null(facts.check)},
                            {"guard", json_or_null(facts.guard)},
                            {"dead_man", json_or_null(dead_man)}};

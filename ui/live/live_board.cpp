@@ -231,6 +231,7 @@ bool LiveBoard::forget_half() {
 
 void LiveBoard::show() noexcept {
     shown_ns_ = monotonic_ns();
+    wishes_ = wishes();
     unless_no_memory([&] {
         std::string json = text();
         while (json.size() > LiveWriter::kStateRoom && forget_half()) {

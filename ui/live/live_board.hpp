@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
@@ -29,6 +30,7 @@ struct LiveFacts {
     std::string calibration{};  ///< its name; empty: none
     std::string check{};        ///< of the rig; empty: none
     std::string guard{};        ///< what ends the force when this machine does not; empty: nothing
+    std::optional<double> round_trip_us{};  ///< none: it was not measured
     bool gives_force = false;
     bool screen = false;                 ///< a person sits at one
     std::optional<double> masking_db{};  ///< none: no noise is played
@@ -79,7 +81,12 @@ public:
     void marked(const protocols::MarkReply& reply, const std::string& reason) noexcept;
     void noted(const std::string& text) noexcept;
     void reveal() noexcept;
-    void show() noexcept;
+    /// Shows what became another wish at the desk.
+    void look() noexcept {
+        if (wishes() != wishes_) {
+            show();
+        }
+    }
 
 private:
     static constexpr std::array<double, 8> kEdges{5, 10, 20, 50, 100, 200, 500, 1000};
@@ -103,6 +110,10 @@ private:
     };
     class Text;
 
+    [[nodiscard]] std::pair<bool, bool> wishes() const noexcept {
+        return {desk_.wants_pause(), desk_.wants_stop()};
+    }
+    void show() noexcept;
     /// All of it as JSON, in one line.
     [[nodiscard]] std::string text() const;
     void draw_outline();
@@ -117,6 +128,7 @@ private:
     LivePhase phase_ = LivePhase::welcome;
     std::int64_t phase_ns_ = 0;
     std::int64_t shown_ns_ = 0;
+    std::pair<bool, bool> wishes_{};  ///< a pause and a stop, as they are shown
     protocols::TrialNumber trial_{};
     std::size_t interval_ = 1;
     protocols::TroubleView trouble_{};

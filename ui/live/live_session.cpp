@@ -43,7 +43,7 @@ std::string random_word() {
 void LiveSession::begin(LiveFacts facts,
                         const protocols::Protocol& protocol,
                         const protocols::Plan& plan,
-                        protocols::Recorder& recorder) {
+                        data::AsyncRecorder& recorder) {
     operator_ = facts.operator_name;
     never_reveals_ = protocol.reveal == protocols::Reveal::never;
     recorder_ = &recorder;
@@ -62,14 +62,10 @@ void LiveSession::begin(LiveFacts facts,
     open_ = true;
 }
 
-void LiveSession::end(std::string_view how, bool keep) {
-    if (!open_.exchange(false)) {
-        return;
-    }
-    board_->end(how);
-    if (keep) {
+void LiveSession::end(std::string_view how) {
+    if (open_.exchange(false)) {
+        board_->end(how);
         obey_all();
-        keep_all();
     }
 }
 
@@ -146,9 +142,18 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
 
 // ---- on the session's thread
 
-bool LiveSession::may_wait() const noexcept {
-    const LivePhase phase = board_->phase();
-    return phase != LivePhase::explore && phase != LivePhase::question;
+void LiveSession::look() {
+    if (asked_.load(std::memory_order_relaxed)) {
+        obey_all();
+    }
+    if (revealed_ && !board_->revealed()) {
+        board_->reveal();
+    }
+    board_->look();
+    if (beside_ && board_->phase() != LivePhase::explore &&
+        board_->phase() != LivePhase::question) {
+        beside_();
+    }
 }
 
 void LiveSession::obey_all() {
@@ -164,9 +169,6 @@ void LiveSession::obey_all() {
     for (const Asked& asked : all) {
         obey(asked);
     }
-    if (may_wait()) {
-        keep_all();
-    }
 }
 
 void LiveSession::obey(const Asked& asked) {
@@ -179,13 +181,32 @@ void LiveSession::obey(const Asked& asked) {
     } else if (asked.what == "mark") {
         mark(asked);
     } else if (asked.what == "note") {
-        notes_.push_back({asked.text, trial_});
-        board_->noted(asked.text);
-        asked.caller->answer(true, may_wait() ? "noted" : "noted; stored after this answer");
+        note(asked);
     } else {
-        reveal_wanted_ = true;
-        asked.caller->answer(true, may_wait() ? "shown from now on" : "shown after this answer");
+        reveal(asked);
     }
+}
+
+/// The answer comes once it is on the disk.
+void LiveSession::note(const Asked& asked) {
+    board_->noted(asked.text);
+    recorder_->event_soon({.kind = protocols::EventKind::note, .text = asked.text, .trial = trial_},
+                          [caller = asked.caller] { caller->answer(true, "noted"); });
+}
+
+/// Nothing is shown before the file says that it is.
+void LiveSession::reveal(const Asked& asked) {
+    if (std::exchange(reveal_wanted_, true)) {
+        asked.caller->answer(true, "it is shown already");
+        return;
+    }
+    recorder_->event_soon({.kind = protocols::EventKind::reveal,
+                           .text = "what is felt and answered is shown to the experimenter",
+                           .value = operator_},
+                          [this, caller = asked.caller] {
+                              revealed_ = true;
+                              caller->answer(true, "shown from now on");
+                          });
 }
 
 void LiveSession::pause(const Caller& caller) {
@@ -207,10 +228,11 @@ void LiveSession::go_on(const Caller& caller) {
             false,
             "at the participant's screen alone, where the handle is seen: Ctrl+Shift+P, or "
             "what it says there");
-    } else if (phase == LivePhase::pause || desk_.wants_pause()) {
-        desk_.pause();
-        caller.answer(true,
-                      phase == LivePhase::pause ? "it goes on" : "it does not pause after all");
+    } else if (const bool waits = phase == LivePhase::pause; waits || desk_.wants_pause()) {
+        if (desk_.wants_pause() != waits) {  // else somebody else asked before
+            desk_.pause();
+        }
+        caller.answer(true, waits ? "it goes on" : "it does not pause after all");
     } else {
         caller.answer(false, "nothing waits for the experimenter");
     }
@@ -228,28 +250,6 @@ void LiveSession::mark(const Asked& asked) {
 void LiveSession::marked(const protocols::MarkReply& reply) {
     reply_ = reply;
     board_->marked(reply, std::exchange(reason_, {}));
-}
-
-void LiveSession::attempted(const protocols::Progress& progress,
-                            std::optional<double> minutes,
-                            bool alarm) {
-    board_->attempted(progress, minutes, alarm);
-    keep_all();
-}
-
-/// Each is forgotten first: one that the disk refuses ends the session, and once is enough.
-void LiveSession::keep_all() {
-    for (const Kept& note : std::exchange(notes_, {})) {
-        recorder_->event(
-            {.kind = protocols::EventKind::note, .text = note.text, .trial = note.trial});
-    }
-    if (std::exchange(reveal_wanted_, false) && !revealed_) {
-        recorder_->event({.kind = protocols::EventKind::reveal,
-                          .text = "what is felt and answered is shown to the experimenter",
-                          .value = operator_});
-        revealed_ = true;
-        board_->reveal();
-    }
 }
 
 }  // namespace palpate::ui

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"
+#include "data/store/async_recorder.hpp"
 #include "ui/live/live_board.hpp"
 #include "ui/rig/control_line.hpp"
 
@@ -29,22 +31,22 @@ public:
     void begin(LiveFacts facts,
                const protocols::Protocol& protocol,
                const protocols::Plan& plan,
-               protocols::Recorder& recorder);
-    /// What was asked for and not yet done is not done any more; what is to be kept is kept.
-    /// @param how   "finished", "ended early", ...
-    /// @param keep  the recorder still takes what was asked to be kept
-    void end(std::string_view how, bool keep = true);
+               data::AsyncRecorder& recorder);
+    /// What was asked for and not yet done is not done any more.
+    /// @param how  "finished", "ended early", ...
+    void end(std::string_view how);
     [[nodiscard]] LiveBoard& board() noexcept { return *board_; }
 
     /// Does what was asked for; called again and again on the session's thread.
     void pump() {
-        if (asked_.load(std::memory_order_relaxed)) {
-            obey_all();
+        if (open_.load(std::memory_order_relaxed)) {
+            look();
         }
     }
+    /// @param look  called by pump() while nothing is felt and no answer is timed
+    void beside(std::function<void()> look) { beside_ = std::move(look); }
     /// The running trial, for notes; none between trials.
     void in_trial(std::optional<protocols::TrialId> trial) noexcept { trial_ = trial; }
-    void attempted(const protocols::Progress& progress, std::optional<double> minutes, bool alarm);
     void marked(const protocols::MarkReply& reply);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
@@ -62,10 +64,6 @@ private:
         std::string word;
         std::int64_t until_ns = 0;
     };
-    struct Kept {
-        std::string text;
-        std::optional<protocols::TrialId> trial;
-    };
     [[nodiscard]] bool confirmed(Word& word,
                                  const std::string& given,
                                  const Caller& caller,
@@ -74,17 +72,17 @@ private:
     void end_early(const std::string& word, const Caller& caller);
     [[nodiscard]] bool may_reveal(const std::string& word, const Caller& caller);
 
+    void look();
     void obey_all();
     void obey(const Asked& asked);
     void pause(const Caller& caller);
     void go_on(const Caller& caller);
     void mark(const Asked& asked);
-    void keep_all();
-    /// Storing waits for the disk: not while something is felt or an answer is timed.
-    [[nodiscard]] bool may_wait() const noexcept;
+    void note(const Asked& asked);
+    void reveal(const Asked& asked);
 
     protocols::OperatorDesk& desk_;
-    protocols::Recorder* recorder_ = nullptr;
+    data::AsyncRecorder* recorder_ = nullptr;
     std::unique_ptr<LiveBoard> board_;
     std::unique_ptr<LiveReader> reader_;  ///< of the board, for the socket's thread
     std::string head_;                    ///< of every answer to "state", a JSON object unended
@@ -99,8 +97,8 @@ private:
     Word end_{};
     Word reveal_{};
 
+    std::function<void()> beside_;
     std::optional<protocols::TrialId> trial_{};
-    std::vector<Kept> notes_;
     bool reveal_wanted_ = false;
     std::string reason_;  ///< of the mark that is on its way
     std::optional<protocols::MarkReply> reply_{};

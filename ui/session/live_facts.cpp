@@ -33,6 +33,8 @@ LiveFacts live_facts(const RigSpec& spec,
             .calibration = calibration == felt.provenance.end() ? "" : calibration->second,
             .check = fact_of(felt, protocols::kRigCheck),
             .guard = fact_of(felt, "device watchdog"),
+            .round_trip_us =
+                felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
             .gives_force = gives_force(spec.device.kind),
             .answered = opened.progress.pending().answered(),
             .left = opened.progress.pending().order().size()};

@@ -12,6 +12,7 @@
 #include "data/store/reader.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -106,6 +107,27 @@ bool unproved(const RigSpec& spec) {
            gives_force(spec.device.kind) && !spec.record;
 }
 
+void take_record(RigSpec& spec, const std::string& device) {
+    if (!held_by_a_person(spec.device.kind) || !gives_force(spec.device.kind)) {
+        return;
+    }
+    const protocols::RigFile rig = spec.calibration.empty()
+                                     ? protocols::RigFile{calibration_of(spec.device, {})}
+                                     : protocols::load_rig(spec.calibration);
+    const std::string why =
+        objection(rig.record ? &*rig.record : nullptr, rig.calibration, device, spec.calibration);
+    if (why.empty()) {
+        spec.record = rig.record;
+    } else if (spec.kind == data::RunKind::real) {
+        throw std::invalid_argument("no real session: " + why);
+    } else {
+        warn("{}{}", why,
+             unproved(spec)
+                 ? fmt::format(". Until then it gives {:g} N at most", protocols::kUnprovedForce)
+                 : "");
+    }
+}
+
 data::TrialDevice felt_on(const RigSpec& spec) {
     const DeviceChoice& device = spec.device;
     const engine::Calibration calibration = calibration_of(device, spec.calibration);
@@ -145,7 +167,8 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     if (apparatus->device().traits().gives_force) {
         opened.rest = rest_text(margins_of(spec.study.protocol, apparatus->device()));
         opened.refused = refusals(apparatus->rights());
-        if (const double trip = apparatus->device().traits().round_trip; trip > 0.0) {
+        opened.round_trip = apparatus->device().traits().round_trip;
+        if (opened.round_trip > 0.0) {
             opened.provenance.emplace_back(
                 "reply delay",
                 fmt::format("{:g} of the period", apparatus->device().traits().delay_ticks));

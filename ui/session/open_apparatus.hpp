@@ -18,7 +18,8 @@ struct OpenedApparatus {
     std::unique_ptr<protocols::Apparatus> port;
     std::unique_ptr<StayAwake> awake;  ///< where a person is to hold a device that gives force
     std::vector<protocols::Finding> findings;  ///< against device and protocol together
-    std::string rest;  ///< when a contact on it comes to rest; empty: not known
+    double round_trip = 0.0;  ///< s from a question to the device's answer; 0: not measured
+    std::string rest;         ///< when a contact on it comes to rest; empty: not known
     std::vector<std::string>
         refused;  ///< real-time rights of a servo that gives force, with the remedy
     std::vector<OpeningFact> opening;                             ///< of a rig that was proved
@@ -28,6 +29,11 @@ struct OpenedApparatus {
 /// A person holds a rig in it that gives force and that nobody proved: kUnprovedForce is all that
 /// it may give.
 [[nodiscard]] bool unproved(const RigSpec& spec);
+
+/// Of a rig that gives force to a person: puts what was commissioned into `spec`, and says where
+/// nothing was. @param device  as --device has it
+/// @throws std::invalid_argument why nobody may hold it in a real session
+void take_record(RigSpec& spec, const std::string& device);
 
 /// What the device of `spec` calls itself, and the calibration that trials on it have, before it is
 /// opened. Without the port of an emulated board, which is another one each time.

@@ -229,8 +229,7 @@ protocols::Ports ports_of(const RigSpec& spec,
                           protocols::Recorder& recorder,
                           OperatorLog& log,
                           protocols::OperatorDesk& desk,
-                          LiveSession& live,
-                          ConsoleChild& console) {
+                          LiveSession& live) {
     return {.apparatus = *felt.port,
             .observer = observer,
             .recorder = recorder,
@@ -243,8 +242,7 @@ protocols::Ports ports_of(const RigSpec& spec,
             .progress =
                 [&](const protocols::Progress& progress) {
                     say("{}", log.line(progress, answer_line(spec, progress), now_s()));
-                    live.attempted(progress, log.minutes(progress.left()), log.alarms());
-                    console.look();
+                    live.board().attempted(progress, log.minutes(progress.left()), log.alarms());
                 },
             .alarm =
                 [](const protocols::TroubleView& view) {
@@ -313,13 +311,13 @@ RigEnd run_rig(data::Database& database,
     LiveObserver shown(masked ? *masked : observers.port(), live, desk, interrupted);
     LiveRecorder shown_record(record, live);
     const auto lines = stop_lines(database, spec, *felt.port, desk, live);
-    ConsoleChild console(shows_page);
+    live.beside([page = std::make_shared<ConsoleChild>(shows_page)] { page->look(); });
     protocols::SessionEnd end;
     try {
         end = run_session(protocol, plan, view_of(spec, plan, opened, *felt.port), opened.progress,
-                          ports_of(spec, felt, shown, shown_record, log, desk, live, console));
+                          ports_of(spec, felt, shown, shown_record, log, desk, live));
     } catch (const std::exception& e) {
-        live.end(e.what(), false);
+        live.end(e.what());
         if (!observers.screen || observers.simulated) {
             throw;
         }

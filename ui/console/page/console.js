@@ -220,7 +220,8 @@
     put($('seconds'), runs ? ', ' + (state.phase_s + since).toFixed(1) + ' s' : '');
     if (state) keptRows();
     const late = seconds() - heardAt;
-    put($('link'), heardAt === 0 ? 'waiting for the session' : gone() ? 'As it was ' + Math.round(late) + ' s ago.'
+    put($('link'), heardAt === 0 ? 'waiting for the session' : over() ? 'The session is over.'
+      : gone() ? 'As it was ' + Math.round(late) + ' s ago.'
       : 'In touch with the session.');
   }
 
@@ -488,6 +489,7 @@
       });
     });
     source.addEventListener('error', () => {
+      if (over()) return source.close();
       lose('The connection broke.');
       if (source.readyState === EventSource.CLOSED) setTimeout(listen, 2000);
     });
