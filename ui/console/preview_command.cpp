@@ -14,6 +14,7 @@
 #include "engine/base/files.hpp"
 #include "data/csv/json_text.hpp"
 #include "ui/command/command.hpp"
+#include "ui/console/felt_stimuli.hpp"
 #include "ui/console/page_server.hpp"
 #include "ui/live/live_text.hpp"
 #include "ui/rig/interrupt.hpp"
@@ -30,11 +31,20 @@ namespace fs = std::filesystem;
 
 struct PreviewOptions {
     std::string protocol;
+    std::string device;  ///< empty: nothing is felt
+    std::string calibration;
+    bool handle_free = false;
 };
 
 void declare(CommandWords& words, PreviewOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, looked at again when it is saved")
         .required();
+    words.add("--device", options.device,
+              "Each stimulus can be felt on it, and nothing is kept: sim, haply:PORT, "
+              "haply-emulator, board:PORT, board:udp:HOST:PORT or comedi:FILE");
+    words.add("--calibration", options.calibration, std::string(kCalibrationWords))
+        .needs("--device");
+    words.add("--handle-free", options.handle_free, "As of palpate run").needs("--device");
 }
 
 /// A folder that is gone with it.
@@ -88,11 +98,13 @@ class Drawn {
 public:
     explicit Drawn(std::string protocol) : protocol_(std::move(protocol)) { draw(); }
 
-    /// Draws it again if it was saved.
-    void look() {
-        if (stamp() != stamp_) {
+    /// Draws it again if it was saved. @return it was
+    bool look() {
+        const bool saved = stamp() != stamp_;
+        if (saved) {
             draw();
         }
+        return saved;
     }
     [[nodiscard]] std::pair<std::string, std::uint64_t> event() const {
         const std::scoped_lock lock(mutex_);
@@ -165,20 +177,28 @@ private:
 
 class DrawnStream : public EventSource {
 public:
-    explicit DrawnStream(const Drawn& drawn) : drawn_(drawn), said_ns_(monotonic_ns()) {}
+    /// @param felt  null: nothing is
+    DrawnStream(const Drawn& drawn, const FeltStimuli* felt)
+        : drawn_(drawn), felt_(felt), said_ns_(monotonic_ns()) {}
     [[nodiscard]] std::string next() override {
         const auto [event, version] = drawn_.event();
-        const bool quiet = monotonic_ns() - said_ns_ > 5'000 * kMillisecond;
-        if (version == version_ && !quiet) {
-            return {};
+        std::string news = std::exchange(version_, version) != version ? event : "";
+        if (felt_ != nullptr) {
+            const auto [felt, felt_version] = felt_->event();
+            news += std::exchange(felt_version_, felt_version) != felt_version ? felt : "";
         }
-        said_ns_ = monotonic_ns();
-        return std::exchange(version_, version) != version ? event : ": still here\n\n";
+        if (news.empty() && monotonic_ns() - said_ns_ > 5'000 * kMillisecond) {
+            news = ": still here\n\n";
+        }
+        said_ns_ = news.empty() ? said_ns_ : monotonic_ns();
+        return news;
     }
 
 private:
     const Drawn& drawn_;
+    const FeltStimuli* felt_;
     std::uint64_t version_ = 0;
+    std::uint64_t felt_version_ = 0;
     std::int64_t said_ns_;
 };
 
@@ -189,6 +209,14 @@ int run(const PreviewOptions& options) {
                         options.protocol));
     }
     catch_signals();
+    std::optional<FeltStimuli> felt;
+    if (!options.device.empty()) {
+        RigSpec rig;
+        rig.device = parse_device(options.device);
+        rig.calibration = options.calibration;
+        rig.handle_free = options.handle_free;
+        felt.emplace(options.protocol, std::move(rig), options.device);
+    }
     Drawn drawn(options.protocol);
     PageServerSpec spec;
     spec.file = [&drawn](std::string_view path) {
@@ -199,15 +227,26 @@ int run(const PreviewOptions& options) {
                  ? PageFile{"text/javascript; charset=utf-8", std::string(preview_script())}
                  : drawn.file(path);
     };
-    spec.open = [&drawn] {
-        return std::make_unique<DrawnStream>(drawn);
+    spec.open = [&drawn, &felt] {
+        return std::make_unique<DrawnStream>(drawn, felt ? &*felt : nullptr);
     };
+    if (felt) {
+        spec.act = [&felt](const std::string& line) {
+            return felt->ask(line);
+        };
+    }
     const PageServer server(std::move(spec));
     say("{} as its participants will see it, drawn again when it is saved: {}\nCtrl+C ends it.\n",
         options.protocol, server.address());
     while (!interrupted()) {
         sleep_until(monotonic_ns() + 300 * kMillisecond);
-        drawn.look();
+        const bool saved = drawn.look();
+        if (felt && saved) {
+            felt->read_again();
+        }
+        if (felt) {
+            felt->feel_asked();
+        }
     }
     return 0;
 }

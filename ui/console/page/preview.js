@@ -22,7 +22,33 @@
       picture(name, drawn.version, name.replace(/\.png$/, '').replaceAll('_', ' '))));
     $('objects').replaceChildren(...(drawn.objects ? [picture(drawn.objects, drawn.version, 'the objects')] : []));
   };
+  const ask = async what => {
+    try {
+      const answer = await fetch('/do', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(what) });
+      const { ok, text } = await answer.json();
+      if (!ok) $('felt-said').textContent = text;
+    } catch (e) {
+      $('felt-said').textContent = 'no answer: Enter at the terminal of palpate preview stops it';
+    }
+  };
+  const feel = felt => {
+    $('felt').hidden = false;
+    $('felt-said').textContent = felt.said || `One stimulus at a time, on ${felt.device}; nothing is kept.`;
+    $('felt-all').replaceChildren(...felt.stimuli.map((name, at) => {
+      const button = document.createElement('button');
+      button.type = 'button';
+      button.textContent = name;
+      button.setAttribute('aria-pressed', String(at === felt.on));
+      button.addEventListener('click', () => ask({ do: 'feel', at }));
+      return button;
+    }));
+  };
+  $('felt-stop').addEventListener('click', () => ask({ do: 'stop' }));
+  document.addEventListener('keydown', event => {
+    if (event.key === 'Escape' && !$('felt').hidden) ask({ do: 'stop' });
+  });
   const source = new EventSource('/stream');
+  source.addEventListener('felt', event => feel(JSON.parse(event.data)));
   source.addEventListener('drawn', event => show(JSON.parse(event.data)));
   source.addEventListener('error', () => { $('verdict').textContent = 'palpate preview is gone'; });
 }

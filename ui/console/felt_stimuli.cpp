@@ -1,0 +1,242 @@
+#include "ui/console/felt_stimuli.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/trial/trial_scene.hpp"
+#include "ui/live/live_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/rig/stop_lines.hpp"
+#include "ui/session/run_rig.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::Presentation;
+
+const protocols::FrictionSpec& friction_named(const protocols::Protocol& protocol,
+                                              const std::string& name) {
+    return *std::ranges::find(protocol.frictions, name, &protocols::FrictionSpec::name);
+}
+
+/// What the rule of a protocol may choose: its ends, and what is between them.
+std::vector<std::pair<std::string, Presentation>> rule_stimuli(
+    const protocols::Protocol& protocol) {
+    const protocols::AdaptiveSpec& rule = *protocol.procedure;
+    std::vector<std::pair<std::string, Presentation>> all;
+    for (const protocols::RunSpec& run : protocol.runs) {
+        const Presentation standard{
+            .object =
+                *std::ranges::find(protocol.objects, rule.object, &protocols::ObjectSpec::name),
+            .friction = friction_named(
+                protocol, run.standard_friction.empty() ? run.friction : run.standard_friction)};
+        all.emplace_back(run.name + ", standard", standard);
+        for (const double share : {0.0, 0.5, 1.0}) {
+            const double chosen = rule.lowest + share * (rule.highest - rule.lowest);
+            if (std::isfinite(chosen)) {
+                Presentation one = standard;
+                one.friction = friction_named(protocol, run.friction);
+                feel_stimulus(rule, chosen, one);
+                all.emplace_back(
+                    fmt::format("{}, {} {:.4g}", run.name, protocols::word_of(rule.varies),
+                                felt_value(rule, chosen)),
+                    one);
+            }
+        }
+    }
+    return all;
+}
+
+std::vector<std::pair<std::string, Presentation>> stimuli_of(const protocols::Protocol& protocol) {
+    if (protocol.procedure) {
+        return rule_stimuli(protocol);
+    }
+    std::vector<std::pair<std::string, Presentation>> all;
+    for (const auto& object : protocol.objects) {
+        for (const auto& friction : protocol.frictions) {
+            all.emplace_back(fmt::format("{}, friction {}", object.name, friction.name),
+                             Presentation{.object = object, .friction = friction});
+        }
+    }
+    return all;
+}
+
+}  // namespace
+
+FeltStimuli::FeltStimuli(std::string protocol, RigSpec rig, std::string device)
+    : protocol_(std::move(protocol)), rig_(std::move(rig)), device_(std::move(device)) {
+    using Kind = DeviceChoice::Kind;
+    if (rig_.device.kind == Kind::mouse || rig_.device.kind == Kind::replay) {
+        throw std::invalid_argument(
+            fmt::format("--device {} of a preview: give a device with force, or sim; palpate run "
+                        "has the window "
+                        "of a pointer, and what was recorded",
+                        device_));
+    }
+    rig_.key.participant = "preview";
+    rig_.screen.speed = 1.0;
+    rig_.kind =
+        held_by_a_person(rig_.device.kind) ? data::RunKind::pilot : data::RunKind::simulated;
+    read_again();
+}
+
+std::pair<std::string, std::uint64_t> FeltStimuli::event() const {
+    const std::scoped_lock lock(mutex_);
+    data::Json names = data::Json::array();
+    for (const Stimulus& one : stimuli_) {
+        names.push_back(one.name);
+    }
+    return {fmt::format("event: felt\ndata: {}\n\n", one_line({{"device", device_},
+                                                               {"stimuli", names},
+                                                               {"on", json_or_null(on_)},
+                                                               {"said", said_}})),
+            version_};
+}
+
+std::string FeltStimuli::ask(const std::string& line) {
+    const data::Json asked = data::Json::parse(line, nullptr, false);
+    const auto answer = [](bool ok, const char* text) {
+        return one_line({{"ok", ok}, {"text", text}});
+    };
+    if (!asked.is_object() || !asked.contains("do")) {
+        return answer(false, "one JSON object is taken: nothing was done");
+    }
+    if (asked["do"] == "stop") {
+        stop_ = true;
+        return answer(true, "no force");
+    }
+    const std::scoped_lock lock(mutex_);
+    const bool known = asked["do"] == "feel" && asked.contains("at") &&
+                       asked["at"].is_number_unsigned() && asked["at"] < stimuli_.size();
+    if (!known || on_ || asked_) {
+        return answer(false, known ? "one is felt already: stop it first"
+                                   : "there is no such stimulus: nothing was done");
+    }
+    stop_ = false;
+    asked_ = asked["at"].get<std::size_t>();
+    return answer(true, "it is felt until Stop is pressed");
+}
+
+void FeltStimuli::read_again() {
+    opened_.reset();
+    std::vector<Stimulus> stimuli;
+    try {
+        rig_.study = load_study(protocol_);
+        for (auto& [name, felt] : stimuli_of(rig_.study.protocol)) {
+            stimuli.push_back({std::move(name), std::move(felt)});
+        }
+    } catch (const std::exception&) {  // the page has the problem at its line
+    }
+    {
+        const std::scoped_lock lock(mutex_);
+        stimuli_ = std::move(stimuli);
+        asked_.reset();
+    }
+    say_on_page(std::nullopt, "");
+}
+
+void FeltStimuli::say_on_page(std::optional<std::size_t> on, std::string text) {
+    const std::scoped_lock lock(mutex_);
+    on_ = on;
+    said_ = std::move(text);
+    ++version_;
+}
+
+void FeltStimuli::feel_asked() {
+    std::optional<Stimulus> one;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (const auto at = std::exchange(asked_, std::nullopt)) {
+            one = stimuli_.at(*at);
+            on_ = at;
+            said_ = "the device is opened for " + one->name;
+            ++version_;
+        }
+    }
+    if (!one) {
+        return;
+    }
+    try {
+        open();
+        feel(*one);
+    } catch (const std::exception& e) {
+        opened_.reset();
+        say_on_page(std::nullopt, e.what());
+    }
+}
+
+void FeltStimuli::open() {
+    if (opened_) {
+        return;
+    }
+    if (rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind)) {
+        throw std::invalid_argument(
+            "the protocol asks for a dead-man key, which the window of a session has: palpate run "
+            "with --kind pilot lets one feel it");
+    }
+    take_record(rig_, device_);
+    opened_ = open_and_check(rig_);
+}
+
+/// What a session's exploration does, without whatever would be kept.
+void FeltStimuli::feel(const Stimulus& one) {
+    protocols::Apparatus& port = *opened_->port;
+    const engine::FeltScene scene = make_felt_scene(rig_.study.protocol, one.felt);
+    const StopLines lines("", "preview of " + protocol_ + '\n', {},
+                          {.stop =
+                               [&](const char*) {
+                                   stop_ = true;
+                                   port.stop();
+                               },
+                           .bar = [](const char*) {},
+                           .types = held_by_a_person(rig_.device.kind)});
+    say_on_page(on_, "felt now: " + one.name);
+    std::array<engine::TickRecord, 256> ticks{};
+    double strongest = 0.0;
+    std::size_t felt = 0;
+    const auto drain = [&] {
+        for (std::size_t n = port.ring().pop(ticks); n > 0; n = port.ring().pop(ticks)) {
+            felt += n;
+            for (const engine::TickRecord& tick : std::span(ticks).first(n)) {
+                strongest = std::max(strongest, glm::length(tick.force));
+            }
+        }
+    };
+    port.allow();
+    port.hold(true);  // nobody feels a simulated one
+    port.begin(scene, {}, 1);
+    struct End {
+        protocols::Apparatus& port;
+        ~End() { port.end(); }
+    };
+    bool faulted = false;
+    {
+        const End end{port};
+        while (!faulted && !stop_ && !interrupted() && port.elapsed_s() < kLongest &&
+               !port.hand_is_done()) {
+            faulted = port.advance() == engine::ServoStatus::faulted;
+            port.beat();
+            drain();
+        }
+    }
+    drain();
+    const std::string trouble = port.trouble();
+    say_on_page(std::nullopt, !faulted || stop_
+                                  ? fmt::format("{}: {} ticks, {:.2f} N at most; nothing was kept",
+                                                one.name, felt, strongest)
+                              : trouble.empty() ? std::string(explanation(port.trip()))
+                                                : trouble);
+    if (faulted) {
+        opened_.reset();  // whatever it was, it is opened and proved anew
+    }
+}
+
+}  // namespace palpate::ui
