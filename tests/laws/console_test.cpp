@@ -1,9 +1,7 @@
 #include <csignal>
 
-#include "tests/support/browser.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/shown_session.hpp"
+#include "tests/support/console.hpp"
 #include "tests/support/slurp.hpp"
 
 // The experimenter's page, asked as a browser does and as nobody should. Nothing is asserted about
@@ -13,21 +11,11 @@ using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using tests::Browser;
+using tests::Console;
 using tests::eventually;
 using tests::ShownSession;
 
 namespace {
-
-/// `palpate console` on a session, and a browser that has its address.
-struct Console {
-    explicit Console(const ShownSession& session)
-        : program({tests::palpate_program(), "console", session.file}) {
-        REQUIRE(eventually([&] { return program.out().find("\nCtrl+C") != std::string::npos; }));
-        browser = std::make_unique<Browser>(program.out());
-    }
-    tests::Process program;
-    std::unique_ptr<Browser> browser;
-};
 
 const std::string kPause = R"({"do":"pause"})";
 constexpr const char* kPauses = "SELECT count(*) FROM event WHERE event_kind = 'pause'";
@@ -65,6 +53,7 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
         CHECK(page.find(file) != std::string::npos);
     }
     refused(browser.get("/../etc/passwd", browser.cookie));
+    CHECK_THAT(browser.get("/favicon.ico", browser.cookie), StartsWith("HTTP/1.1 204"));
 
     const std::string cookie = browser.cookie;
     refused(browser.get("/", cookie + foreign));
@@ -100,13 +89,14 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
 
 TEST_CASE("the page's stream tells nothing of what is felt, and says when the session is gone",
           "[console][safety][law]") {
-    ShownSession session(tests::kFourTrials, "1");
+    ShownSession session(tests::kFourTrials, {"1"});
     const Console console(session);
     console.browser->trade();
     tests::HttpLine stream(console.browser->port);
     stream.say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
                console.browser->cookie + "\r\n");
-    CHECK_THAT(stream.hear_until("\"alive\":true"), ContainsSubstring("text/event-stream"));
+    CHECK_THAT(stream.hear_until("\"alive\":true"),
+               ContainsSubstring("text/event-stream") && ContainsSubstring("\"act\":true"));
     CHECK(eventually([&] {
         stream.forget();
         return stream.hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
@@ -121,41 +111,6 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     stream.forget();
     session.program.signal(SIGKILL);
     CHECK_THAT(stream.hear_until("\"alive\":false"), ContainsSubstring("\"ended\":\"killed\""));
-}
-
-TEST_CASE("whatever becomes of the page's server and its clients, the session goes on",
-          "[console][law]") {
-    ShownSession session(tests::kFourTrials, "1");
-    tests::Random random(33);
-    {
-        Console console(session);
-        console.browser->trade();
-        for (int i = 0; i < 200; ++i) {
-            std::string bytes = random.coin() ? "POST /do HTTP/1.1\r\nHost: " : "GET /";
-            for (int n = random.below(300); n > 0; --n) {
-                bytes += static_cast<char>(random.below(256));
-            }
-            const tests::HttpLine line(console.browser->port);
-            line.say(bytes);
-        }
-        std::vector<std::unique_ptr<tests::HttpLine>>
-            stalled;  // who asks for all and reads nothing
-        for (int i = 0; i < 8; ++i) {
-            stalled.push_back(std::make_unique<tests::HttpLine>(console.browser->port));
-            stalled.back()->say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
-                                console.browser->cookie + "\r\n");
-        }
-        CHECK(eventually([&] {
-            return console.browser->get("/", console.browser->cookie).starts_with("HTTP/1.1 200");
-        }));
-        console.program.signal(SIGSTOP);
-        tests::pause(0.5);
-        console.program.signal(SIGKILL);
-    }
-    CHECK(session.program.wait().code == 0);
-    CHECK(session.kept(kPauses) == "0");
-    CHECK(session.kept("SELECT count(*) FROM response") == "4");
-    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
 }
 
 TEST_CASE("a preview shows what a protocol shows, and each problem at its line once it is saved",

@@ -50,7 +50,7 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
                         "they scratch their nose \u2014 twice"));
     CHECK(session.state()["notes"][0]["text"] == "they scratch their nose \u2014 twice");
 
-    // Another one that runs while something is felt or asked is stored when that is over.
+    // So is what is noted while something is felt, and a mark when that is over.
     CHECK(session.ask({{"do", "go on"}})["ok"] == true);
     REQUIRE(session.comes_to("explore"));
     CHECK(session.ask({{"do", "note"}, {"text", "the second"}})["ok"] == true);
@@ -75,9 +75,49 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
     CHECK(tests::palpate_command({"verify", session.file}).code == 0);
 }
 
+TEST_CASE("what was noted while something is felt is kept by a file that is killed at once",
+          "[live][law]") {
+    ShownSession session(tests::kFourTrials, {"0.5"});
+    REQUIRE(session.comes_to("explore"));
+    CHECK(session.ask({{"do", "note"}, {"text", "the chair creaks"}})["ok"] == true);
+    const data::Json asked = session.ask({{"do", "reveal"}});
+    CHECK(session.ask({{"do", "reveal"}, {"word", asked["word"]}})["ok"] == true);
+    session.program.signal(SIGKILL);
+    CHECK(session.program.wait().code == 128 + SIGKILL);
+    CHECK(session.kept("SELECT count(*) FROM response") == "0");
+    CHECK(session.kept("SELECT text FROM event WHERE event_kind = 'note' AND trial_id = 1") ==
+          "the chair creaks");
+    CHECK(session.kept(events_of("reveal")) == "1");
+}
+
+TEST_CASE("two who ask at once are both answered, and done once", "[live][law]") {
+    ShownSession session;
+    const auto both = [&](const std::string& what) {
+        const ui::Descriptor one = ui::connect_to(session.shown.name);
+        const ui::Descriptor other = ui::connect_to(session.shown.name);
+        ui::send_line(one.get(), what);
+        ui::send_line(other.get(), what);
+        std::string said;
+        for (const int from : {one.get(), other.get()}) {
+            REQUIRE(ui::readable(from, 5000));
+            said += ui::receive(from).bytes;
+        }
+        return said;
+    };
+    for (const std::string times : {"1", "2", "3"}) {
+        static_cast<void>(both(R"({"do":"pause"})"));
+        REQUIRE(session.comes_to("pause"));
+        CHECK(both(R"({"do":"go on"})").find("it goes on") != std::string::npos);
+        CHECK(session.keeps(events_of("go on"), times));
+        CHECK(session.kept(events_of("pause")) == times);
+    }
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}
+
 TEST_CASE("nothing of what is felt or answered leaves a session before it was revealed",
           "[live][safety][law]") {
-    ShownSession session(tests::kFourTrials, "1");
+    ShownSession session(tests::kFourTrials, {"1"});
     std::set<std::string> said;
     std::uint64_t seen = 0;
     std::size_t shown = 0;  // ticks with more than time, lateness and whether there may be force
@@ -148,7 +188,7 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
         "{", "}",        "\"do\"",       ":",        "\"stop",  "\"end\"", "\"mark\"",
         "[", "]",        "null",         "1e999",    "\\u0000", "\xff",    "\"word\"",
         ",", "\"pause ", " \"go on\"\"", "\"note\"", "\"text\""};
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = tests::times("PALPATE_RANDOM_LINES", 2000); i > 0; --i) {
         std::string line;
         for (int n = random.below(12); n > 0; --n) {
             line += pieces[static_cast<std::size_t>(random.below(static_cast<int>(pieces.size())))];
@@ -188,7 +228,7 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
 }
 
 TEST_CASE("palpate status says who ran and what runs, and follows it to its end", "[live][law]") {
-    ShownSession session(tests::kFourTrials, "0.3");
+    ShownSession session(tests::kFourTrials, {"0.3"});
     const data::Json now =
         data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
     CHECK(now["studies"][0]["planned"] == 1);

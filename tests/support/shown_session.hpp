@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdlib>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -17,15 +19,20 @@ namespace palpate::tests {
 
 inline const std::string kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 
+/// How often: as the environment's `name` says, else `usual`.
+[[nodiscard]] inline int times(const char* name, int usual) {
+    const char* asked = std::getenv(name);
+    return asked != nullptr ? std::stoi(asked) : usual;
+}
+
 /// `palpate run` without a window, slow enough to be looked at; the study is longer than any test.
 /// kFourTrials is short.
 class ShownSession {
 public:
+    /// @param speed  and what else is said to `run`
     explicit ShownSession(const std::string& protocol = "shape_friction",
-                          const std::string& speed = "2")
-        : file(folder_.file("d.sqlite")),
-          program({palpate_program(), "run", protocol, "--participant", "P1", "--db", file,
-                   "--headless", "--speed", speed, "--operator", "Ada", "--secret", kRunSecret}) {
+                          const std::vector<std::string>& speed = {"2"})
+        : file(folder_.file("d.sqlite")), program(command(protocol, speed)) {
         REQUIRE(eventually([&] {
             auto all = ui::running_sessions(file);
             if (!all.empty()) {
@@ -54,6 +61,14 @@ public:
     }
 
 private:
+    [[nodiscard]] std::vector<std::string> command(const std::string& protocol,
+                                                   const std::vector<std::string>& more) const {
+        std::vector<std::string> words{
+            palpate_program(), "run",        protocol, "--participant", "P1",       "--db",   file,
+            "--headless",      "--operator", "Ada",    "--secret",      kRunSecret, "--speed"};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    }
     TemporaryFolder folder_;
 
 public:

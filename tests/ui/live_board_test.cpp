@@ -59,7 +59,8 @@ TEST_CASE("two conditions that the same hand feels are shown alike, byte for byt
         board.enter(ui::LivePhase::explore, &view);
         for (int i = 0; i < 3000; ++i) {
             const engine::Vec2 hip = hand.point(-0.03, 0.03);
-            engine::TickRecord tick{.tick = i, .time_ns = i * 1'000'000, .hip = {hip, 0.0}};
+            engine::TickRecord tick{
+                .tick = i, .time_ns = i * std::int64_t{1'000'000}, .hip = {hip, 0.0}};
             tick.lateness_us = static_cast<float>(hand.in(0.0, 300.0));
             tick.force = {0.0, force, 0.0};  // and all that follows from the object
             tick.normal_force = force;
@@ -75,4 +76,26 @@ TEST_CASE("two conditions that the same hand feels are shown alike, byte for byt
     CHECK(one == shown(felt(1, 1), 2.5, false));
     CHECK(one != shown(felt(0, 0), 0.5, true));  // there was something to hide
     CHECK(shown(felt(0, 0), 0.5, true) != shown(felt(1, 1), 2.5, true));
+}
+
+TEST_CASE("a pause and a stop that are asked for are shown before they are done", "[live][law]") {
+    const Protocol protocol = demo();
+    const Plan plan = make_plan(protocol, "hash", {.participant = "P1", .session = 1}, 3);
+    OperatorDesk desk;
+    ui::LiveBoard board({.uuid = "u", .gives_force = true}, protocol, plan, desk);
+    const ui::LiveReader reader(board.descriptor());
+    const auto shows = [&](const char* what) {
+        board.look();
+        return reader.state()->json.find(what) != std::string::npos;
+    };
+    board.enter(ui::LivePhase::explore);
+    CHECK(shows("\"pausing\":false"));
+    CHECK(shows("\"force\":{\"on\":true"));
+    desk.pause();
+    CHECK(shows("\"pausing\":true"));
+    desk.stop("a way");
+    CHECK(shows("\"force\":{\"on\":false"));
+    const std::uint64_t version = reader.version();
+    board.look();
+    CHECK(reader.version() == version);
 }

@@ -1,0 +1,61 @@
+#include <csignal>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/console.hpp"
+#include "tests/support/dev_tools.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+using tests::eventually;
+
+TEST_CASE("a browser shows the session, and what is pressed there is in the file",
+          "[console][law]") {
+    if (!tests::DevTools::installed()) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    tests::ShownSession session;
+    const tests::Console console(session);
+    const std::string out = console.program.out();
+    const std::size_t at = out.find("http://");
+    tests::DevTools page(out.substr(at, out.find('\n', at) - at));
+    REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
+    CHECK(page.value("location.href") == "http://" + console.browser->host + "/");
+    CHECK(page.text("kind") == "SIMULATED");
+    CHECK(eventually([&] {
+        return page.text("sentence").find(session.state()["sentence"].get<std::string>()) == 0;
+    }));
+    CHECK(eventually([&] {
+        const data::Json state = session.state();
+        const auto answered = state["answered"].get<int>();
+        const auto left = state["remaining"].get<int>();
+        return page.text("left") ==
+               fmt::format("{} of {} answered, {} remain", answered, answered + left, left);
+    }));
+
+    CHECK(page.text("pause-word") == "Pause");
+    page.press("pause");
+    REQUIRE(session.comes_to("pause"));
+    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'pause'", "1"));
+    CHECK(eventually([&] { return page.text("pause-word") == "Go on"; }));
+    page.press("note");
+    page.type("they hum \u2014 twice");
+    page.press("note-send");
+    CHECK(
+        session.keeps("SELECT text FROM event WHERE event_kind = 'note'", "they hum \u2014 twice"));
+    CHECK(eventually(
+        [&] { return page.text("notes").find("they hum \u2014 twice") != std::string::npos; }));
+    page.press("pause");
+    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'go on'", "1"));
+    CHECK(eventually([&] { return page.text("pause-word") == "Pause"; }));
+    CHECK(page.value("performance.getEntriesByType('resource').every(one => "
+                     "one.name.startsWith(location.origin))") == "true");
+
+    session.program.signal(SIGKILL);
+    CHECK(eventually(
+        [&] { return page.text("alerts").find("The session is gone.") != std::string::npos; }));
+    CHECK(page.value("document.getElementById('pause').getAttribute('aria-disabled')") == "true");
+}

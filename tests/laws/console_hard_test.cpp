@@ -1,0 +1,302 @@
+#include <charconv>
+#include <csignal>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/console.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
+
+// The experimenter's page where somebody means it ill, or where it dies. How often: the environment
+// says (PALPATE_CONSOLE_TRIES=100, PALPATE_CONSOLE_REQUESTS=10000). Nothing is asserted about time.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+using tests::Console;
+using tests::eventually;
+using tests::ShownSession;
+
+namespace {
+
+const std::string kNote = R"({"do":"note","text":"obeyed"})";
+constexpr const char* kNotes = "SELECT count(*) FROM event WHERE event_kind = 'note'";
+
+/// Whoever was started by a process, and is `palpate console`; 0: nobody.
+pid_t console_of(pid_t parent) {
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        const std::string name = entry.path().filename().string();
+        pid_t id = 0;
+        if (std::from_chars(name.data(), name.data() + name.size(), id).ec != std::errc()) {
+            continue;
+        }
+        const std::string stat = tests::slurp(entry.path().string() + "/stat");
+        const std::size_t end = stat.rfind(')');
+        if (end != std::string::npos && stat.substr(end + 2, 1) != "Z" &&
+            std::atoi(stat.c_str() + end + 4) == parent &&
+            tests::slurp(entry.path().string() + "/cmdline").find("console") != std::string::npos) {
+            return id;
+        }
+    }
+    return 0;
+}
+
+}  // namespace
+
+TEST_CASE("a page that dies is started again once, in a pause too, and the session goes on",
+          "[console][law]") {
+    ShownSession session(tests::kFourTrials, {"1", "--console"});
+    const auto addresses = [&] {
+        const std::string out = session.program.out();
+        const std::size_t first = out.find("?token=");
+        return first == std::string::npos                          ? 0
+             : out.find("?token=", first + 1) == std::string::npos ? 1
+                                                                   : 2;
+    };
+    const auto die = [&] {
+        const pid_t console = console_of(session.program.id());
+        REQUIRE(console > 0);
+        kill(console, SIGKILL);
+    };
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);
+    REQUIRE(session.comes_to("pause"));
+    REQUIRE(eventually([&] { return addresses() == 1; }));
+    die();
+    CHECK(eventually([&] { return addresses() == 2; }));
+    CHECK_THAT(session.program.error(), ContainsSubstring("ended, and is started again"));
+    CHECK(session.state()["phase"] == "pause");
+    die();
+    CHECK(eventually([&] {
+        return session.program.error().find("ended again; palpate console " + session.shown.uuid) !=
+               std::string::npos;
+    }));
+    CHECK(console_of(session.program.id()) == 0);
+    CHECK(session.ask({{"do", "go on"}})["ok"] == true);
+    CHECK(session.program.wait().code == 0);
+    CHECK(session.kept("SELECT count(*) FROM response") == "4");
+}
+
+TEST_CASE("whatever becomes of the page's server and its clients, the session loses nothing",
+          "[console][law]") {
+    ShownSession session("shape_friction", {"4"});
+    tests::Random random(33);
+    std::vector<std::unique_ptr<Console>> stopped;
+    std::vector<std::unique_ptr<tests::HttpLine>> stalled;
+    for (int i = tests::times("PALPATE_CONSOLE_TRIES", 6); i > 0; --i) {
+        auto console = std::make_unique<Console>(session);
+        console->browser->trade();
+        for (int k = 0; k < 8; ++k) {  // who asks for all and reads nothing
+            stalled.push_back(console->stream());
+        }
+        for (int k = 0; k < 20; ++k) {
+            std::string bytes = random.coin() ? "POST /do HTTP/1.1\r\nHost: " : "GET /";
+            for (int n = random.below(300); n > 0; --n) {
+                bytes += static_cast<char>(random.below(256));
+            }
+            const tests::HttpLine line(console->browser->port);
+            line.say(bytes);
+        }
+        CHECK(eventually([&] {
+            return console->browser->get("/", console->browser->cookie).starts_with("HTTP/1.1 200");
+        }));
+        if (i % 3 == 0) {
+            console->program.signal(SIGKILL);
+        } else if (i % 3 == 1) {
+            console->program.signal(SIGSTOP);
+            stopped.push_back(std::move(console));
+        }
+    }
+    CHECK(session.program.running());
+    CHECK(session.keeps("SELECT count(*) > 2 FROM response", "1"));
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind IN ('ticks_lost', 'pause', "
+                       "'note', 'stop')") == "0");
+    CHECK(session.kept("SELECT count(*) FROM trial WHERE outcome NOT IN ('complete', 'timed_out', "
+                       "'aborted')") == "0");
+    CHECK(session.kept("SELECT count(*) FROM trial WHERE outcome = 'aborted'") <= "1");
+    CHECK(tests::palpate_command({"verify", session.file}).code == 0);
+}
+
+TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][safety][law]") {
+    ShownSession session;
+    const Console console(session);
+    tests::Browser& browser = *console.browser;
+    browser.trade();
+    tests::Random random(34);
+    const auto text = [&](const char* of, int most) {
+        const std::string letters = of;
+        std::string made;
+        for (int n = 1 + random.below(most); n > 0; --n) {
+            made +=
+                letters[static_cast<std::size_t>(random.below(static_cast<int>(letters.size())))];
+        }
+        return made;
+    };
+    for (int i = tests::times("PALPATE_CONSOLE_REQUESTS", 300); i > 0; --i) {
+        std::string method = "POST /do";
+        std::string host = browser.host;
+        std::string cookie = browser.cookie;
+        std::string origin = browser.origin();
+        std::string type = "application/json";
+        std::string body = kNote;
+        switch (i % 8) {
+            case 0:
+                cookie = fmt::format("Cookie: palpate_{}={}\r\n", browser.port,
+                                     text("0123456789abcdef", 40));
+                break;
+            case 1:
+                cookie = random.coin() ? "" : cookie.substr(0, cookie.size() - 3) + "\r\n";
+                break;
+            case 2:
+                origin = "Origin: " + text("htps:/127.0;[]%@ null", 30) + "\r\n";
+                break;
+            case 3:
+                origin = random.coin() ? "" : origin + origin;
+                break;
+            case 4:
+                host = text("127.0:[]localhost@/", 20);
+                break;
+            case 5:
+                method = random.coin() ? "GET /do" : text("POSTGEDUL", 6) + "x /do";
+                break;
+            case 6:
+                type = text("aplicton/jsxw-form=;", 20);
+                break;
+            default:
+                body =
+                    body.substr(
+                        0, static_cast<std::size_t>(random.below(static_cast<int>(body.size())))) +
+                    text("{}[]\":,\\", 9) + std::string(random.coin() ? 0 : 9000, ' ');
+        }
+        const std::string answer =
+            browser.ask(method + " HTTP/1.1\r\nHost: " + host + "\r\n" + cookie + origin +
+                            "Content-Type: " + type +
+                            "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n",
+                        body);
+        CAPTURE(i, answer);
+        REQUIRE(answer.find("\"ok\":true") == std::string::npos);
+    }
+    CHECK(session.kept(kNotes) == "0");
+    CHECK_THAT(browser.act(kNote, browser.cookie + browser.origin()),
+               ContainsSubstring("\"ok\":true"));
+    CHECK(session.kept(kNotes) == "1");
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}
+
+TEST_CASE("other machines come by TLS alone, and only look unless they may act",
+          "[console][safety][law]") {
+    ShownSession session;
+    const tests::TemporaryFolder folder;
+    const std::string cert = folder.file("cert.pem");
+    const std::string key = folder.file("key.pem");
+    const auto made = [](const std::string& c, const std::string& k) {
+        return tests::Process({"openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj",
+                               "/CN=palpate", "-addext", "subjectAltName=IP:127.0.0.2", "-keyout",
+                               k, "-out", c})
+                   .wait()
+                   .code == 0;
+    };
+    if (!made(cert, key) || !made(folder.file("c2"), folder.file("k2")) ||
+        tests::Process({"curl", "--version"}).wait().code != 0) {
+        WARN("openssl or curl is not installed: skipped");
+        return;
+    }
+    const std::string none = folder.file("none.pem");
+    const auto says = [&](const std::vector<std::string>& words) {
+        std::vector<std::string> all{"console", session.file};
+        all.insert(all.end(), words.begin(), words.end());
+        const tests::Finished refused = tests::palpate_command(all);
+        CHECK((refused.code == 1 || refused.code == 2));
+        CHECK(refused.out.find("token") == std::string::npos);
+        return refused.error;
+    };
+    CHECK_THAT(says({"--listen", "127.0.0.2"}), ContainsSubstring("--tls"));
+    for (const std::string& bad : {none, folder.path().string(), session.file, key}) {
+        CHECK_THAT(says({"--listen", "127.0.0.2", "--tls", bad, key}),
+                   ContainsSubstring(bad + ": "));
+    }
+    CHECK_THAT(says({"--listen", "127.0.0.2", "--tls", cert, none}),
+               ContainsSubstring(none + ": "));
+    CHECK_THAT(says({"--listen", "127.0.0.2", "--tls", cert, folder.file("k2")}),
+               ContainsSubstring("not that of the certificate"));
+    for (const std::string address : {"0.0.0.0", "here", "192.0.2.77"}) {
+        CHECK_THAT(says({"--listen", address, "--tls", cert, key}),
+                   ContainsSubstring(address + " is no address of this machine"));
+    }
+
+    const std::string jar = folder.file("jar");
+    const auto asked = [&](const std::string& address, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"curl", "-s", "--cacert", cert,   "-b",
+                                       jar,    "-c", jar,        address};
+        words.insert(words.end(), more.begin(), more.end());
+        return tests::Process(words).wait();
+    };
+    for (const bool acts : {false, true}) {
+        std::vector<std::string> words{tests::palpate_program(),
+                                       "console",
+                                       session.file,
+                                       "--listen",
+                                       "127.0.0.2",
+                                       "--tls",
+                                       cert,
+                                       key};
+        if (acts) {
+            words.emplace_back("--act");
+        }
+        tests::Process console(words);
+        REQUIRE(eventually([&] { return console.out().find("\nCtrl+C") != std::string::npos; }));
+        const std::string out = console.out();
+        const std::size_t at = out.find("https://127.0.0.2:");
+        const std::string own = out.substr(at, out.find("/?", at) - at);
+        CHECK(asked(out.substr(at, out.find('\n', at) - at), {}).code == 0);
+        CHECK_THAT(asked(own + "/", {}).out, StartsWith("<!DOCTYPE html>"));
+        CHECK(asked("http" + own.substr(5) + "/", {}).code != 0);
+        const std::string answer =
+            asked(own + "/do",
+                  {"-H", "Origin: " + own, "-H", "Content-Type: application/json", "-d", kNote})
+                .out;
+        CHECK_THAT(answer, ContainsSubstring(acts ? "\"ok\":true" : "this page may only look"));
+        CHECK_THAT(asked(own + "/stream", {"-N", "-m", "2"}).out,
+                   ContainsSubstring(acts ? "\"act\":true" : "\"act\":false"));
+        CHECK(session.kept(kNotes) == (acts ? "1" : "0"));
+    }
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}
+
+TEST_CASE("each stimulus of a previewed protocol can be felt on a device, and nothing is kept",
+          "[console][law]") {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder.file("mine.toml");
+    tests::write(file, tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"));
+    tests::Process preview({tests::palpate_program(), "preview", file, "--device", "sim"});
+    REQUIRE(eventually([&] { return preview.out().find("\nCtrl+C") != std::string::npos; }));
+    tests::Browser browser(preview.out());
+    browser.trade();
+    tests::HttpLine stream(browser.port);
+    stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
+    CHECK_THAT(stream.hear_until("event: felt"), ContainsSubstring("event: felt"));
+    CHECK_THAT(stream.hear_until("concave, friction on\"]"), ContainsSubstring("\"on\":null"));
+    const auto ask = [&](const std::string& what) {
+        stream.forget();
+        return browser.act(what, browser.cookie + browser.origin());
+    };
+    CHECK_THAT(ask(R"({"do":"feel","at":4})"), ContainsSubstring("\"ok\":false"));
+    CHECK_THAT(ask(R"({"do":"feel","at":1})"), ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(ask(R"({"do":"feel","at":0})"), ContainsSubstring("\"ok\":false"));
+    CHECK_THAT(stream.hear_until("nothing was kept"),
+               ContainsSubstring("convex, friction on: 7") && !ContainsSubstring(" 0.00 N"));
+    CHECK_THAT(ask(R"({"do":"feel","at":2})"), ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(stream.hear_until("felt now: concave"), ContainsSubstring("\"on\":2"));
+    CHECK_THAT(ask(R"({"do":"stop"})"), ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(stream.hear_until("nothing was kept"), ContainsSubstring("\"on\":null"));
+    CHECK(folder.names() == std::vector<std::string>{"mine.toml"});
+    preview.signal(SIGTERM);
+    CHECK(preview.wait().code == 0);
+    CHECK_THAT(tests::palpate_command({"preview", file, "--device", "mouse"}).error,
+               ContainsSubstring("give a device with force, or sim"));
+}
