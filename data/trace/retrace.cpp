@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "engine/realtime/felt_scene.hpp"
+#include "data/trace/columns.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-
 namespace palpate::ui {
 
 FadedNoise::FadedNoise(Pcg32 random, double rate_hz, double level_db)
