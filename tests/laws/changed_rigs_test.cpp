@@ -144,6 +144,20 @@ struct Change {
         return encoders == Connection{} && motors == Connection{} && slip[0] == 0.0 &&
                slip[1] == 0.0 && lag == 0.0;
     }
+    [[nodiscard]] bool only_slipped() const {
+        return !replugged && encoders == Connection{} && motors == Connection{} && lag == 0.0 &&
+               slip != std::array{0.0, 0.0};
+    }
+    /// By chance the disc slipped by what the handle lies off home: nothing asks for a hand then,
+    /// and no look at home can tell.
+    [[nodiscard]] bool hidden() const {
+        const Pantograph linkage(machine().pantograph);
+        const auto truly = linkage.reach(lies);
+        const auto seen = truly && only_slipped()
+                            ? linkage.locate({truly->at(0) + slip[0], truly->at(1) + slip[1]})
+                            : std::nullopt;
+        return seen && glm::length(seen->hip - *machine().home) <= 1.1 * kAtPlace;
+    }
 };
 
 Connection another(Random& random) {
@@ -234,6 +248,7 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     int right_proved = 0;
     int believed = 0;
     int unasked = 0;
+    int hidden = 0;
     std::string worst;
     for (const std::uint64_t seed : tests::schedules(40)) {
         Random random(seed);
@@ -245,8 +260,9 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
         unasked += proved && change.replugged && !trust.by_hand ? 1 : 0;
         right += change.right() ? 1 : 0;
         right_proved += change.right() && proved ? 1 : 0;
-        const double off = proved ? bench.misplaced() : 0.0;
-        if (proved && !(change.right() && off <= 2.0 * kAtPlace)) {
+        const double off = proved && !change.hidden() ? bench.misplaced() : 0.0;
+        hidden += change.hidden() ? 1 : 0;
+        if (proved && !change.hidden() && !(change.right() && off <= 2.0 * kAtPlace)) {
             ++believed;
             worst = fmt::format(
                 "seed {}: replugged {}, off by {:.1f} mm, lag {:.0f} ms, motors {} {} {}", seed,
@@ -259,4 +275,18 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     CHECK(unasked == 0);  // whatever ended the force, the experimenter goes on
     CHECK(right_proved == right);
     CHECK(right > 10);
+    CHECK(200 * hidden < 20 + right);
+}
+
+TEST_CASE("late answers hide no motors of twice the gain", "[safety][trust][law]") {
+    const RigRecord record = Bench().commissioned();
+    for (const double lag : {0.0, 0.01, 0.02, 0.024, 0.027, 0.030}) {
+        Change change;
+        change.motors.factor = {2.0, 2.0};
+        change.lag = lag;
+        Bench bench;
+        bench.believe(record);
+        CAPTURE(lag);
+        CHECK(proved_after(bench, record, change).state != Trust::proved);
+    }
 }
