@@ -13,9 +13,7 @@ namespace {
 
 constexpr double kDegree = 180.0 / kPi;
 constexpr double kMinShare = 0.4;  ///< of a push at once: a change of friction is not enough for it
-/// A motor of twice the gain, of which answers 27 ms old and less friction explain the rest, moves
-/// it by 1.4 times as far, and one that may still be used by 1.25 (short_form.cpp).
-constexpr double kMaxShare = 1.35;
+constexpr double kMaxShare = 2.0;
 
 std::string percent(double share) {
     return number_text(std::round(100.0 * share)) + " %";

@@ -74,6 +74,7 @@ struct FittedAxes {
 /// What each motor gives by what it gave when `axes` were found, friction being what it may.
 struct AxesChange {
     Vec3 gain{1.0};
+    double friction = 1.0;     ///< by what there was; of straight axes it is not said
     double unexplained = 0.0;  ///< of the axis that this explains worst
 };
 /// @param pulses  both directions of every axis
