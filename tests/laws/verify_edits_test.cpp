@@ -175,6 +175,7 @@ TEST_CASE("what a lab calls sample is its own, and no query is answered by it", 
         CHECK_THAT(ran({"sql", file, "-c", query}).error,
                    ContainsSubstring("what the file calls so is main.sample"));
         ran({"verify", file});
-        ran({"report", file, "--kind", "simulated", "--output", folder.file("r.html")});
+        ran({"report", file, "--kind", "simulated", "--study", "shape_friction_demo", "--output",
+             folder.file("r.html")});
     }
 }
