@@ -275,7 +275,7 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     CHECK(unasked == 0);  // whatever ended the force, the experimenter goes on
     CHECK(right_proved == right);
     CHECK(right > 10);
-    CHECK(200 * hidden < 20 + right);
+    CHECK(hidden <= 1 + right / 200);
 }
 
 TEST_CASE("late answers hide no motors of twice the gain", "[safety][trust][law]") {
