@@ -40,14 +40,17 @@ public:
     void advance(double seconds) noexcept override {
         handle_.advance(seconds);
         time_ += seconds;
+        if (lag_ == 0.0) {
+            past_.clear();
+            return;
+        }
         past_.push_back({time_, handle_.angles()});
         while (past_.size() > 1 && past_[1].first <= time_ - lag_) {
             past_.pop_front();
         }
     }
     [[nodiscard]] double angle(std::size_t axis) const noexcept override {
-        const engine::JointAngles& now =
-            lag_ > 0.0 && !past_.empty() ? past_.front().second : handle_.angles();
+        const engine::JointAngles& now = past_.empty() ? handle_.angles() : past_.front().second;
         const std::size_t joint = encoders_.swapped ? 1 - axis : axis;
         return home_[axis] +
                (encoders_.factor[axis] * (now[joint] - home_[joint]) + slipped_[axis]);

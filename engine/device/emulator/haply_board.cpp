@@ -47,8 +47,10 @@ void HaplyBoard::pass() {
 
 void HaplyBoard::hear_stranger() {
     constexpr std::int64_t kEvery = 20;  // polls
-    const auto packet = torque_packet(motors_[0].address, {0.1, 0.1});
-    if (meddling_ > 0 && polls_ % kEvery == 0 && packet && in_.empty()) {
+    if (meddling_ <= 0 || polls_ % kEvery != 0 || !in_.empty()) {
+        return;
+    }
+    if (const auto packet = torque_packet(motors_[0].address, {0.1, 0.1})) {
         --meddling_;
         receive(packet->view());
     }
