@@ -245,11 +245,10 @@ std::string prove_strength(const Calibration& machine,
     done.motors = prove_motors(machine.pantograph, done.pulses, mass.x, delay);
     done.record.dynamics = done.motors->dynamics;
     const std::string what = motors_text(done.motors->connection, done.motors->gain);
-    if (!what.empty() && done.motors->unexplained > kMaxUnexplained) {
-        return unexplained_text(done.motors->unexplained);
-    }
-    return what.empty()
-             ? what
+    const std::string other =
+        unexplained_by_motion(what.empty() ? 0.0 : done.motors->unexplained, done.motors->late);
+    return what.empty() || !other.empty()
+             ? other
              : what + " for a handle of " + number_text(std::round(mass.x * 1e4) / 10.0) +
                    " g: correct the amplifiers or the calibration, or weigh the handle and give "
                    "--handle-g, then commission again";

@@ -37,6 +37,7 @@ struct Track {
 struct FittedHandle {
     HandleDynamics dynamics{};
     double ratio = 1.0;
+    double late = 0.0;  ///< s by which the counts are older than the track's delay says, to kLatest
     /// Of the pulse that the numbers explain worst: what is left over of its counts by their size,
     /// root mean square, beyond the rounding of whole counts.
     double unexplained = 0.0;
@@ -52,6 +53,7 @@ struct FittedHandle {
 struct HandleChange {
     Vec2 gain{1.0, 1.0};       ///< of each motor
     double friction = 1.0;     ///< of all that rubs, damping and dry alike
+    double late = 0.0;         ///< s, as above
     double unexplained = 0.0;  ///< as above
 };
 

@@ -9,7 +9,7 @@ namespace palpate::engine {
 /// Least squares by normal equations, at most kMax unknowns.
 class LeastSquares {
 public:
-    static constexpr std::size_t kMax = 10;
+    static constexpr std::size_t kMax = 11;
     using Row = std::array<double, kMax>;
 
     /// @param unknowns  at most kMax; of a row only so many are read

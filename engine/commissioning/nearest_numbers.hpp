@@ -16,6 +16,9 @@ namespace palpate::engine {
 /// Stands where nothing was measured.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+/// s by which answers may be older before that is not told from other things.
+inline constexpr double kLatest = 0.05;
+
 /// What numbers may be.
 struct NumberRange {
     LeastSquares::Row least{};
@@ -114,6 +117,22 @@ template <class Predict>
         }
     }
     return x;
+}
+
+/// A motion from rest as who reads it `late` samples later sees it, in place.
+/// @param motion  rows of `width` numbers a sample, each from 0   @param late  samples, >= 0
+inline void see_late(std::span<double> motion, std::size_t width, double late) {
+    const double whole = std::floor(late);
+    const double part = late - whole;
+    const auto back = static_cast<std::ptrdiff_t>(whole) * static_cast<std::ptrdiff_t>(width);
+    const auto at = [&](std::ptrdiff_t i) {
+        return i < 0 ? 0.0 : motion[static_cast<std::size_t>(i)];
+    };
+    for (std::ptrdiff_t i = std::ssize(motion) - 1; i >= 0; --i) {
+        const std::ptrdiff_t from = i - back;
+        motion[static_cast<std::size_t>(i)] =
+            at(from) + part * (at(from - static_cast<std::ptrdiff_t>(width)) - at(from));
+    }
 }
 
 /// What is left of a motion by its size, root mean square, beyond the rounding of both its ends to

@@ -278,6 +278,7 @@ MotorProof prove_motors(const PantographSpec& spec,
     }
     const FittedHandle fitted = fit_handle(tracks, {first_idea(all, order), 1.0}, true);
     proof.connection.swapped = order.swapped;
+    proof.late = fitted.late;
     proof.unexplained = fitted.unexplained;
     proof.gain = {order.sign.x * mass / fitted.dynamics.handle_mass,
                   order.sign.y * mass / fitted.dynamics.handle_mass * fitted.ratio};
@@ -296,8 +297,14 @@ std::string unexplained_text(const std::string& what) {
            "something in its way? Nothing is said of the motors before that is right";
 }
 
-std::string unexplained_text(double left) {
-    return unexplained_text(number_text(std::round(100.0 * left)) + " % of a push is left over");
+std::string unexplained_by_motion(double left, double late) {
+    return left > kMaxUnexplained
+             ? unexplained_text(number_text(std::round(100.0 * left)) + " % of a push is left over")
+         : late > kMaxLate
+             ? unexplained_text("it is seen " + number_text(std::round(1e3 * late)) +
+                                " ms late, as where answers are old or the handle has become "
+                                "heavier")
+             : std::string();
 }
 
 }  // namespace palpate::engine

@@ -28,10 +28,15 @@ inline constexpr double kMaxTurn = 20.0 * kPi / 180.0;
 /// So much of a motion may be left over before a motor is blamed for it: FittedHandle::unexplained.
 inline constexpr double kMaxUnexplained = 0.2;
 
+/// s by which answers may be older than the device says: what a bus is late by now and then. More
+/// lateness takes from the stiffness that is passive, and looks like a weaker motor.
+inline constexpr double kMaxLate = 0.003;
+
 /// Why no motor is blamed for a motion, a sentence without a full stop. @param what  was seen of it
 [[nodiscard]] std::string unexplained_text(const std::string& what);
-/// @param left  share of a motion, FittedHandle::unexplained
-[[nodiscard]] std::string unexplained_text(double left);
+/// Empty where no more is left over and nothing later than the above.
+/// @param left  share of a motion, FittedHandle::unexplained   @param late  s, FittedHandle::late
+[[nodiscard]] std::string unexplained_by_motion(double left, double late);
 
 /// What was found of the motors.
 struct MotorProof {
@@ -39,6 +44,7 @@ struct MotorProof {
     std::array<double, 2> gain{};  ///< as found: 1 is right
     HandleDynamics dynamics{};     ///< if the connection is right
     bool moved = false;            ///< every motor moved its joint
+    double late = 0.0;             ///< s, FittedHandle::late
     double unexplained = 0.0;      ///< FittedHandle::unexplained of the gains
 };
 /// Which motor turns which joint, and which way, from the pulses of one place or more: factors of 1

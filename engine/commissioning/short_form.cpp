@@ -15,13 +15,6 @@ namespace {
 /// another stiffness, more than pulses of whole counts leave open.
 constexpr double kMaxGainChange = 0.2;
 
-/// Friction of which so little is left, or so much more is there, is believed where it explains the
-/// motion well. Late answers look like less friction: at 16 to 30 ms motors of twice the gain are
-/// given as those of commissioning at 0.53 to 0.34 of the friction, with 0.09 to 0.16 unexplained.
-constexpr double kLeastFriction = 0.7;
-constexpr double kMaxFriction = 1.5;
-constexpr double kWellExplained = 0.4 * kMaxUnexplained;
-
 AxesChange change_of(const Calibration& machine,
                      std::span<const Pulse> pulses,
                      const RigRecord& record,
@@ -35,8 +28,7 @@ AxesChange change_of(const Calibration& machine,
         tracks.push_back(track_of(linkage, pulse, false, {1.0, 1.0}, delay));
     }
     const HandleChange change = fit_change(tracks, record.dynamics);
-    return {
-        .gain = {change.gain, 1.0}, .friction = change.friction, .unexplained = change.unexplained};
+    return {.gain = {change.gain, 1.0}, .late = change.late, .unexplained = change.unexplained};
 }
 
 std::string changed_text(const Vec3& gains, std::size_t axes) {
@@ -82,10 +74,9 @@ ShortForm prove_again(PulseRunner& runner,
                       number_text(std::round(found.angle * 180.0 / kPi)) + " deg";
     }
     const AxesChange change = change_of(machine, pulses, record, delay);
-    const bool same = change.friction >= kLeastFriction && change.friction <= kMaxFriction;
-    form.refused = change.unexplained > (same ? kMaxUnexplained : kWellExplained)
-                     ? unexplained_text(change.unexplained)
-                     : changed_text(change.gain, machine.axes());
+    form.found += ", seen " + number_text(std::round(1e4 * change.late) / 10.0) + " ms late";
+    form.refused = unexplained_by_motion(change.unexplained, change.late);
+    form.refused = form.refused.empty() ? changed_text(change.gain, machine.axes()) : form.refused;
     return form;
 }
 

@@ -19,11 +19,9 @@ constexpr double kNearest = 0.020;   ///< a half or a double count misses it by 
 constexpr double kMargin = 0.010;    ///< m from a mark to the ends, for pulses
 constexpr double kFar = 0.001;       ///< m of way that tells something
 constexpr double kUnseen = 0.010;    ///< m by which a force without friction speeds up unseen
-constexpr int kParts = 4;
-constexpr std::array<const char*, 3> kNames{"x", "y", "z"};
 
 std::string name(int axis) {
-    return kNames.at(static_cast<std::size_t>(axis));
+    return {"xyz"[axis]};
 }
 
 std::string hundredths(double value) {
@@ -40,11 +38,8 @@ std::string turned(const std::string& what, int axis, bool clockwise) {
 }
 
 int largest(const Vec3& way) {
-    int axis = 0;
-    for (int i = 1; i < 3; ++i) {
-        axis = std::fabs(way[i]) > std::fabs(way[axis]) ? i : axis;
-    }
-    return axis;
+    const Vec3 far = glm::abs(way);
+    return far.z > std::fmax(far.x, far.y) ? 2 : far.y > far.x ? 1 : 0;
 }
 
 /// What stands for one axis against the mark that lies along it.
@@ -158,6 +153,7 @@ AxisTrack track_of(const Gantry& gantry, const Pulse& pulse, int axis, double de
 
 /// Appends the way at each sample; damping and dry friction are taken implicitly.
 void predict(const AxisTrack& track, const AxisDynamics& axis, std::vector<double>& ways) {
+    constexpr int kParts = 4;
     const double h = track.period / kParts;
     const double damper = 0.5 * h * axis.damping;
     double speed = 0.0;
@@ -192,17 +188,18 @@ AxisPulses pulses_along(const Gantry& gantry,
     for (const Pulse& pulse : pulses) {
         if (pulse.force[axis] != 0.0) {
             all.tracks.push_back(track_of(gantry, pulse, axis, delay));
-            const auto& way = all.tracks.back().way;
-            all.measured.insert(all.measured.end(), way.begin(), way.end());
+            std::ranges::copy(all.tracks.back().way, std::back_inserter(all.measured));
         }
     }
     return all;
 }
 
-std::vector<double> predicted_ways(const AxisPulses& pulses, const AxisDynamics& axis) {
+/// @param late  s by which they are seen later
+std::vector<double> predicted_ways(const AxisPulses& all, const AxisDynamics& axis, double late) {
     std::vector<double> ways;
-    for (const AxisTrack& track : pulses.tracks) {
+    for (const AxisTrack& track : all.tracks) {
         predict(track, axis, ways);
+        see_late(std::span(ways).last(track.way.size()), 1, late / track.period);
     }
     return ways;
 }
@@ -333,19 +330,20 @@ FittedAxes fit_axes(const Gantry& gantry,
                     std::span<const Pulse> pulses,
                     const Vec3& mass,
                     double delay) {
-    const NumberRange range{.least = {1e-3, 0.0, 0.0, -20.0},
-                            .max = {50.0, 100.0, 20.0, 20.0},
-                            .small = {1e-3, 1e-2, 1e-3, 1e-3}};
+    const NumberRange range{.least = {1e-3, 0.0, 0.0, -20.0, 0.0},
+                            .max = {50.0, 100.0, 20.0, 20.0, kLatest},
+                            .small = {1e-3, 1e-2, 1e-3, 1e-3, 1e-3}};
     FittedAxes found;
     for (int i = 0; i < 3; ++i) {
         const AxisPulses pushed = pulses_along(gantry, pulses, i, delay);
         const auto predicted = [&](const LeastSquares::Row& x) {
-            return predicted_ways(pushed, dynamics_of(x));
+            return predicted_ways(pushed, dynamics_of(x), x[4]);
         };
         const auto x =
-            nearest_numbers(predicted, pushed.measured, {mass[i], 1.0, 0.02, 0.0}, range, 4);
+            nearest_numbers(predicted, pushed.measured, {mass[i], 1.0, 0.02, 0.0, 0.0}, range, 5);
         const auto at = static_cast<std::size_t>(i);
         found.axes[at] = dynamics_of(x);
+        found.late = std::fmax(found.late, x[4]);
         found.unexplained[at] = left_over(pushed.measured, predicted(x), gantry.quantum()[i]);
     }
     return found;
@@ -364,32 +362,35 @@ std::string wrong_strength(const FittedAxes& found, const Vec3& mass) {
                               number_text(std::round(1e4 * mass[i]) / 10.0) + " g that it moves");
         }
     }
-    if (left > kMaxUnexplained) {
-        return unexplained_text(left);
-    }
-    return wrong.empty() ? wrong
-                         : wrong +
-                               ": correct torque_limit_mn_m or the amplifier, or weigh what each "
-                               "motor moves and give --moved-g, then commission again";
+    const std::string other = unexplained_by_motion(left, found.late);
+    return wrong.empty() || !other.empty()
+             ? other
+             : wrong +
+                   ": correct torque_limit_mn_m or the amplifier, or weigh what each "
+                   "motor moves and give --moved-g, then commission again";
 }
 
 AxesChange change_of_axes(const Gantry& gantry,
                           std::span<const Pulse> pulses,
                           const std::array<AxisDynamics, 3>& axes,
                           double delay) {
-    const NumberRange range{.least = {0.02, 0.0}, .max = {10.0, 10.0}, .small = {1e-2, 1e-2}};
+    const NumberRange range{
+        .least = {0.02, 0.0, 0.0}, .max = {10.0, 10.0, kLatest}, .small = {1e-2, 1e-2, 1e-3}};
     AxesChange change;
     for (int i = 0; i < 3; ++i) {
         const AxisPulses pushed = pulses_along(gantry, pulses, i, delay);
         const AxisDynamics& was = axes[static_cast<std::size_t>(i)];
         const auto predicted = [&](const LeastSquares::Row& by) {
-            return predicted_ways(pushed, {.mass = was.mass / by[0],
-                                           .damping = was.damping * by[1] / by[0],
-                                           .friction = was.friction * by[1] / by[0],
-                                           .pull = was.pull / by[0]});
+            return predicted_ways(pushed,
+                                  {.mass = was.mass / by[0],
+                                   .damping = was.damping * by[1] / by[0],
+                                   .friction = was.friction * by[1] / by[0],
+                                   .pull = was.pull / by[0]},
+                                  by[2]);
         };
-        const auto by = nearest_numbers(predicted, pushed.measured, {1.0, 1.0}, range, 2);
+        const auto by = nearest_numbers(predicted, pushed.measured, {1.0, 1.0, 0.0}, range, 3);
         change.gain[i] = by[0];
+        change.late = std::fmax(change.late, by[2]);
         change.unexplained = std::fmax(
             change.unexplained, left_over(pushed.measured, predicted(by), gantry.quantum()[i]));
     }

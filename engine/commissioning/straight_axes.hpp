@@ -57,6 +57,7 @@ void check_straight_places(const GantrySpec& spec, std::span<const Vec3> places)
 /// Numbers of axes, and what share of the ways of each they leave over.
 struct FittedAxes {
     std::array<AxisDynamics, 3> axes{};
+    double late = 0.0;  ///< s by which answers are older than they should be, of the latest axis
     std::array<double, 3> unexplained{};
 };
 
@@ -74,7 +75,7 @@ struct FittedAxes {
 /// What each motor gives by what it gave when `axes` were found, friction being what it may.
 struct AxesChange {
     Vec3 gain{1.0};
-    double friction = 1.0;     ///< by what there was; of straight axes it is not said
+    double late = 0.0;         ///< s by which answers are older, of the axis with the oldest
     double unexplained = 0.0;  ///< of the axis that this explains worst
 };
 /// @param pulses  both directions of every axis

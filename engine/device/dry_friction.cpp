@@ -83,9 +83,12 @@ Vec2 after_dry_friction(const Vec2& row_1,
     constexpr int kRounds = 3;
     constexpr double kStands = 1e-3;
     const auto& [joints, handle, carry_1, carry_2] = friction;
+    const auto larger = [](double a, double b) {  // as std::fmax, without a call
+        return a > b ? a : b;
+    };
     const auto speed = [&](const Vec2& rates) {
-        return std::sqrt(std::fmax(
-            rates.x * glm::dot(carry_1, rates) + rates.y * glm::dot(carry_2, rates), 0.0));
+        return std::sqrt(
+            larger(rates.x * glm::dot(carry_1, rates) + rates.y * glm::dot(carry_2, rates), 0.0));
     };
     const auto braked = [&](double by) {
         return after_dry_friction(row_1 + by * carry_1, row_2 + by * carry_2, right, joints,
@@ -105,11 +108,11 @@ Vec2 after_dry_friction(const Vec2& row_1,
     }
     // Of a mass m alone: speed = p / (m + handle / s), and s = p / m - handle / m.
     Vec2 rates = braked(handle / fastest);
-    const double slower = std::fmax(fastest * (fastest / speed(rates) - 1.0), 0.0);
-    double s = std::fmax(fastest - slower, slowest);
+    const double slower = larger(fastest * (fastest / speed(rates) - 1.0), 0.0);
+    double s = larger(fastest - slower, slowest);
     for (int i = 0; i < kRounds; ++i) {
         rates = braked(handle / s);
-        s = std::fmax(speed(rates) * (1.0 + slower / s) - slower, slowest);
+        s = larger(speed(rates) * (1.0 + slower / s) - slower, slowest);
     }
     return rates;
 }

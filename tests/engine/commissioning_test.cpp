@@ -256,6 +256,34 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
     CHECK_THAT(opened(held, {}).refused, ContainsSubstring("is somebody holding it"));
 }
 
+TEST_CASE("late answers are found to 3 ms and hide no stronger motor, at first and later",
+          "[commissioning][safety][law]") {
+    const auto seed = GENERATE(palpate::tests::seeds(3U));
+    CAPTURE(seed);
+    const PlantModel plant = some_plant(seed);
+    const Calibration machine{.pantograph = plant.machine};
+    const auto places = places_to_commission(machine, kHome);
+    const RigRecord record = commissioned(plant, {}, {}).record;
+    for (const std::size_t late : {1U, 5U, 20U, 30U}) {
+        for (const double gain : {1.0, 1.5, 2.0}) {
+            CAPTURE(late, gain);
+            MiswiredMachine device(plant, {}, {.factor = {gain, gain}});
+            device.bring(kHome);
+            device.lag(late);
+            PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod,
+                               [] { return true; });
+            const double delay = kPeriod * device.traits().delay_ticks;
+            const std::string changed = prove_again(runner, machine, record, delay).refused;
+            const std::string refused =
+                commission(device, machine, places, Vec3(plant.handle_mass), desk_of(device))
+                    .refused;
+            CAPTURE(changed, refused);
+            CHECK(changed.empty() == (late == 1 && gain == 1.0));
+            CHECK(refused.empty() == (late == 1 && gain == 1.0));
+        }
+    }
+}
+
 TEST_CASE("a pulse in which four ticks came late is given again, and at last refused as late",
           "[commissioning][law]") {
     MiswiredMachine device(plant_of("gen3"), {}, {});

@@ -318,6 +318,34 @@ TEST_CASE("the short form of three axes passes the rig that was commissioned, an
                    ContainsSubstring("does somebody hold it"));
 }
 
+TEST_CASE("late answers of three axes are found to 3 ms and hide no stronger motor",
+          "[commissioning][gantry][safety][law]") {
+    const Calibration machine = gantry_machine();
+    SEEDED(random, 12U);
+    Axes axes{};
+    for (AxisDynamics& axis : axes) {
+        axis = {.mass = random.decade(-1.2, -0.1),
+                .damping = random.in(1.0, 8.0),
+                .friction = random.coin() ? random.in(0.0, 0.25) : 0.0};
+    }
+    MiswiredGantry right(machine, axes, {}, {});
+    const RigRecord record = commissioned(right, mass_of(axes)).record;
+    for (const std::size_t late : {1U, 5U, 10U, 13U, 16U, 20U, 24U, 27U, 30U, 40U}) {
+        for (const double gain : {1.0, 1.5, 2.0, 3.0}) {
+            MiswiredGantry device(machine, axes, {}, {.factor = {gain, gain, gain}});
+            device.late = late;
+            device.bring(machine.gantry->home());
+            PulseRunner runner(device, palpate::engine::Machine(machine), kPulseTick,
+                               [] { return true; });
+            const std::string changed = prove_again(runner, machine, record, kPulseTick).refused;
+            const std::string refused = commissioned(device, mass_of(axes)).refused;
+            CAPTURE(late, gain, changed, refused);
+            CHECK(changed.empty() == (late == 1 && gain == 1.0));
+            CHECK(refused.empty() == (late == 1 && gain == 1.0));
+        }
+    }
+}
+
 TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are refused",
           "[commissioning][gantry]") {
     Axes axes = right_axes();

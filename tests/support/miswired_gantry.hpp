@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 
 #include "engine/commissioning/rig_record.hpp"
@@ -39,12 +40,14 @@ public:
     void bring(const engine::Vec3& place) {
         place_ = from_ = place;
         speed_ = engine::Vec3{};
+        past_.clear();
     }
 
     Cables encoders;
     Cables motors;
     /// From this tick on the device has this fault.
     int fails_at = std::numeric_limits<int>::max();
+    std::size_t late = 0;    ///< ticks that its answers are older than they should be
     double strongest = 0.0;  ///< the most force that was ever asked for, N
     double furthest = 0.0;   ///< m from where it was brought, along one axis
     engine::Vec3 last{};     ///< N, written last
@@ -53,10 +56,14 @@ public:
     [[nodiscard]] engine::Reading read() noexcept override {
         ++ticks;
         advance();
+        past_.push_back(place_);
+        if (past_.size() > late + 1) {
+            past_.pop_front();
+        }
         engine::Reading reading;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto axis = static_cast<int>(encoders.axis[i]);
-            const double way = place_[axis] - gantry_.spec().home()[axis];
+            const double way = past_.front()[axis] - gantry_.spec().home()[axis];
             reading.counts[i] = static_cast<std::int32_t>(
                 std::floor(encoders.factor[i] * way / gantry_.quantum()[axis] + 0.5));
         }
@@ -112,6 +119,7 @@ private:
     engine::Gantry gantry_;
     std::array<engine::AxisDynamics, 3> axes_;
     engine::Vec3 place_{};
+    std::deque<engine::Vec3> past_;
     engine::Vec3 from_{};
     engine::Vec3 speed_{};
     engine::Vec3 force_{};

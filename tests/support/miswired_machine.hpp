@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <deque>
 
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/device/pantograph.hpp"
@@ -27,6 +28,7 @@ public:
     void bring(const engine::Vec2& place) {
         plant_.begin({.start = place, .tremor = 0.0});
         brought_ = place;
+        past_.clear();
         acting_ = {};
         if (!homed_) {
             home_ = zero_ = plant_.angles();
@@ -45,6 +47,8 @@ public:
     void tie(double stiffness) { cable_ = stiffness; }
     /// From now on a drag grows with the square of its speed, N s^2/m^2.
     void dip(double drag) { drag_ = drag; }
+    /// From now on its answers are so many ticks older than they should be.
+    void lag(std::size_t ticks) { lag_ = ticks; }
     /// It falls silent, and takes the pose in which it is opened anew for home.
     void fall_silent() { silent_ = true; }
     [[nodiscard]] bool reconnect() override {
@@ -65,10 +69,14 @@ public:
             return reading;
         }
         const auto at_home = machine_.counts(home_);
+        past_.push_back(plant_.angles());
+        while (past_.size() > lag_ + 1) {
+            past_.pop_front();
+        }
         for (std::size_t i = 0; i < 2; ++i) {
             const std::size_t joint = encoders_.swapped ? 1 - i : i;
             const double turned =
-                (plant_.angles()[joint] - zero_[joint]) / machine_.spec().axes[joint].count_angle();
+                (past_.front()[joint] - zero_[joint]) / machine_.spec().axes[joint].count_angle();
             reading.counts[i] = at_home[i] + static_cast<std::int32_t>(
                                                  std::floor(turned * encoders_.factor[i] + 0.5));
         }
@@ -128,6 +136,8 @@ private:
     double cable_ = 0.0;  ///< N/m
     double drag_ = 0.0;   ///< N s^2/m^2
     engine::Vec2 speed_{};
+    std::deque<engine::JointAngles> past_;
+    std::size_t lag_ = 0;
     double strongest_ = 0.0;
     double max_asked_ = 0.0;
 };
