@@ -12,20 +12,20 @@ namespace {
 constexpr int kSubSteps = 2;
 constexpr std::size_t kEvery = 4;  ///< ticks between two that are compared
 
-/// Inertia 1, 2, mass, damping 1, 2, friction 1, 2, damping and friction of the handle, lateness,
-/// ratio.
+/// Inertia 1, 2, mass, damping 1, 2, friction 1, 2, damping and friction of the handle, ratio,
+/// lateness.
 using Numbers = LeastSquares::Row;
 
-constexpr Numbers kMin{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05};
-constexpr Numbers kMax{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 100.0, 10.0, kLatest, 20.0};
+constexpr Numbers kMin{1e-6, 1e-6, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.0};
+constexpr Numbers kMax{1e-1, 1e-1, 5.0, 10.0, 10.0, 10.0, 10.0, 100.0, 10.0, 20.0, kLatest};
 /// What a step of the differences is, where a number is near 0.
-constexpr Numbers kSmall{1e-6, 1e-6, 1e-3, 1e-4, 1e-4, 3e-5, 3e-5, 1e-2, 1e-3, 1e-3, 1e-2};
+constexpr Numbers kSmall{1e-6, 1e-6, 1e-3, 1e-4, 1e-4, 3e-5, 3e-5, 1e-2, 1e-3, 1e-2, 1e-3};
 
 Numbers numbers_of(const FittedHandle& handle) {
     const HandleDynamics& d = handle.dynamics;
     Numbers all{d.inertia.x,       d.inertia.y,  d.handle_mass, d.damping.x,
                 d.damping.y,       d.friction.x, d.friction.y,  d.handle_damping,
-                d.handle_friction, handle.late,  handle.ratio};
+                d.handle_friction, handle.ratio, handle.late};
     for (std::size_t i = 0; i < all.size(); ++i) {
         all[i] = std::clamp(all[i], kMin[i], kMax[i]);
     }
@@ -39,8 +39,8 @@ FittedHandle handle_of(const Numbers& x) {
                          .friction = {x[5], x[6]},
                          .handle_damping = x[7],
                          .handle_friction = x[8]},
-            .ratio = x[10],
-            .late = x[9]};
+            .ratio = x[9],
+            .late = x[10]};
 }
 
 /// (I + m J^T J) v' = tau - (B + b J^T J + m J^T C(v)) v - f sgn v - g J^T w / |w|, w = J v, from
@@ -57,7 +57,7 @@ void predict(const Track& track, const Numbers& x, std::vector<double>& counts) 
         const Vec2 m2 = x[2] * step.carry_2 + Vec2{0.0, x[1]};
         const Vec2 b1 = 0.5 * h * (x[7] * step.carry_1 + Vec2{x[3], 0.0});
         const Vec2 b2 = 0.5 * h * (x[7] * step.carry_2 + Vec2{0.0, x[4]});
-        const Vec2 torque = step.torque * Vec2{1.0, x[10]};
+        const Vec2 torque = step.torque * Vec2{1.0, x[9]};
         const StepFriction friction{{h * x[5], h * x[6]}, h * x[8], step.carry_1, step.carry_2};
         for (int i = 0; i < kSubSteps; ++i) {
             const Vec2 right{glm::dot(m1 - b1, rate) + h * torque.x,
@@ -134,7 +134,7 @@ std::vector<double> predicted(std::span<const Track> tracks, const Numbers& x) {
     for (const Track& track : tracks) {
         const std::size_t before = counts.size();
         predict(track, x, counts);
-        see_late(std::span(counts).subspan(before), 2, x[9] / (kEvery * track.period));
+        see_late(std::span(counts).subspan(before), 2, x[10] / (kEvery * track.period));
     }
     return counts;
 }
@@ -156,17 +156,19 @@ Numbers changed(const HandleDynamics& before, const Numbers& by) {
     for (std::size_t i = 0; i < 9; ++i) {
         x[i] *= (i < 3 ? 1.0 : by[2]) / by[0];
     }
-    x[9] = by[3];
-    x[10] = by[1] / by[0];
+    x[9] = by[1] / by[0];
+    x[10] = by[3];
     return x;
 }
 
 }  // namespace
 
-FittedHandle fit_handle(std::span<const Track> tracks, const FittedHandle& start, bool free_ratio) {
-    const Numbers found =
-        nearest_numbers([&](const Numbers& x) { return predicted(tracks, x); }, counted(tracks),
-                        numbers_of(start), {kMin, kMax, kSmall}, free_ratio ? 11 : 10);
+FittedHandle fit_handle(std::span<const Track> tracks,
+                        const FittedHandle& start,
+                        Unknowns unknowns) {
+    const Numbers found = nearest_numbers([&](const Numbers& x) { return predicted(tracks, x); },
+                                          counted(tracks), numbers_of(start), {kMin, kMax, kSmall},
+                                          static_cast<std::size_t>(unknowns));
     FittedHandle handle = handle_of(found);
     handle.unexplained = unexplained(tracks, found);
     return handle;

@@ -43,10 +43,13 @@ struct FittedHandle {
     double unexplained = 0.0;
 };
 
-/// @param free_ratio  find the ratio as well
+/// What is looked for: the dynamics, with them the ratio, with both the lateness.
+enum class Unknowns : std::uint8_t { dynamics = 9, ratio = 10, lateness = 11 };
+
+/// What is not looked for is as at the start.
 [[nodiscard]] FittedHandle fit_handle(std::span<const Track> tracks,
                                       const FittedHandle& start,
-                                      bool free_ratio);
+                                      Unknowns unknowns);
 
 /// What has become of a handle since its numbers were found: torques and friction by what they
 /// were.

@@ -276,9 +276,9 @@ MotorProof prove_motors(const PantographSpec& spec,
     for (const Pulse& pulse : pulses) {
         tracks.push_back(track_of(machine, pulse, order.swapped, order.sign, delay));
     }
-    const FittedHandle fitted = fit_handle(tracks, {first_idea(all, order), 1.0}, true);
+    const FittedHandle fitted = fit_handle(tracks, {first_idea(all, order), 1.0}, Unknowns::ratio);
     proof.connection.swapped = order.swapped;
-    proof.late = fitted.late;
+    proof.late = fit_handle(tracks, fitted, Unknowns::lateness).late;
     proof.unexplained = fitted.unexplained;
     proof.gain = {order.sign.x * mass / fitted.dynamics.handle_mass,
                   order.sign.y * mass / fitted.dynamics.handle_mass * fitted.ratio};
@@ -286,7 +286,7 @@ MotorProof prove_motors(const PantographSpec& spec,
         proof.connection.factor[i] = nearest_factor(proof.gain[i]);
     }
     if (proof.connection == Connection{}) {
-        proof.dynamics = fit_handle(tracks, {fitted.dynamics, 1.0}, false).dynamics;
+        proof.dynamics = fit_handle(tracks, {fitted.dynamics, 1.0}, Unknowns::dynamics).dynamics;
     }
     return proof;
 }

@@ -30,7 +30,7 @@ inline constexpr double kMaxUnexplained = 0.2;
 
 /// s by which answers may be older than the device says: what a bus is late by now and then. More
 /// lateness takes from the stiffness that is passive, and looks like a weaker motor.
-inline constexpr double kMaxLate = 0.003;
+inline constexpr double kMaxLate = 0.005;
 
 /// Why no motor is blamed for a motion, a sentence without a full stop. @param what  was seen of it
 [[nodiscard]] std::string unexplained_text(const std::string& what);

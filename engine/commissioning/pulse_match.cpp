@@ -135,7 +135,9 @@ std::string wrong_with(const Machine& machine,
     const PulseMatch found = match(machine, pulse, record, delay);
     const std::string moved = pushed + "moved " + percent(found.share) + " of what it should: ";
     if (!(found.share >= kMinShare)) {
-        return moved + "is somebody holding it, does something block it, or is a motor too weak";
+        return moved +
+               "is somebody holding it, does something block it, is a motor too weak, or are "
+               "its answers old";
     }
     if (!(found.angle <= kMaxTurn)) {
         return pushed + "went " + number_text(std::round(found.angle * kDegree)) +

@@ -339,11 +339,11 @@ FittedAxes fit_axes(const Gantry& gantry,
         const auto predicted = [&](const LeastSquares::Row& x) {
             return predicted_ways(pushed, dynamics_of(x), x[4]);
         };
-        const auto x =
-            nearest_numbers(predicted, pushed.measured, {mass[i], 1.0, 0.02, 0.0, 0.0}, range, 5);
+        const auto x = nearest_numbers(predicted, pushed.measured, {mass[i], 1.0, 0.02}, range, 4);
         const auto at = static_cast<std::size_t>(i);
         found.axes[at] = dynamics_of(x);
-        found.late = std::fmax(found.late, x[4]);
+        found.late =
+            std::fmax(found.late, nearest_numbers(predicted, pushed.measured, x, range, 5)[4]);
         found.unexplained[at] = left_over(pushed.measured, predicted(x), gantry.quantum()[i]);
     }
     return found;

@@ -115,7 +115,7 @@ TEST_CASE(
         hears({"one of them slipped"});
         board.bring("old 20");  // right answers, in time, of where the handle was 20 ms ago
         board.bring("turned 0");
-        hears({"too weak", "supply weak", "motion is not explained"});
+        hears({"are its answers old", "as where answers are old"});
         board.bring("gain 2");
         board.bring("old 0");
         board.bring("0,89.3");
