@@ -275,6 +275,23 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
           off(end), limit);
 }
 
+/// m that the foot moves by a metre of the hand, at most: 1 on a plane, without bound where the hand
+/// is at a centre of curvature.
+double SurfaceLaws::foot_gain(const Tick& now) const {
+    const LongJet j = oracle(now.contact).jet(now.contact.go_u, now.contact.go_v);
+    const Long3 r = minus(j.s, now.h);
+    const long double e = inner(j.su, j.su);
+    const long double f = inner(j.su, j.sv);
+    const long double g = inner(j.sv, j.sv);
+    const long double uu = e + inner(r, j.suu);
+    const long double uv = f + inner(r, j.suv);
+    const long double vv = g + inner(r, j.svv);
+    const long double half = 0.5L * (uu * g - 2.0L * uv * f + vv * e) / (e * g - f * f);
+    const long double product = (uu * vv - uv * uv) / (e * g - f * f);
+    const long double least = half - std::sqrt(std::fmax(half * half - product, 0.0L));
+    return static_cast<double>(std::fmax(1.0L / std::fabs(least), 1.0L));
+}
+
 /// With the same coefficient the same HIP finds the contact stuck, and the same force.
 void SurfaceLaws::check_rest(const Tick& now,
                              const SurfaceState& before,
@@ -286,11 +303,12 @@ void SurfaceLaws::check_rest(const Tick& now,
     again.theta = before.touching ? before.theta : 1.0;
     const SurfaceContact c = scene_->tick(again, now.h);
     const double k = scene_->spec().contact.stiffness;
+    const double limit = 10.0 * same_ * std::min(foot_gain(now), 1e4);
     if (!scene_->spec()
              .contact.friction.none()) {  // where the distance has hardly a minimum it may
-        check("at rest the god-object rests", glm::length(c.go - now.contact.go), 10.0 * same_);
+        check("at rest the god-object rests", glm::length(c.go - now.contact.go), limit);
     }
-    check("at rest the force rests", glm::length(c.force - now.contact.force), 10.0 * k * same_);
+    check("at rest the force rests", glm::length(c.force - now.contact.force), k * limit);
 }
 
 /// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
