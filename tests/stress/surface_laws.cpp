@@ -275,9 +275,10 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
           off(end), limit);
 }
 
-/// m that the foot moves by a metre of the hand, at most: 1 on a plane, without bound where the hand
-/// is at a centre of curvature.
-double SurfaceLaws::foot_gain(const Tick& now) const {
+/// m to which last bits of the hand, and of u and v where heavy control points pull, leave the foot
+/// open: it moves by 1 / least of what the hand does, far where that is at a centre of curvature.
+double SurfaceLaws::foot_open(const Tick& now) const {
+    const auto& d = oracle(now.contact).data();
     const LongJet j = oracle(now.contact).jet(now.contact.go_u, now.contact.go_v);
     const Long3 r = minus(j.s, now.h);
     const long double e = inner(j.su, j.su);
@@ -289,7 +290,8 @@ double SurfaceLaws::foot_gain(const Tick& now) const {
     const long double half = 0.5L * (uu * g - 2.0L * uv * f + vv * e) / (e * g - f * f);
     const long double product = (uu * vv - uv * uv) / (e * g - f * f);
     const long double least = half - std::sqrt(std::fmax(half * half - product, 0.0L));
-    return static_cast<double>(std::fmax(1.0L / std::fabs(least), 1.0L));
+    const double bits = 4e-16 * (length(j.su) * d.knots_u.back() + length(j.sv) * d.knots_v.back());
+    return (same_ + bits) / std::clamp(static_cast<double>(std::fabs(least)), 1e-4, 1.0);
 }
 
 /// With the same coefficient the same HIP finds the contact stuck, and the same force.
@@ -303,7 +305,7 @@ void SurfaceLaws::check_rest(const Tick& now,
     again.theta = before.touching ? before.theta : 1.0;
     const SurfaceContact c = scene_->tick(again, now.h);
     const double k = scene_->spec().contact.stiffness;
-    const double limit = 10.0 * same_ * std::min(foot_gain(now), 1e4);
+    const double limit = 10.0 * foot_open(now);
     if (!scene_->spec()
              .contact.friction.none()) {  // where the distance has hardly a minimum it may
         check("at rest the god-object rests", glm::length(c.go - now.contact.go), limit);

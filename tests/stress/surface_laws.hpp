@@ -48,7 +48,7 @@ private:
     [[nodiscard]] bool singular(const engine::SurfaceContact& c) const;
     [[nodiscard]] bool held_for_a_reason(const Tick& now) const;
     [[nodiscard]] bool step_bends(const Tick& now) const;
-    [[nodiscard]] double foot_gain(const Tick& now) const;
+    [[nodiscard]] double foot_open(const Tick& now) const;
 
     const engine::SurfaceScene* scene_;
     std::vector<tests::SurfaceOracle> oracles_;
