@@ -95,7 +95,6 @@ inline void operate(TypedTo& operated,
         if (times(out, "Bring the handle to") > brought) {
             ++brought;
             board.bring(last_place(out.substr(out.rfind("Bring the handle to"))));
-            tests::pause(0.05);  // answers may be old
             operated.type("");
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
