@@ -291,7 +291,8 @@ double SurfaceLaws::foot_open(const Tick& now) const {
     const long double product = (uu * vv - uv * uv) / (e * g - f * f);
     const long double least = half - std::sqrt(std::fmax(half * half - product, 0.0L));
     const double bits = 4e-16 * (length(j.su) * d.knots_u.back() + length(j.sv) * d.knots_v.back());
-    return (same_ + bits) / std::clamp(static_cast<double>(std::fabs(least)), 1e-4, 1.0);
+    const double share = std::isfinite(least) ? static_cast<double>(std::fabs(least)) : 0.0;
+    return (same_ + bits) / std::clamp(share, 1e-4, 1.0);
 }
 
 /// With the same coefficient the same HIP finds the contact stuck, and the same force.
