@@ -31,7 +31,7 @@ constexpr std::string_view kMade =
     R"(SELECT key, value, count(*) AS sessions
 FROM session_provenance JOIN session USING (session_id) JOIN person USING (participant_id) JOIN study USING (study_id)
 WHERE study_name = {study} AND session_kind = {kind}
-      AND key IN ('palpate', 'build id', 'compiler', 'libc', 'sqlite', 'zlib', 'libsodium', 'calibration sha256')
+      AND key IN ('palpate', 'build id', 'compiler', 'libc', 'sqlite', 'zlib', 'nettle', 'calibration sha256')
 GROUP BY key, value ORDER BY key, sessions DESC, value)";
 
 std::string list_of(const std::vector<std::string>& names) {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <sodium.h>
+#include <sys/random.h>
 
 #include "engine/base/sha256.hpp"
 
@@ -28,11 +28,10 @@ std::string uuid_of(Bytes bytes, unsigned version) {
 }
 
 Bytes random_bytes() {
-    if (sodium_init() < 0) {
-        throw std::runtime_error("the kernel gives no random numbers: is /dev/urandom there?");
-    }
     Bytes bytes{};
-    randombytes_buf(bytes.data(), bytes.size());
+    if (getentropy(bytes.data(), bytes.size()) != 0) {
+        throw std::runtime_error("the kernel gives no random numbers, which palpate asks it for");
+    }
     return bytes;
 }
 

@@ -4,7 +4,7 @@
 #include <exception>
 
 #include <fmt/format.h>
-#include <sodium.h>
+#include <nettle/version.h>
 #include <sqlite3.h>
 #include <zlib.h>
 
@@ -129,7 +129,7 @@ Verification verify(Database& database) {
 std::vector<std::pair<std::string, std::string>> library_versions() {
     return {{"sqlite", std::string(sqlite3_libversion()) + " " + sqlite3_sourceid()},
             {"zlib", zlibVersion()},
-            {"libsodium", sodium_version_string()}};
+            {"nettle", fmt::format("{}.{}", nettle_version_major(), nettle_version_minor())}};
 }
 
 }  // namespace palpate::data

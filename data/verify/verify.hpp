@@ -48,7 +48,7 @@ inline constexpr std::array<std::string_view, 5> kNotChecked{
 /// consistently: a seal against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);
 
-/// Of the libraries that this room alone uses, as they run: SQLite, zlib, libsodium.
+/// Of the libraries that this room alone uses, as they run: SQLite, zlib, nettle.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> library_versions();
 
 }  // namespace palpate::data

@@ -1,16 +1,16 @@
 #include "engine/base/sha256.hpp"
 
-#include <sodium.h>
+#include <nettle/sha2.h>
 
 namespace palpate {
 namespace {
 
-static_assert(std::tuple_size_v<Sha256> == crypto_hash_sha256_BYTES);
-
-Sha256 digest_of(const unsigned char* data, std::size_t size) {
-    // libsodium's plain hashes keep no state and need no sodium_init().
+Sha256 digest_of(const std::uint8_t* data, std::size_t size) {
+    sha256_ctx context;
+    sha256_init(&context);
+    sha256_update(&context, size, data);
     Sha256 digest{};
-    crypto_hash_sha256(digest.data(), data, size);
+    sha256_digest(&context, digest.size(), digest.data());
     return digest;
 }
 
@@ -28,7 +28,7 @@ std::string hex(const Sha256& digest) {
 }  // namespace
 
 Sha256 sha256(std::span<const std::byte> bytes) {
-    return digest_of(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    return digest_of(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
 }
 
 Sha256 sha256(std::string_view text) {

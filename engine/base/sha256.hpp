@@ -13,7 +13,7 @@ namespace palpate {
 /// The 32 bytes of a hash, the first one first.
 using Sha256 = std::array<std::uint8_t, 32>;
 
-/// The hash of these bytes, or of the bytes of a text (FIPS 180-4, by libsodium).
+/// The hash of these bytes, or of the bytes of a text (FIPS 180-4, by nettle).
 [[nodiscard]] Sha256 sha256(std::span<const std::byte> bytes);
 [[nodiscard]] Sha256 sha256(std::string_view text);
 

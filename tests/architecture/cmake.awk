@@ -3,11 +3,11 @@
 # Input: CMakeLists.txt, *.cmake and CMakePresets.json, as paths from the tree's top.
 
 BEGIN {
-    links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::SODIUM PkgConfig::COMEDI" \
+    links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::NETTLE PkgConfig::COMEDI" \
                     " Eigen3::Eigen"
     links["stimuli"] = "palpate::engine"
     links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus Boost::headers"
-    links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ Boost::headers" \
+    links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::NETTLE PkgConfig::PQ Boost::headers" \
                     " PostgreSQL::PostgreSQL palpate::xxhash Eigen3::Eigen" \
                     " nlohmann_json::nlohmann_json"
     links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::MICROHTTPD PNG::PNG palpate::thesis"

@@ -19,9 +19,9 @@ make_tree() {
         "const char kQuote = '\"'; const char* kSin = \"std::sin(x)\"; int atan_unit(int);"
     put engine/friction/stribeck.cpp '#include <cmath>' 'double c = std::exp(-1.0);'
     put engine/realtime/servo.cpp '#include "engine/contact/foot.hpp"' '#include <sys/mman.h>'
-    put engine/base/text.cpp '#include <fmt/core.h>' '#include <sodium.h>'
+    put engine/base/text.cpp '#include <fmt/core.h>' '#include <nettle/sha2.h>'
     put engine/CMakeLists.txt 'palpate_room_uses(glm::glm # never -ffast-math' '    Threads::Threads)' \
-        'palpate_folder(base LINK PkgConfig::SODIUM SOURCES text.cpp)' 'palpate_folder(math)' \
+        'palpate_folder(base LINK PkgConfig::NETTLE SOURCES text.cpp)' 'palpate_folder(math)' \
         'palpate_folder(contact PACED' '    SEES math' '    SOURCES foot.cpp)' \
         'palpate_folder(friction SEES math contact SOURCES stribeck.cpp)' \
         'palpate_folder(device)' 'palpate_folder(device/drivers SEES device LINK PkgConfig::COMEDI)' \
@@ -169,8 +169,8 @@ put protocols/a.cpp '#include <CLI/CLI.hpp>'
 catches protocols/a.cpp:1 'CLI11 belongs to ui'
 put protocols/a.cpp '#include <zlib.h>'
 catches protocols/a.cpp:1 'zlib belongs to data'
-put stimuli/a.cpp '#include <sodium.h>'
-catches stimuli/a.cpp:1 'libsodium belongs to engine/base data'
+put stimuli/a.cpp '#include <nettle/sha2.h>'
+catches stimuli/a.cpp:1 'nettle belongs to engine/base data'
 put engine/contact/a.cpp '#include <fmt/core.h>'
 catches engine/contact/a.cpp:1 'fmt belongs to'
 put engine/contact/a.cpp '#include <comedilib.h>'

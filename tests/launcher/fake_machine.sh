@@ -3,7 +3,7 @@
 # Sourced by launcher_test.sh, which owns $scratch and $launcher.
 # shellcheck shell=sh disable=SC2034,SC2086,SC2154
 
-everything='cmake g++ ninja-build pkg-config libglm-dev libeigen3-dev libfmt-dev libtomlplusplus-dev libsodium-dev
+everything='cmake g++ ninja-build pkg-config libglm-dev libeigen3-dev libfmt-dev libtomlplusplus-dev nettle-dev
 libsqlite3-dev zlib1g-dev libxxhash-dev libboost-dev libpq5 libcli11-dev nlohmann-json3-dev libsdl2-dev
 libsdl2-ttf-dev libpng-dev libmicrohttpd-dev fonts-dejavu-core sqlite3 catch2 xvfb libx11-dev libxtst-dev python3 python3-jsonschema r-base-core r-cran-rsqlite
 gcc-avr avr-libc binutils-avr libsimavr-dev libelf-dev

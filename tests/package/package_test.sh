@@ -126,7 +126,7 @@ trap 'rm -rf "$scratch"' EXIT
 failed=0
 holds 'it is made' cpack -G DEB -B "$scratch" --config "$build/CPackConfig.cmake"
 holds 'it needs the libraries that the program does' sh -c \
-    "dpkg-deb -f '$scratch'/palpate_*.deb Depends | grep libsdl2-2.0-0 | grep libsqlite3-0 | grep -q libsodium"
+    "dpkg-deb -f '$scratch'/palpate_*.deb Depends | grep libsdl2-2.0-0 | grep libsqlite3-0 | grep -q libnettle"
 holds 'all that is in it belongs to root' \
     [ -z "$(dpkg-deb -c "$scratch"/palpate_*.deb | grep -v ' root/root ')" ]
 [ "$failed" = 0 ] || exit 1
