@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "engine/base/processor.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
@@ -51,27 +52,6 @@ struct ManyHips::Loops {
                                     linkage.elbow_2_at({two.sin[i], two.cos[i]})));
         }
     }
-
-    static void plainly(const ManyHips& machine,
-                        std::span<const Counts> counts,
-                        std::span<Vec2> hips) noexcept {
-        place(machine, counts, hips);
-    }
-
-#if defined(__x86_64__)
-    [[gnu::target("avx2")]] static void by_avx2(const ManyHips& machine,
-                                                std::span<const Counts> counts,
-                                                std::span<Vec2> hips) noexcept {
-        place(machine, counts, hips);
-    }
-    static auto fastest() noexcept {
-        return __builtin_cpu_supports("avx2") ? by_avx2 : plainly;
-    }
-#else
-    static auto fastest() noexcept {
-        return plainly;
-    }
-#endif
 };
 
 ManyHips::ManyHips(const PantographSpec& machine) noexcept
@@ -88,10 +68,10 @@ ManyHips::ManyHips(const PantographSpec& machine) noexcept
 
 void ManyHips::of(std::span<const Counts> counts, std::span<Vec2> hips) const noexcept {
     if (near_) {
-        const auto place = Loops::fastest();
         for (std::size_t first = 0; first < counts.size(); first += kAtOnce) {
             const std::size_t n = std::min(kAtOnce, counts.size() - first);
-            place(*this, counts.subspan(first, n), hips.subspan(first, n));
+            as_this_processor_can(
+                [&] { Loops::place(*this, counts.subspan(first, n), hips.subspan(first, n)); });
         }
         return;
     }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/base/processor.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
@@ -143,26 +144,6 @@ void PantographPlant::follow(const HandPath::Intention& aim) noexcept {
     torque_ = glm::length(away) > kNoTorque ? command_ + steps_.left * away : command_;
 }
 
-/// take_steps() with all that it calls in one piece, for several processors: with the same bits, but
-/// a fifth fewer instructions by AVX.
-struct PantographPlant::Compiled {
-    using Steps = void (*)(PantographPlant&) noexcept;
-
-    [[gnu::flatten]] static void plainly(PantographPlant& plant) noexcept { plant.take_steps(); }
-#if defined(__x86_64__)
-    [[gnu::target("avx2"), gnu::flatten]] static void by_avx2(PantographPlant& plant) noexcept {
-        plant.take_steps();
-    }
-    static Steps fastest() noexcept {
-        return __builtin_cpu_supports("avx2") ? by_avx2 : plainly;
-    }
-#else
-    static Steps fastest() noexcept {
-        return plainly;
-    }
-#endif
-};
-
 void PantographPlant::advance(double seconds) noexcept {
     if (!(seconds > 0.0) || lost_) {
         return;
@@ -175,7 +156,7 @@ void PantographPlant::advance(double seconds) noexcept {
     if (span != steps_.span) {
         steps_ = Steps(span, model_.current_time);
     }
-    Compiled::fastest()(*this);
+    as_this_processor_can([this] { take_steps(); });
 }
 
 /// What nobody holds rests on, to the bit, while dry friction holds its motors.

@@ -78,7 +78,6 @@ private:
     void step(const Vec2& torque, const HandPath::Intention& aim) noexcept;
     void follow(const HandPath::Intention& aim) noexcept;
     void take_steps() noexcept;
-    struct Compiled;
 
     /// How a span is cut into steps.
     struct Steps {
