@@ -74,21 +74,30 @@ SafetyInput TickLoop::input_of(const TickOrder& order, const Reading& reading) c
             .stop = order.stop};
 }
 
-/// All but the contact, after the force is written.
+/// All but the contact, after the force is written. Every member is named, for else g++ clears the
+/// whole record first, by a slow string instruction.
 TickRecord TickLoop::recorded(const TickOrder& order,
                               const Reading& reading,
                               const Command& command) noexcept {
-    TickRecord record;
-    record.tick = next_++;
-    record.time_ns = order.time_ns;
-    record.hip = reading.hip;
-    record.command = command.force;
-    record.counts = reading.counts;
-    record.codes = applied_.codes;
-    record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
-    record.flags = flags_of(command, applied_, periods_late(order.lateness_ns, limits_.period) > 0,
-                            reading.ok() && !reading.fresh);
-    return record;
+    const bool late = periods_late(order.lateness_ns, limits_.period) > 0;
+    return {.tick = next_++,
+            .time_ns = order.time_ns,
+            .hip = reading.hip,
+            .cp = {},
+            .go = {},
+            .force = {},
+            .command = command.force,
+            .normal_force = 0.0,
+            .tangential_force = 0.0,
+            .mu = 0.0,
+            .u = 0.0,
+            .v = 0.0,
+            .counts = reading.counts,
+            .codes = applied_.codes,
+            .lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3),
+            .segment = 0,
+            .mode = Mode::free,
+            .flags = flags_of(command, applied_, late, reading.ok() && !reading.fresh)};
 }
 
 TickRecord TickLoop::tick_in_plane(const TickOrder& order) noexcept {

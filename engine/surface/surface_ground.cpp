@@ -19,22 +19,25 @@ SurfaceSpot SurfaceGround::look(SurfacePlace place) noexcept {
     work_ += surface_.patch(place).work() + kSpotWork;
     place.u = snapped(place.u);
     place.v = snapped(place.v);
-    SurfaceSpot s;
-    s.place = place;
-    s.jet = surface_.local_jet(place);
-    s.normal = surface_.normal_at(place, s.jet);
-    s.r = h_ - s.jet.point;
-    const Stretch<3> parts = stretch<3>(s.r, s.normal);
-    s.r2 = glm::dot(s.r, s.r);
-    s.along = parts.tangential;
-    s.length = parts.length;
-    s.load = parts.load;
-    s.cone = cone_radius<true>(mu_, s.load);
-    s.excess = s.length - s.cone;
-    const double reach = std::sqrt(s.r2);
-    s.noise = 4.0 * kEpsilon * (glm::length(s.jet.point) + reach);
-    s.rounding = 1e-14 * s.cone + s.noise;
-    return s;
+    const SurfaceJet jet = surface_.local_jet(place);
+    const Vec3 normal = surface_.normal_at(place, jet);
+    const Vec3 r = h_ - jet.point;
+    const Stretch<3> parts = stretch<3>(r, normal);
+    const double r2 = glm::dot(r, r);
+    const double cone = cone_radius<true>(mu_, parts.load);
+    const double noise = 4.0 * kEpsilon * (glm::length(jet.point) + std::sqrt(r2));
+    return {.place = place,  // every member is named, for else g++ clears them all first
+            .jet = jet,
+            .normal = normal,
+            .r = r,
+            .r2 = r2,
+            .along = parts.tangential,
+            .length = parts.length,
+            .load = parts.load,
+            .cone = cone,
+            .excess = parts.length - cone,
+            .noise = noise,
+            .rounding = 1e-14 * cone + noise};
 }
 
 double SurfaceGround::turn(const SurfaceSpot& s) const noexcept {
