@@ -42,8 +42,9 @@ endfunction()
 # ALONE   every file is compiled alone: the speed of a tick must not depend on who its neighbour is, and a mutant
 #         takes the place of one file
 # MUTATED of another folder, these files are
+# TICKED  of a PLAIN folder, these files go over every tick, and are optimised all the same
 function(palpate_folder folder)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;ALONE" "" "SEES;SOURCES;LINK;MUTATED")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;ALONE" "" "SEES;SOURCES;LINK;MUTATED;TICKED")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)
     string(REPLACE "/" "_" name ${room}_${folder})
     string(REPLACE "/" "_" seen "${arg_SEES}")
@@ -56,6 +57,8 @@ function(palpate_folder folder)
     endif()
     list(TRANSFORM arg_SOURCES PREPEND ${folder}/)
     list(TRANSFORM arg_MUTATED PREPEND ${folder}/)
+    list(TRANSFORM arg_TICKED PREPEND ${folder}/)
+    set_source_files_properties(${arg_TICKED} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
     set_source_files_properties(${arg_MUTATED} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     add_library(palpate_${name} OBJECT ${arg_SOURCES})
     add_library(palpate::${name} ALIAS palpate_${name})
