@@ -92,6 +92,7 @@ PageNumbers commands_of(const Study& study, const PageOptions& options) {
 
 std::string study_page(Database& database, const PageOptions& options) {
     const Snapshot now(database);
+    keep_attempts(database);
     const Study study(database, options);
     PageNumbers numbers = commands_of(study, options);
 

@@ -70,6 +70,13 @@ void analyse(Database& database, Versions versions, const std::string& study) {
     }
 }
 
+void keep_attempts(Database& database) {
+    database.execute("PRAGMA temp_store = MEMORY");
+    database.execute("CREATE TEMP TABLE attempts AS SELECT * FROM analysis_trial");
+    database.execute("DROP VIEW IF EXISTS temp.analysis_trial");
+    database.execute("CREATE TEMP VIEW analysis_trial AS SELECT * FROM temp.attempts");
+}
+
 bool hides(Database& database) {
     return any(database, fmt::format("SELECT 1 FROM main.session WHERE {}", kHidden));
 }
