@@ -103,7 +103,14 @@ private:
         const ChunkReader reader(chunk);
         stored_.resize(chunk.ticks);
         exact_.resize(chunk.ticks);
+        const bool flat = std::ranges::all_of(ticks, [](const TickRecord& tick) {
+            return tick.hip.z == 0.0 && tick.command.z == 0.0;
+        });
         for (const ColumnId column : kReadable) {
+            if (flat && (column == ColumnId::hip_z || column == ColumnId::command_z) &&
+                reader.all_zero(column)) {
+                continue;
+            }
             reader.read(column, stored_);
             stored_values(column, ticks, exact_);
             if (stored_ != exact_) {
