@@ -1,19 +1,15 @@
 // Value and derivatives of a patch, in the arithmetic of `Number`: homogeneous coordinates as Quad has them, made of
 // one by number(). A part of bezier_patch.cpp, once for all processors and once for those with AVX2.
 
-/// Room for a line of control points: as many as the degree needs where it is known.
+/// Room for a line of control points: as many as the degree needs where it is known. Every place is written before it is
+/// read.
 template <class N>
 struct Room {
     using Line = std::array<Number, kMaxPoints>;
-    static Line fresh() noexcept { return Line{}; }
 };
 template <int N>
 struct Room<Degree<N>> {
     using Line = std::array<Number, static_cast<std::size_t>(N) + 1>;
-    static Line fresh() noexcept {
-        Line line;  // every place is written before it is read
-        return line;
-    }
 };
 
 /// Value and derivatives of one line of control points, per unit of u.
@@ -55,11 +51,14 @@ struct HomogeneousJet {
 
 template <class P, class Q>
 inline HomogeneousJet cut_net(const Quad* net, P p, Q q, double u, double v) noexcept {
-    typename Room<Q>::Line value = Room<Q>::fresh();
-    typename Room<Q>::Line first = Room<Q>::fresh();
-    typename Room<Q>::Line second = Room<Q>::fresh();
+    if (p < 1 || q < 1) {
+        __builtin_unreachable();  // says that the first two places are written
+    }
+    typename Room<Q>::Line value;
+    typename Room<Q>::Line first;
+    typename Room<Q>::Line second;
     for (int j = 0; j <= q; ++j) {
-        typename Room<P>::Line column = Room<P>::fresh();
+        typename Room<P>::Line column;
         for (int i = 0; i <= p; ++i) {
             column[static_cast<std::size_t>(i)] = number(net[i * (q + 1) + j]);
         }
@@ -194,16 +193,19 @@ inline SurfaceJet by_powers(const Quad* c, double u, double v) noexcept {
             .dvv = (2.0 * svv.value).xyz()};
 }
 
-/// BezierPatch::at by each method.
+/// BezierPatch::at by each method; none within it, which would save all registers for any.
 struct Jets {
-    static SurfaceJet powers(const Quad* coefficients, double u, double v) noexcept {
+    [[gnu::noinline]] static SurfaceJet powers(const Quad* coefficients,
+                                               double u,
+                                               double v) noexcept {
         return by_powers(coefficients, u, v);
     }
-    static SurfaceJet cubic(const Quad* net, double u, double v) noexcept {
+    [[gnu::noinline]] static SurfaceJet cubic(const Quad* net, double u, double v) noexcept {
         return divide(bicubic(net, u, v));
     }
     template <class P, class Q>
-    static SurfaceJet cut(const Quad* net, P p, Q q, double u, double v) noexcept {
+    [[gnu::noinline]] static SurfaceJet cut(
+        const Quad* net, P p, Q q, double u, double v) noexcept {
         return divide(cut_net(net, p, q, u, v));
     }
 };
