@@ -139,7 +139,8 @@ void check_ticks(const SessionFrame& frame,
         if (!one.trace.whole) {
             continue;  // said already
         }
-        one.trace = check_trace(one.chunks.views, *one.scene, frame.machine, period_ns, findings);
+        one.trace = check_trace(one.chunks.views, *one.scene, frame.machine, period_ns, findings,
+                                std::move(one.trace.ticks));
         check_replay(*one.scene, one.trace, findings);
         if (frame.gantry) {
             check_counts(*frame.gantry, one.trace, findings);

@@ -34,9 +34,10 @@ public:
                const engine::SceneView& scene,
                const std::optional<engine::PantographSpec>& machine,
                std::int64_t period_ns,
-               Findings& findings)
+               Findings& findings,
+               Ticks room)
         : chunks_(chunks),
-          replay_(machine, scene, chunks, false),
+          replay_(machine, scene, chunks, false, std::move(room)),
           period_ns_(period_ns),
           findings_(findings) {}
 
@@ -141,8 +142,9 @@ StoredTrace check_trace(std::span<const ChunkView> chunks,
                         const engine::SceneView& scene,
                         const std::optional<engine::PantographSpec>& machine,
                         std::int64_t period_ns,
-                        Findings& findings) {
-    return TraceCheck(chunks, scene, machine, period_ns, findings).run();
+                        Findings& findings,
+                        Ticks room) {
+    return TraceCheck(chunks, scene, machine, period_ns, findings, std::move(room)).run();
 }
 
 }  // namespace palpate::data

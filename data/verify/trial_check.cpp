@@ -156,8 +156,10 @@ void TrialCheck::finish() {
 void TrialCheck::finish_first() {
     TrialRows& first = pending_.front();  // its task refers to it
     const auto take_down = [&] {
-        for (const CheckedInterval& one : first.intervals) {
+        for (CheckedInterval& one : first.intervals) {
             report_.replayed += static_cast<std::int64_t>(one.trace.ticks.size());
+            one.trace.ticks.clear();
+            rooms_.push_back(std::move(one.trace.ticks));
         }
         std::ranges::move(first.found, std::back_inserter(report_.findings));
         pending_.pop_front();
@@ -224,6 +226,12 @@ void TrialCheck::check_planned(TrialRows& pending,
     }
     const auto expected = presentations_of(frame_.protocol, planned, stimulus);
     pending.intervals = check_intervals(database_, frame_, trial, expected, answered, findings);
+    for (CheckedInterval& one : pending.intervals) {
+        if (!rooms_.empty()) {
+            one.trace.ticks = std::move(rooms_.back());
+            rooms_.pop_back();
+        }
+    }
     pending.fault_ticks =
         rows_of(database_, "SELECT * FROM fault_tick WHERE trial_id = ?1 ORDER BY tick",
                 trial.integer("trial_id"));

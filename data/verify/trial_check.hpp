@@ -72,6 +72,7 @@ private:
     std::size_t taken_ = 0;     ///< of these
     std::int64_t checked_ = 0;  ///< trials
     std::int64_t period_ns_;
+    std::vector<Ticks> rooms_;  ///< empty, of trials before: for those to come
     std::deque<TrialRows> pending_;
     SideBySide work_;  ///< the last one: it ends first
 };
