@@ -1,7 +1,5 @@
 #include "engine/device/five_bar.hpp"
 
-#include "engine/geometry/pair.hpp"
-
 namespace palpate::engine {
 namespace {
 
@@ -23,33 +21,10 @@ double in_line(double driven, double free, double r) noexcept {
     return std::min(driven + free - r, r - std::fabs(driven - free));
 }
 
-Vec2 vec(Pair p) noexcept {
-    return Vec2{p[0], p[1]};
+/// x with [u; w] x = right, for inverse = 1 / cross(u, w).
+Vec2 solved(const Vec2& u, const Vec2& w, double inverse, const Vec2& right) noexcept {
+    return inverse * Vec2{w.y * right.x - u.y * right.y, u.x * right.y - w.x * right.x};
 }
-
-/// The links of a pose, of both chains side by side: in each Pair what is of chain 1, then of 2.
-struct Chains {
-    Pair x;  ///< of the free links, from elbow to handle
-    Pair y;
-    Pair arm_x;  ///< of the driven ones
-    Pair arm_y;
-
-    Chains(const FiveBar::Pose& pose, double base) noexcept {
-        const Vec2 u = pose.handle - pose.elbow_1;
-        const Vec2 w = pose.handle - pose.elbow_2;
-        x = Pair{u.x, w.x};
-        y = Pair{u.y, w.y};
-        arm_x = Pair{pose.elbow_1.x, pose.elbow_2.x - base};
-        arm_y = Pair{pose.elbow_1.y, pose.elbow_2.y};
-    }
-    /// det [u; w], u and w the free links.
-    [[nodiscard]] double det() const noexcept { return cross(Pair{x[0], y[0]}, Pair{x[1], y[1]}); }
-    /// X with [u; w] X = [right_1; right_2], for inverse = 1 / det().
-    [[nodiscard]] Jacobian solved(double inverse, Pair right_1, Pair right_2) const noexcept {
-        return {.row_x = vec(inverse * (y[1] * right_1 - y[0] * right_2)),
-                .row_y = vec(inverse * (x[0] * right_2 - x[1] * right_1))};
-    }
-};
 
 }  // namespace
 
@@ -120,31 +95,44 @@ Clearance FiveBar::clearance(const Pose& pose) const noexcept {
 }
 
 std::optional<Jacobian> FiveBar::jacobian(const Pose& pose) const noexcept {
-    const Chains chains(pose, base);
-    const double det = chains.det();
+    const Vec2 u = pose.handle - pose.elbow_1;
+    const Vec2 w = pose.handle - pose.elbow_2;
+    const double det = cross(u, w);
     if (!(std::fabs(det) > kSingular * free_1 * free_2)) {
         return std::nullopt;
     }
     // [u; w] dP = [u . A' dt1; w . B' dt2], A' = A turned by 90 degrees
-    const Pair drive = chains.x * -chains.arm_y + chains.y * chains.arm_x;
-    return chains.solved(1.0 / det, Pair{drive[0], 0.0}, Pair{0.0, drive[1]});
+    const double drive_1 = glm::dot(u, perp(pose.elbow_1));
+    const double drive_2 = glm::dot(w, perp(pose.elbow_2 - Vec2{base, 0.0}));
+    const double inverse = 1.0 / det;
+    const Vec2 column_1 = solved(u, w, inverse, {drive_1, 0.0});
+    const Vec2 column_2 = solved(u, w, inverse, {0.0, drive_2});
+    return Jacobian{.row_x = {column_1.x, column_2.x}, .row_y = {column_1.y, column_2.y}};
 }
 
 Jacobian FiveBar::drift(const Pose& pose,
                         const Jacobian& jacobian,
                         const Vec2& rates) const noexcept {
     // u . P'' + |P' - A'|^2 = u . A'' with A'' = -A t1'^2; w and B alike.
-    const Chains chains(pose, base);
-    const Pair by_x = pair(jacobian.row_x);
-    const Pair by_y = pair(jacobian.row_y);
-    const Pair turns = pair(rates);
+    const Vec2 arm_1 = pose.elbow_1;
+    const Vec2 arm_2 = pose.elbow_2 - Vec2{base, 0.0};
+    const Vec2 u = pose.handle - pose.elbow_1;
+    const Vec2 w = pose.handle - pose.elbow_2;
+    const double inverse = 1.0 / cross(u, w);
+    const Vec2 by_1 = jacobian.column_1();
+    const Vec2 by_2 = jacobian.column_2();
     const Vec2 speed = jacobian * rates;
-    const Pair past_x = speed.x - turns * -chains.arm_y;
-    const Pair past_y = speed.y - turns * chains.arm_x;
-    const Pair own = -turns * (chains.x * chains.arm_x + chains.y * chains.arm_y) -
-                     (past_x * (by_x - -chains.arm_y) + past_y * (by_y - chains.arm_x));
-    const Pair other = -(Pair{past_x[1], past_x[0]} * by_x + Pair{past_y[1], past_y[0]} * by_y);
-    return chains.solved(1.0 / chains.det(), Pair{own[0], other[1]}, Pair{other[0], own[1]});
+    const Vec2 past_1 = speed - rates.x * perp(arm_1);
+    const Vec2 past_2 = speed - rates.y * perp(arm_2);
+    const Vec2 column_1 =
+        solved(u, w, inverse,
+               {-rates.x * glm::dot(u, arm_1) - glm::dot(past_1, by_1 - perp(arm_1)),
+                -glm::dot(past_2, by_1)});
+    const Vec2 column_2 =
+        solved(u, w, inverse,
+               {-glm::dot(past_1, by_2),
+                -rates.y * glm::dot(w, arm_2) - glm::dot(past_2, by_2 - perp(arm_2))});
+    return {.row_x = {column_1.x, column_2.x}, .row_y = {column_1.y, column_2.y}};
 }
 
 }  // namespace palpate::engine

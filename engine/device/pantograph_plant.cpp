@@ -9,7 +9,6 @@
 #include "engine/base/text.hpp"
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
-#include "engine/geometry/pair.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -65,22 +64,21 @@ double clamped(double torque, double limit) noexcept {
     return std::isfinite(torque) ? std::clamp(torque, -limit, limit) : 0.0;
 }
 
-/// Columns of a 2 x 2 matrix.
+/// Rows of a 2 x 2 matrix.
 struct Matrix {
-    Pair column_1;
-    Pair column_2;
+    Vec2 row_1{};
+    Vec2 row_2{};
 
-    [[nodiscard]] Pair operator*(Pair v) const noexcept {
-        return column_1 * v[0] + column_2 * v[1];
+    [[nodiscard]] Vec2 operator*(const Vec2& v) const noexcept {
+        return Vec2{glm::dot(row_1, v), glm::dot(row_2, v)};
     }
 };
 
 /// J^T A.
 Matrix transposed_times(const Jacobian& j, const Jacobian& a) noexcept {
-    const Pair by_x = pair(j.row_x);
-    const Pair by_y = pair(j.row_y);
-    return {.column_1 = by_x * a.row_x.x + by_y * a.row_y.x,
-            .column_2 = by_x * a.row_x.y + by_y * a.row_y.y};
+    const Vec2 column_1 = j.transposed(a.column_1());
+    const Vec2 column_2 = j.transposed(a.column_2());
+    return {.row_1 = {column_1.x, column_2.x}, .row_2 = {column_1.y, column_2.y}};
 }
 
 }  // namespace
@@ -191,23 +189,18 @@ void PantographPlant::step(const Vec2& torque, const HandPath::Intention& aim) n
     const double damping = hand.damping + model_.handle_damping;
     const double less = mass - 0.5 * h * damping;
     const double more = mass + 0.5 * h * damping;
-    const Pair inertia = pair(model_.inertia);
-    const Pair brake = 0.5 * h * pair(model_.damping);
+    const Vec2 brake = 0.5 * h * model_.damping;
     const Matrix g = transposed_times(*jacobian, *jacobian);
     const Matrix turning = transposed_times(*jacobian, linkage.drift(*pose, *jacobian, rates_));
-    const Pair drive = pair(torque) + pair(jacobian->transposed(force));
-    const Pair right = (inertia - brake) * pair(rates_) + less * (g * pair(rates_)) + h * drive;
-    const Pair stands = inertia + brake;
-    const Pair column_1 = more * g.column_1 + h * mass * turning.column_1;
-    const Pair column_2 = more * g.column_2 + h * mass * turning.column_2;
-    const Vec2 rates =
-        after_dry_friction({column_1[0] + stands[0], column_2[0]},
-                           {column_1[1], column_2[1] + stands[1]}, {right[0], right[1]},
-                           {h * model_.coulomb,
-                            h * model_.handle_friction,
-                            {g.column_1[0], g.column_2[0]},
-                            {g.column_1[1], g.column_2[1]}},
-                           rates_);
+    const Vec2 drive = torque + jacobian->transposed(force);
+    const Vec2 right = (model_.inertia - brake) * rates_ + less * (g * rates_) + h * drive;
+    Vec2 row_1 = more * g.row_1 + h * mass * turning.row_1;
+    Vec2 row_2 = more * g.row_2 + h * mass * turning.row_2;
+    row_1.x += model_.inertia.x + brake.x;
+    row_2.y += model_.inertia.y + brake.y;
+    const Vec2 rates = after_dry_friction(
+        row_1, row_2, right, {h * model_.coulomb, h * model_.handle_friction, g.row_1, g.row_2},
+        rates_);
     if (!std::isfinite(rates.x + rates.y)) {
         lost_ = true;
         return;
