@@ -59,3 +59,45 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
         [&] { return page.text("alerts").find("The session is gone.") != std::string::npos; }));
     CHECK(page.value("document.getElementById('pause').getAttribute('aria-disabled')") == "true");
 }
+
+TEST_CASE("of two browsers one shows what is felt, and both go on with the next server",
+          "[console][law]") {
+    if (!tests::DevTools::installed()) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    tests::ShownSession session("shape_friction", {"2", "--console"});
+    REQUIRE(
+        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    const std::string out = session.program.out();
+    const std::size_t at = out.find("http://");
+    const std::string address = out.substr(at, out.find('\n', at) - at);
+    tests::DevTools one(address);
+    tests::DevTools other(address);
+    REQUIRE(eventually(
+        [&] { return one.text("participant") == "P1" && other.text("participant") == "P1"; }));
+    const std::string covers = "document.getElementById('shown').hidden";
+    one.press("reveal");
+    REQUIRE(eventually([&] { return one.value("document.getElementById('ask').open") == "true"; }));
+    one.press("ask-yes");
+    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'reveal'", "1"));
+    CHECK(eventually([&] { return one.value(covers) == "false"; }));
+
+    kill(tests::console_of(session.program.id()), SIGKILL);
+    REQUIRE(eventually(
+        [&] { return session.program.error().find("is started again") != std::string::npos; }));
+    other.press("pause");
+    REQUIRE(session.comes_to("pause"));
+    for (tests::DevTools* page : {&one, &other}) {
+        CHECK(eventually([&] { return page->text("pause-word") == "Go on"; }));
+        CHECK(page->text("alerts").empty());
+    }
+    CHECK(one.value(covers) == "false");
+    CHECK(other.value(covers) == "true");
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    for (tests::DevTools* page : {&one, &other}) {
+        CHECK(
+            eventually([&] { return page->text("link").find("page rests") != std::string::npos; }));
+    }
+}

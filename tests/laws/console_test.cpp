@@ -111,6 +111,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     stream.forget();
     session.program.signal(SIGKILL);
     CHECK_THAT(stream.hear_until("\"alive\":false"), ContainsSubstring("\"ended\":\"killed\""));
+    CHECK(stream.hear_until("\r\n0\r\n\r\n").ends_with("\r\n0\r\n\r\n"));  // nothing more comes
 }
 
 TEST_CASE("a preview shows what a protocol shows, and each problem at its line once it is saved",

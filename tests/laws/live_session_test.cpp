@@ -1,11 +1,9 @@
 #include <csignal>
-#include <functional>
 #include <set>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "ui/rig/control_call.hpp"
@@ -13,6 +11,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/shown_session.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/stranger.hpp"
 
 // What others see of a running session and may ask of it: the program itself, its control socket
 // and its shared memory. Nothing is asserted about time.
@@ -20,6 +19,7 @@
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using tests::eventually;
+using tests::holds_for_a_stranger;
 using tests::TemporaryFolder;
 
 namespace {
@@ -246,29 +246,6 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     CHECK_THAT(after.out, ContainsSubstring("Nothing runs on it now"));
     CHECK_THAT(after.out, ContainsSubstring("0 of 1 person planned ran, 1 to go"));
 }
-
-namespace {
-
-/// Whether it holds for a user whom nobody knows; true where this one may not become another.
-bool holds_for_a_stranger(const std::function<bool()>& law) {
-    if (geteuid() != 0) {
-        WARN("only root can become another user");
-        return true;
-    }
-    const pid_t child = fork();
-    if (child == 0) {
-        constexpr uid_t kNobody = 65534;
-        _exit(setresgid(kNobody, kNobody, kNobody) == 0 &&
-                      setresuid(kNobody, kNobody, kNobody) == 0 && law()
-                  ? 0
-                  : 1);
-    }
-    int status = 1;
-    waitpid(child, &status, 0);
-    return status == 0;
-}
-
-}  // namespace
 
 TEST_CASE("another user is heard only with the file open for writing, and then only a stop",
           "[live][safety][law]") {

@@ -1,11 +1,15 @@
 #include <stdexcept>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/files.hpp"
+#include "data/csv/json_text.hpp"
 #include "data/page/trial_trace.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/session_stream.hpp"
+#include "ui/rig/control_call.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
 
@@ -69,6 +73,17 @@ std::optional<PageFile> console_file(std::string_view path) {
                                : std::nullopt;
 }
 
+/// That of every page of the session, which holds it: one that was open goes on with this server.
+void take_address(const std::string& session, PageServerSpec& spec) {
+    const ControlAnswer held = ask_session(session, R"({"do":"page"})");
+    const data::Json said = data::Json::parse(held.line, nullptr, false);
+    if (said.is_object() && said.value("ok", false)) {
+        spec.listening = fcntl(held.file.get(), F_DUPFD_CLOEXEC, 0);  // the server closes it
+        spec.token = said.value("token", "");
+        spec.cookie = said.value("cookie", "");
+    }
+}
+
 /// @param holds  what a PEM file of its kind has
 std::string pem_text(const std::string& file, std::string_view holds) {
     std::error_code none;
@@ -99,23 +114,26 @@ int run(const ConsoleOptions& options) {
         spec.key = pem_text(options.tls[1], "PRIVATE KEY-----");
     }
     auto watched = std::make_shared<WatchedSession>(the_session(options.of), acts);
+    if (options.listen.empty()) {
+        take_address(watched->session().name, spec);
+    }
     spec.file = console_file;
-    spec.open = [watched] {
-        return std::make_unique<SessionStream>(watched);
+    spec.open = [watched](bool shown) {
+        return std::make_unique<SessionStream>(watched, shown);
     };
     if (acts) {
-        spec.act = [watched](const std::string& line) {
-            return watched->ask(line);
+        spec.act = [watched](const std::string& line, bool gone) {
+            return watched->ask(line, gone);
         };
     }
     const PageServer server(std::move(spec));
     say("The experimenter's page, for your eyes alone: {}\nCtrl+C ends it; the session goes on.\n",
         server.address());
     std::int64_t seen_ns = monotonic_ns();
+    bool alive = true;
     while (!interrupted() && (!options.while_runs || monotonic_ns() - seen_ns < kLinger)) {
-        if (watched->alive()) {
-            seen_ns = monotonic_ns();
-        }
+        alive = alive && watched->alive();
+        seen_ns = alive ? monotonic_ns() : seen_ns;
         sleep_until(monotonic_ns() + 200 * kMillisecond);
     }
     return 0;

@@ -101,7 +101,7 @@ std::pair<std::string, std::uint64_t> FeltStimuli::event() const {
             version_};
 }
 
-std::string FeltStimuli::ask(const std::string& line) {
+std::string FeltStimuli::ask(const std::string& line, bool gone) {
     const data::Json asked = data::Json::parse(line, nullptr, false);
     const auto answer = [](bool ok, const char* text) {
         return one_line({{"ok", ok}, {"text", text}});
@@ -116,7 +116,7 @@ std::string FeltStimuli::ask(const std::string& line) {
     const std::scoped_lock lock(mutex_);
     const bool known = asked["do"] == "feel" && asked.contains("at") &&
                        asked["at"].is_number_unsigned() && asked["at"] < stimuli_.size();
-    if (!known || on_ || asked_) {
+    if (!known || gone || on_ || asked_) {
         return answer(false, known ? "one is felt already: stop it first"
                                    : "there is no such stimulus: nothing was done");
     }

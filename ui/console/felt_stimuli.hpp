@@ -29,7 +29,8 @@ public:
     /// and which one that is. Any thread.
     [[nodiscard]] std::pair<std::string, std::uint64_t> event() const;
     /// {"do": "feel", "at": 3} or {"do": "stop"}. Any thread. @return {"ok": ..., "text": ...}
-    [[nodiscard]] std::string ask(const std::string& line);
+    /// @param gone  whoever asked: nothing is felt for them
+    [[nodiscard]] std::string ask(const std::string& line, bool gone);
 
     /// The protocol was saved: the device is opened anew for it when something is asked for.
     void read_again();

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
+#include <poll.h>
 
 #include "data/store/uuid.hpp"
 
@@ -77,7 +78,7 @@ ssize_t read_stream(void* at, std::uint64_t /*from*/, char* bytes, std::size_t r
     auto& stream = *static_cast<Stream*>(at);
     try {
         while (stream.waiting.empty()) {
-            if (*stream.ends) {
+            if (*stream.ends || stream.source->over()) {
                 return MHD_CONTENT_READER_END_OF_STREAM;
             }
             sleep_until(stream.asked_ns + PageServer::kPace);
@@ -141,15 +142,15 @@ struct PageRequest {
 
     static MHD_Result trade(const PageServer& server, MHD_Connection* connection) {
         const std::string_view token = value_of(connection, MHD_GET_ARGUMENT_KIND, "token");
-        if (!same_secret(token, server.token_)) {
+        if (!same_secret(token, server.spec_.token)) {
             return answer(connection, MHD_HTTP_FORBIDDEN, "not the token of this page\n");
         }
         return answer(
             connection, MHD_HTTP_SEE_OTHER, "", "text/plain",
             {{"Location", "/"},
-             {"Set-Cookie",
-              fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}", server.cookie_name_,
-                          server.cookie_, server.spec_.certificate.empty() ? "" : "; Secure")}});
+             {"Set-Cookie", fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/{}",
+                                        server.cookie_name_, server.spec_.cookie,
+                                        server.spec_.certificate.empty() ? "" : "; Secure")}});
     }
 
     static MHD_Result get(PageServer& server, MHD_Connection* connection, std::string_view path) {
@@ -158,7 +159,8 @@ struct PageRequest {
         }
         if (path == "/stream") {
             auto stream = std::make_unique<Stream>();
-            stream->source = server.spec_.open();
+            stream->source = server.spec_.open(
+                MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "shown") != nullptr);
             stream->ends = &server.ends_;
             MHD_Response* response = MHD_create_response_from_callback(
                 MHD_SIZE_UNKNOWN, 16384, &read_stream, stream.release(),
@@ -182,7 +184,11 @@ struct PageRequest {
                           R"({"ok":false,"text":"one short JSON object is taken"})",
                           "application/json");
         }
-        return answer(connection, MHD_HTTP_OK, server.spec_.act(body), "application/json");
+        const MHD_ConnectionInfo* line =
+            MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+        pollfd other_end{.fd = line->connect_fd, .events = POLLRDHUP, .revents = 0};
+        return answer(connection, MHD_HTTP_OK, server.spec_.act(body, poll(&other_end, 1, 0) > 0),
+                      "application/json");
     }
 
     MHD_Result handle(PageServer& server,
@@ -202,7 +208,7 @@ struct PageRequest {
         }
         const std::string_view cookie =
             value_of(connection, MHD_COOKIE_KIND, server.cookie_name_.c_str());
-        if (!same_secret(cookie, server.cookie_)) {
+        if (!same_secret(cookie, server.spec_.cookie)) {
             return answer(connection, MHD_HTTP_FORBIDDEN,
                           "open the address that palpate console printed\n");
         }
@@ -245,11 +251,12 @@ struct PageRequest {
     }
 };
 
-PageServer::PageServer(PageServerSpec spec)
-    : spec_(std::move(spec)), token_(data::random_secret()), cookie_(data::random_secret()) {
+PageServer::PageServer(PageServerSpec spec) : spec_(std::move(spec)) {
+    for (std::string* secret : {&spec_.token, &spec_.cookie}) {
+        *secret = secret->empty() ? data::random_secret() : *secret;
+    }
     sockaddr_in where{};
     where.sin_family = AF_INET;
-    where.sin_port = htons(spec_.port);
     const std::string no_address =
         fmt::format("{} is no address of this machine, such as 192.168.1.5; hostname -I lists them",
                     spec_.address);
@@ -263,17 +270,17 @@ PageServer::PageServer(PageServerSpec spec)
                                     ": only by TLS, with a certificate and its key");
     }
     const unsigned flags = MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
-                           MHD_USE_POLL | (tls ? unsigned{MHD_USE_TLS} : 0U);
+                           MHD_USE_POLL | MHD_USE_ITC | (tls ? unsigned{MHD_USE_TLS} : 0U);
     const MHD_OptionItem certificates[]{{MHD_OPTION_HTTPS_MEM_CERT, 0, spec_.certificate.data()},
                                         {MHD_OPTION_HTTPS_MEM_KEY, 0, spec_.key.data()},
                                         {MHD_OPTION_END, 0, nullptr}};
     errno = 0;
-    daemon_ = MHD_start_daemon(flags, 0, nullptr, nullptr, &PageRequest::heard, this,
-                               MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_NOTIFY_COMPLETED,
-                               &PageRequest::completed, nullptr, MHD_OPTION_CONNECTION_LIMIT,
-                               kConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory,
-                               MHD_OPTION_CONNECTION_TIMEOUT, kSilence, MHD_OPTION_ARRAY,
-                               tls ? certificates : certificates + 2, MHD_OPTION_END);
+    daemon_ = MHD_start_daemon(
+        flags, 0, nullptr, nullptr, &PageRequest::heard, this, MHD_OPTION_LISTEN_SOCKET,
+        spec_.listening, MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_NOTIFY_COMPLETED,
+        &PageRequest::completed, nullptr, MHD_OPTION_CONNECTION_LIMIT, kConnections,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_CONNECTION_TIMEOUT,
+        kSilence, MHD_OPTION_ARRAY, tls ? certificates : certificates + 2, MHD_OPTION_END);
     const int error = errno;
     const MHD_DaemonInfo* bound =
         daemon_ == nullptr ? nullptr : MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT);
@@ -296,7 +303,7 @@ PageServer::~PageServer() {
 
 std::string PageServer::address() const {
     return fmt::format("{}://{}/?token={}", spec_.certificate.empty() ? "http" : "https", host_,
-                       token_);
+                       spec_.token);
 }
 
 }  // namespace palpate::ui

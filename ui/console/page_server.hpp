@@ -38,19 +38,25 @@ public:
     /// What is new since the last call, as "event: ...\ndata: ...\n\n"; empty: nothing. Called
     /// again and again on a thread of the page's own.
     [[nodiscard]] virtual std::string next() = 0;
+    /// Nothing will ever be new again: the page is let go.
+    [[nodiscard]] virtual bool over() const { return false; }
 };
 
 struct PageServerSpec {
     static constexpr const char* kHere = "127.0.0.1";
     std::string address = kHere;  ///< another one takes a certificate and its key
-    std::uint16_t port = 0;       ///< 0: a free one
+    int listening = -1;           ///< a socket that listens there already; < 0: none
+    std::string token{};          ///< of the address; empty: one of its own
+    std::string cookie{};         ///< the token is traded for it; empty: one of its own
     std::string certificate{};    ///< PEM; empty: http
     std::string key{};            ///< PEM
     /// What is at "/", "/console.js", ...; none: nothing is. On any thread.
     std::function<std::optional<PageFile>(std::string_view path)> file{};
-    std::function<std::unique_ptr<EventSource>()> open{};
+    /// @param shown  the page asks for what is felt as well
+    std::function<std::unique_ptr<EventSource>(bool shown)> open{};
     /// A JSON object -> a JSON object, on any thread. None: the page may only look.
-    std::function<std::string(const std::string&)> act{};
+    /// @param gone  whoever asked has given up: what is done late is not what they meant
+    std::function<std::string(const std::string&, bool gone)> act{};
 };
 
 class PageServer {
@@ -74,8 +80,6 @@ private:
     friend struct PageRequest;
 
     PageServerSpec spec_;
-    std::string token_;
-    std::string cookie_;
     std::string cookie_name_;
     std::string host_;  ///< "127.0.0.1:34567"
     std::string port_;

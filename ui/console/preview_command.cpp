@@ -227,12 +227,12 @@ int run(const PreviewOptions& options) {
                  ? PageFile{"text/javascript; charset=utf-8", std::string(preview_script())}
                  : drawn.file(path);
     };
-    spec.open = [&drawn, &felt] {
+    spec.open = [&drawn, &felt](bool /*shown*/) {
         return std::make_unique<DrawnStream>(drawn, felt ? &*felt : nullptr);
     };
     if (felt) {
-        spec.act = [&felt](const std::string& line) {
-            return felt->ask(line);
+        spec.act = [&felt](const std::string& line, bool gone) {
+            return felt->ask(line, gone);
         };
     }
     const PageServer server(std::move(spec));

@@ -106,7 +106,7 @@ void WatchedSession::look_beside() {
     }
 }
 
-std::string WatchedSession::state() {
+std::string WatchedSession::state(bool shown) {
     const auto read = session_.reader->state();
     Json state = read ? Json::parse(read->json, nullptr, false) : Json();
     if (!state.is_object()) {
@@ -121,6 +121,9 @@ std::string WatchedSession::state() {
     state["seal"] = json_or_null(seal_);
     state["act"] = acts_;
     state["alive"] = there;
+    if (!shown && state.erase("hidden") > 0) {
+        state["reveal"] = "ask";
+    }
     if (!there) {
         state["force"] = {{"on", false}, {"why", "the session's program is gone"}};
         if (state["ended"].is_null()) {
@@ -130,14 +133,14 @@ std::string WatchedSession::state() {
     return one_line(state);
 }
 
-std::string WatchedSession::ask(const std::string& line) const {
+std::string WatchedSession::ask(const std::string& line, bool gone) const {
     Json asked = Json::parse(line, nullptr, false);
     if (!asked.is_object()) {
         return R"({"ok":false,"text":"one JSON object is taken: nothing was done"})";
     }
     asked["page"] = true;
-    if (asked["do"] == "state") {
-        return R"({"ok":true,"text":"it is in the stream"})";
+    if (gone && asked["do"] != "stop") {
+        return R"({"ok":false,"text":"nobody waits for it any more: nothing was done"})";
     }
     std::string answer = ask_session(session_.name, one_line(asked)).line;
     while (answer.ends_with('\n')) {
@@ -159,7 +162,7 @@ std::string SessionStream::live() {
     Json event{{"t", std::round(newest.t_s * 1e3) / 1e3},
                {"force_on", newest.force_on},
                {"late_us", std::round(newest.late_us)}};
-    if (newest.felt) {
+    if (newest.felt && shown_) {
         add_felt(event, ticks);
     }
     return event_text("live", event);
@@ -170,7 +173,7 @@ std::string SessionStream::next() {
     const std::uint64_t version = watched_->session().reader->version();
     const bool alive = watched_->alive();
     if (version != version_ || alive != alive_ || monotonic_ns() - said_ns_ > kSayEvery) {
-        if (const std::string state = watched_->state(); !state.empty()) {
+        if (const std::string state = watched_->state(shown_); !state.empty()) {
             version_ = version;
             alive_ = alive;
             said_ns_ = monotonic_ns();

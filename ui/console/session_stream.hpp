@@ -18,11 +18,13 @@ public:
 
     [[nodiscard]] const RunningSession& session() const noexcept { return session_; }
     /// The state as the page takes it; empty: none could be read. Any thread.
-    [[nodiscard]] std::string state();
+    /// @param shown  with what is felt, once that was revealed
+    [[nodiscard]] std::string state(bool shown);
     /// The process is there. Any thread.
     [[nodiscard]] bool alive() const { return session_.process.alive(); }
     /// Hands a line of the page on to the session. @return its answer
-    [[nodiscard]] std::string ask(const std::string& line) const;
+    /// @param gone  whoever asked: no force is all that is still done then
+    [[nodiscard]] std::string ask(const std::string& line, bool gone) const;
 
 private:
     void look_beside();
@@ -38,17 +40,20 @@ private:
 };
 
 /// Events of a session for one page: "state" at each change and at least once a second, "live"
-/// with the newest tick.
+/// with the newest tick. A page that did not ask for it shows nothing of what another one revealed.
+/// Ends with the session's process.
 class SessionStream : public EventSource {
 public:
-    explicit SessionStream(std::shared_ptr<WatchedSession> watched)
-        : watched_(std::move(watched)) {}
+    SessionStream(std::shared_ptr<WatchedSession> watched, bool shown)
+        : watched_(std::move(watched)), shown_(shown) {}
     [[nodiscard]] std::string next() override;
+    [[nodiscard]] bool over() const override { return !alive_; }
 
 private:
     [[nodiscard]] std::string live();
 
     std::shared_ptr<WatchedSession> watched_;
+    bool shown_;
     std::uint64_t version_ = 1;  ///< odd: of no state
     std::uint64_t ticks_ = 0;
     std::int64_t said_ns_ = 0;

@@ -4,11 +4,14 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/random.h>
+#include <sys/socket.h>
 
 #include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
+#include "data/store/uuid.hpp"
 #include "ui/live/live_text.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
@@ -75,9 +78,15 @@ bool LiveSession::confirmed(Word& word,
                             const std::string& given,
                             const Caller& caller,
                             std::string_view question) const {
-    const bool same = !word.word.empty() && given == word.word && monotonic_ns() < word.until_ns;
-    word = same ? Word{} : Word{.word = random_word(), .until_ns = monotonic_ns() + kWordNs};
-    if (!same) {
+    const bool stands = !word.word.empty() && monotonic_ns() < word.until_ns;
+    const bool same = stands && given == word.word;
+    if (same) {
+        word = {};
+    } else {
+        if (!stands || !given.empty()) {  // else two who ask at once have one word
+            word.word = random_word();
+        }
+        word.until_ns = monotonic_ns() + kWordNs;
         caller.answer(false, question, word.word);
     }
     return same;
@@ -110,6 +119,28 @@ void LiveSession::answer_state(const Caller& caller) const {
     caller.answer_line(head_ + ",\"state\":" + json + "}", board_->descriptor());
 }
 
+/// Held for as long as the session runs: between two servers of its page nobody else can listen
+/// there, and be taken for one.
+void LiveSession::answer_page(const Caller& caller) {
+    if (page_.empty()) {
+        page_socket_ = Descriptor(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+        sockaddr_in here{};
+        here.sin_family = AF_INET;
+        here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        const auto* at = reinterpret_cast<const sockaddr*>(&here);  // NOLINT
+        if (bind(page_socket_.get(), at, sizeof here) != 0 ||
+            listen(page_socket_.get(), SOMAXCONN) != 0) {
+            caller.answer(false, "there is no address for a page");
+            return;
+        }
+        page_ = one_line({{"ok", true},
+                          {"text", "where its pages are"},
+                          {"token", data::random_secret()},
+                          {"cookie", data::random_secret()}});
+    }
+    caller.answer_line(page_, page_socket_.get());
+}
+
 void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& caller) {
     const data::Json asked = data::Json::parse(line, nullptr, false);
     const std::string what = asked.is_object() ? text_in(asked, "do") : "";
@@ -118,6 +149,8 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
         answer_state(*caller);
     } else if (!open_) {
         caller->answer(false, "no session runs here now: nothing was done");
+    } else if (what == "page") {
+        answer_page(*caller);
     } else if (what == "end") {
         end_early(text_in(asked, "word"), *caller);
     } else if (text.size() > kLongestText) {
@@ -134,9 +167,10 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
             caller->answer(false, "too much was asked for at once: nothing was done");
         }
     } else if (what != "reveal") {
-        caller->answer(false,
-                       "\"do\" is stop, state, pause, go on, mark, note, end or reveal: nothing "
-                       "was done");
+        caller->answer(
+            false,
+            "\"do\" is stop, state, page, pause, go on, mark, note, end or reveal: nothing "
+            "was done");
     }
 }
 
@@ -240,8 +274,10 @@ void LiveSession::go_on(const Caller& caller) {
 
 void LiveSession::mark(const Asked& asked) {
     reply_.reset();
-    reason_ = asked.text;
-    desk_.mark(asked.text);
+    if (!asked.text.empty()) {  // a second one does not take away why
+        reason_ += (reason_.empty() ? "" : "; ") + asked.text;
+    }
+    desk_.mark(reason_);
     asked.caller->answer(!reply_ || reply_->found,
                          reply_ ? std::string(trimmed(mark_text(*reply_), "\n"))
                                 : "it is marked, once the trial that runs is over");

@@ -50,7 +50,7 @@ public:
     void marked(const protocols::MarkReply& reply);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
-    /// "end" | "reveal" | "state", "text": ..., "reason": ..., "word": ...}. On the socket's thread.
+    /// "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}. On the socket's thread.
     void hear(const std::string& line, const std::shared_ptr<Caller>& caller);
 
 private:
@@ -69,6 +69,7 @@ private:
                                  const Caller& caller,
                                  std::string_view question) const;
     void answer_state(const Caller& caller) const;
+    void answer_page(const Caller& caller);
     void end_early(const std::string& word, const Caller& caller);
     [[nodiscard]] bool may_reveal(const std::string& word, const Caller& caller);
 
@@ -94,6 +95,8 @@ private:
     std::atomic<bool> asked_{false};
     std::atomic<bool> open_{false};
     std::atomic<bool> revealed_{false};
+    Descriptor page_socket_{};  ///< listens where its pages are; < 0: nobody asked yet
+    std::string page_;          ///< the answer to "page"
     Word end_{};
     Word reveal_{};
 

@@ -2,6 +2,7 @@
 (function () {
   'use strict';
   const QUIET_S = 1.6;   // no event for longer: the stream is lost (there is one a second at least)
+  const AGAIN_S = 5;     // a lost stream is asked for again
   const SHOWN_S = 4;     // of the strips
   const ARROW_M = 0.01;  // of a newton, in the drawing
   const ROUND_M = 0.025; // around the outline
@@ -25,6 +26,8 @@
   let lost = null;        // why the stream is lost
   let live = null;
   let source = null;
+  let triedAt = 0;
+  let asked = false;      // this page asked for what is felt
 
   const seconds = () => performance.now() / 1000;
   const is = value => value !== null && value !== undefined;
@@ -220,7 +223,7 @@
     put($('seconds'), runs ? ', ' + (state.phase_s + since).toFixed(1) + ' s' : '');
     if (state) keptRows();
     const late = seconds() - heardAt;
-    put($('link'), heardAt === 0 ? 'waiting for the session' : over() ? 'The session is over.'
+    put($('link'), heardAt === 0 ? 'waiting for the session' : over() ? 'The session is over; this page rests.'
       : gone() ? 'As it was ' + Math.round(late) + ' s ago.'
       : 'In touch with the session.');
   }
@@ -430,14 +433,19 @@
     filled.delete($('ask-text'));
     if (typed === null) say(true, 'The session goes on.');
     else if (typed.toLowerCase() !== first.word.toLowerCase()) say(false, 'that was not the word; the session goes on');
-    else act({ do: 'end', word: first.word });
+    else if ((await act({ do: 'end', word: first.word })).word) say(false, 'that word is over; press it again');
   });
   on('reveal', async () => {
     const yes = await ask('Show what is felt?', 'From then on whoever sees this page knows object, friction and answers, and could ' +
-      'give them away. It is kept in the data, with the time, that it was shown. It cannot be hidden again.', '', 'Show it');
+      'give them away. It is kept in the data, with the time, that it was shown. Other pages stay blind until they ask as well.',
+      '', 'Show it');
     if (yes === null) return;
-    const first = await act({ do: 'reveal' });
-    if (first.word) act({ do: 'reveal', word: first.word });
+    let answer = await act({ do: 'reveal' });
+    if (answer.word) answer = await act({ do: 'reveal', word: answer.word });
+    if (answer.ok) {
+      asked = true;
+      listen();
+    }
   });
   $('ask-form').addEventListener('submit', () => { $('ask').returnValue = 'yes'; });
   $('ask-yes').value = 'yes';
@@ -467,7 +475,9 @@
   }
 
   function listen() {
-    source = new EventSource('/stream');
+    triedAt = seconds();
+    if (source !== null) source.close();
+    source = new EventSource(asked ? '/stream?shown' : '/stream');
     source.addEventListener('state', event => {
       state = heard(event);
       stateAt = seconds();
@@ -489,9 +499,9 @@
       });
     });
     source.addEventListener('error', () => {
-      if (over()) return source.close();
-      lose('The connection broke.');
-      if (source.readyState === EventSource.CLOSED) setTimeout(listen, 2000);
+      if (!over()) return lose('The connection broke.');
+      source.close();
+      clearInterval(timer);
     });
   }
   function lose(why) {
@@ -501,8 +511,9 @@
   }
 
   listen();
-  setInterval(() => {
+  const timer = setInterval(() => {
     if (heardAt > 0 && seconds() - heardAt > QUIET_S) lose('Nothing came for ' + QUIET_S + ' s.');
+    if (lost !== null && seconds() - triedAt > AGAIN_S) listen();
     clock();
   }, 200);
   function anew() {

@@ -1,0 +1,225 @@
+#include <array>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/console.hpp"
+#include "tests/support/stranger.hpp"
+
+// Several pages of one session, servers that die or stand still, and another user of the machine.
+// Nothing is asserted about time.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Browser;
+using tests::Console;
+using tests::console_of;
+using tests::eventually;
+using tests::ShownSession;
+
+namespace {
+
+const std::string kNoted = R"({"do":"note","text":"once"})";
+
+std::string events(const std::string& kind) {
+    return "SELECT count(*) FROM event WHERE event_kind = '" + kind + "'";
+}
+
+std::string act(const Browser& browser, const std::string& what) {
+    return browser.act(what, browser.cookie + browser.origin());
+}
+
+std::string word_in(const std::string& answer) {
+    const std::size_t at = answer.find("\"word\":\"");
+    return at == std::string::npos ? "" : answer.substr(at + 8, 4);
+}
+
+/// Whether a file that may be read has the text.
+bool says(const std::filesystem::path& file, const std::string& text) {
+    std::ifstream in(file, std::ios::binary);
+    std::string all(1U << 20U, '\0');
+    in.read(all.data(), static_cast<std::streamsize>(all.size()));
+    return all.find(text) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("what two pages ask for at once is done once, and what one shows the other does not",
+          "[console][safety][law]") {
+    ShownSession session;
+    const Console one(session);
+    const Console other(session);
+    one.browser->trade();
+    other.browser->trade();
+    CHECK(one.browser->cookie == other.browser->cookie);
+    const auto blind = other.stream();
+    const auto both = [&](const std::string& first, const std::string& second) {
+        std::array<std::string, 2> said;
+        std::thread beside([&] { said[1] = act(*other.browser, second); });
+        said[0] = act(*one.browser, first);
+        beside.join();
+        return said;
+    };
+    for (int i = 0; i < 5; ++i) {
+        const std::string end = std::to_string(i) + "\"}";
+        static_cast<void>(
+            both(R"({"do":"note","text":"a)" + end, R"({"do":"note","text":"b)" + end));
+    }
+    CHECK(session.kept("SELECT count(*) || ' ' || count(DISTINCT text) FROM event WHERE event_kind "
+                       "= 'note'") == "10 10");
+    const std::string pause = R"({"do":"pause"})";
+    static_cast<void>(both(pause, pause));
+    REQUIRE(session.comes_to("pause"));
+    const std::string go_on = R"({"do":"go on"})";
+    static_cast<void>(both(go_on, go_on));
+    CHECK(session.keeps(events("go on"), "1"));
+    CHECK(session.kept(events("pause")) == "1");
+    REQUIRE(session.comes_to("explore"));
+    static_cast<void>(both(R"({"do":"mark","reason":"a sneeze"})", R"({"do":"mark"})"));
+    CHECK(session.keeps("SELECT count(*) FROM trial WHERE invalid_reason LIKE '%: a sneeze'", "1"));
+    CHECK(session.kept(events("mark")) == "1");
+
+    const std::string word = word_in(act(*one.browser, R"({"do":"reveal"})"));
+    CHECK_THAT(act(*one.browser, R"({"do":"reveal","word":")" + word + "\"}"),
+               ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(one.stream("?shown")->hear_until("\"hidden\":"),
+               ContainsSubstring("\"reveal\":\"shown\""));
+    CHECK(eventually([&] {
+        return one.stream("?shown")->hear_until("\"hip\":", 1).find("\"hip\":") !=
+               std::string::npos;
+    }));
+    const std::string heard = blind->hear_until("\"reveal\":\"shown\"", 2);
+    CHECK_THAT(heard, ContainsSubstring("\"reveal\":\"ask\"") && ContainsSubstring("event: live"));
+    for (const char* secret : {"hidden", "convex", "concave", "correct", "\"hip\"", "strips"}) {
+        CAPTURE(secret);
+        CHECK(heard.find(secret) == std::string::npos);
+    }
+    const std::string again = act(*other.browser, R"({"do":"reveal"})");
+    CHECK_THAT(again, ContainsSubstring("\"ok\":true"));
+    CHECK(word_in(again).empty());
+    CHECK(session.kept(events("reveal")) == "1");
+
+    const auto asked = both(R"({"do":"end"})", R"({"do":"end"})");
+    const std::string end = R"({"do":"end","word":")" + word_in(asked[0]) + "\"}";
+    CHECK(word_in(asked[0]) == word_in(asked[1]));
+    const auto ended = both(end, end);
+    CHECK((ended[0] + ended[1]).find("\"ok\":true") != std::string::npos);
+    CHECK(session.program.wait().code == 3);
+}
+
+TEST_CASE("a page that dies is started again once, at its address, and the session goes on",
+          "[console][law]") {
+    ShownSession session(tests::kFourTrials, {"1", "--console"});
+    const auto die = [&] {
+        const pid_t console = console_of(session.program.id());
+        REQUIRE(console > 0);
+        kill(console, SIGKILL);
+    };
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);
+    REQUIRE(session.comes_to("pause"));
+    REQUIRE(
+        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    Browser browser(session.program.out());
+    browser.trade();
+    const auto serves = [&] {
+        return browser.get("/", browser.cookie).starts_with("HTTP/1.1 200");
+    };
+    CHECK(serves());
+    die();
+    CHECK(serves());  // whoever comes meanwhile waits for the next one
+    CHECK_THAT(session.program.error(), ContainsSubstring("ended, and is started again"));
+    CHECK(session.state()["phase"] == "pause");
+    die();
+    CHECK(eventually([&] {
+        return session.program.error().find("ended again; palpate console " + session.shown.uuid) !=
+               std::string::npos;
+    }));
+    CHECK(console_of(session.program.id()) == 0);
+    const Console by_hand(session);
+    CHECK(by_hand.browser->host == browser.host);
+    CHECK(by_hand.browser->token == browser.token);
+    CHECK(serves());
+    by_hand.program.signal(SIGSTOP);
+    const Console beside(session);
+    CHECK(serves());  // of two that listen, the one that lives
+    CHECK(session.ask({{"do", "go on"}})["ok"] == true);
+    CHECK(session.program.wait().code == 0);
+    CHECK(session.kept("SELECT count(*) FROM response") == "4");
+}
+
+TEST_CASE("a server that stood still does nothing late but switch the force off, and ends",
+          "[console][safety][law]") {
+    ShownSession session("shape_friction", {"2", "--console"});
+    REQUIRE(
+        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    Browser browser(session.program.out());
+    browser.trade();
+    const pid_t console = console_of(session.program.id());
+    REQUIRE(console > 0);
+    kill(console, SIGSTOP);
+    for (const std::string& what : {kNoted, std::string(R"({"do":"stop"})"), kNoted}) {
+        const tests::HttpLine gone(browser.port);
+        gone.say("POST /do HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie +
+                 browser.origin() + "Content-Type: application/json\r\nContent-Length: " +
+                 std::to_string(what.size()) + "\r\n\r\n" + what);
+    }
+    kill(console, SIGCONT);
+    CHECK(session.keeps(events("stop"), "1"));
+    CHECK_THAT(act(browser, kNoted), ContainsSubstring("\"ok\":true"));
+    kill(console, SIGSTOP);
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    CHECK(session.kept(events("note")) == "1");
+    CHECK(eventually([&] {
+        return kill(console, 0) != 0 ||
+               tests::slurp("/proc/" + std::to_string(console) + "/stat").find(") Z ") !=
+                   std::string::npos;
+    }));
+}
+
+TEST_CASE("another user of the machine finds neither the page's token nor another way to it",
+          "[console][safety][law]") {
+    ShownSession session("shape_friction", {"2", "--console"});
+    REQUIRE(
+        eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    Browser browser(session.program.out());
+    browser.trade();
+    const std::string cookie = browser.cookie.substr(browser.cookie.find('=') + 1, 32);
+    const pid_t console = console_of(session.program.id());
+    std::vector<std::filesystem::path> files;
+    for (const pid_t process : {session.program.id(), console}) {
+        const std::string folder = "/proc/" + std::to_string(process);
+        for (const char* part : {"", "/fd", "/map_files"}) {
+            for (const auto& entry : std::filesystem::directory_iterator(folder + part)) {
+                files.push_back(entry.path());
+            }
+        }
+    }
+    const auto asked = [&](const std::string& line) {
+        return ui::ask_session(session.shown.name, line).line;
+    };
+    CHECK(asked(R"({"do":"page"})").find(browser.token) != std::string::npos);
+    CHECK(tests::holds_for_a_stranger([&] {
+        bool found = false;
+        for (const auto& file : files) {
+            found |= says(file, browser.token) || says(file, cookie);
+        }
+        const std::string zeros(32, '0');
+        const std::string guess = "Cookie: palpate_" + std::to_string(browser.port) + "=" + zeros;
+        const auto refused = [](const std::string& answer) {
+            return answer.starts_with("HTTP/1.1 403") &&
+                   answer.find("\"ok\":true") == std::string::npos;
+        };
+        return !found && asked(R"({"do":"page"})").empty() && asked(R"({"do":"state"})").empty() &&
+               refused(browser.get("/")) && refused(browser.get("/?token=" + zeros)) &&
+               refused(browser.get("/stream?shown")) &&
+               refused(browser.get("/stream", guess + "\r\n")) &&
+               refused(browser.act(kNoted, browser.origin())) &&
+               refused(browser.act(kNoted, guess + "\r\n" + browser.origin()));
+    }));
+    CHECK(session.kept(events("note")) == "0");
+    CHECK_THAT(act(browser, kNoted), ContainsSubstring("\"ok\":true"));
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}
