@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.hpp"
-#include "data/csv/json_text.hpp"
 #include "data/page/trial_trace.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/session_stream.hpp"
 #include "ui/rig/control_call.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -76,8 +76,8 @@ std::optional<PageFile> console_file(std::string_view path) {
 /// That of every page of the session, which holds it: one that was open goes on with this server.
 void take_address(const std::string& session, PageServerSpec& spec) {
     const ControlAnswer held = ask_session(session, R"({"do":"page"})");
-    const data::Json said = data::Json::parse(held.line, nullptr, false);
-    if (said.is_object() && said.value("ok", false)) {
+    const data::Json said = object_in(held.line);
+    if (said.value("ok", false)) {
         spec.listening = fcntl(held.file.get(), F_DUPFD_CLOEXEC, 0);  // the server closes it
         spec.token = said.value("token", "");
         spec.cookie = said.value("cookie", "");

@@ -11,8 +11,8 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/trial/trial_scene.hpp"
-#include "ui/live/live_text.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/rig/stop_lines.hpp"
 #include "ui/session/run_rig.hpp"
@@ -102,27 +102,22 @@ std::pair<std::string, std::uint64_t> FeltStimuli::event() const {
 }
 
 std::string FeltStimuli::ask(const std::string& line, bool gone) {
-    const data::Json asked = data::Json::parse(line, nullptr, false);
-    const auto answer = [](bool ok, const char* text) {
-        return one_line({{"ok", ok}, {"text", text}});
-    };
-    if (!asked.is_object() || !asked.contains("do")) {
-        return answer(false, "one JSON object is taken: nothing was done");
-    }
-    if (asked["do"] == "stop") {
+    const data::Json asked = object_in(line);
+    const data::Json what = asked.value("do", data::Json());
+    if (what == "stop") {
         stop_ = true;
-        return answer(true, "no force");
+        return answer_of(true, "no force");
     }
     const std::scoped_lock lock(mutex_);
-    const bool known = asked["do"] == "feel" && asked.contains("at") &&
-                       asked["at"].is_number_unsigned() && asked["at"] < stimuli_.size();
+    const bool known = what == "feel" && asked.contains("at") && asked["at"].is_number_unsigned() &&
+                       asked["at"] < stimuli_.size();
     if (!known || gone || on_ || asked_) {
-        return answer(false, known ? "one is felt already: stop it first"
-                                   : "there is no such stimulus: nothing was done");
+        return answer_of(false, known ? "one is felt already: stop it first"
+                                      : "there is no such stimulus: nothing was done");
     }
     stop_ = false;
     asked_ = asked["at"].get<std::size_t>();
-    return answer(true, "it is felt until Stop is pressed");
+    return answer_of(true, "it is felt until Stop is pressed");
 }
 
 void FeltStimuli::read_again() {

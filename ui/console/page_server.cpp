@@ -14,6 +14,7 @@
 #include <poll.h>
 
 #include "data/store/uuid.hpp"
+#include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -175,14 +176,13 @@ struct PageRequest {
     MHD_Result act(const PageServer& server, MHD_Connection* connection) const {
         if (!server.spec_.act) {
             return answer(connection, MHD_HTTP_FORBIDDEN,
-                          R"({"ok":false,"text":"this page may only look: --act lets it act"})",
+                          answer_of(false, "this page may only look: --act lets it act"),
                           "application/json");
         }
         if (too_long ||
             value_of(connection, MHD_HEADER_KIND, "Content-Type") != "application/json") {
             return answer(connection, MHD_HTTP_BAD_REQUEST,
-                          R"({"ok":false,"text":"one short JSON object is taken"})",
-                          "application/json");
+                          answer_of(false, "one short JSON object is taken"), "application/json");
         }
         const MHD_ConnectionInfo* line =
             MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);

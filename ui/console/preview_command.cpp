@@ -12,12 +12,11 @@
 #include <unistd.h>
 
 #include "engine/base/files.hpp"
-#include "data/csv/json_text.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/felt_stimuli.hpp"
 #include "ui/console/page_server.hpp"
-#include "ui/live/live_text.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {

@@ -9,9 +9,8 @@
 #include <sys/statvfs.h>
 
 #include "engine/rendering/mode.hpp"
-#include "data/csv/json_text.hpp"
-#include "ui/live/live_text.hpp"
 #include "ui/rig/control_call.hpp"
+#include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -108,8 +107,8 @@ void WatchedSession::look_beside() {
 
 std::string WatchedSession::state(bool shown) {
     const auto read = session_.reader->state();
-    Json state = read ? Json::parse(read->json, nullptr, false) : Json();
-    if (!state.is_object()) {
+    Json state = object_in(read ? read->json : "");
+    if (state.empty()) {
         return {};
     }
     const std::scoped_lock lock(mutex_);
@@ -134,22 +133,21 @@ std::string WatchedSession::state(bool shown) {
 }
 
 std::string WatchedSession::ask(const std::string& line, bool gone) const {
-    Json asked = Json::parse(line, nullptr, false);
-    if (!asked.is_object()) {
-        return R"({"ok":false,"text":"one JSON object is taken: nothing was done"})";
+    Json asked = object_in(line);
+    if (!asked.contains("do") || (gone && asked["do"] != "stop")) {
+        return answer_of(false, gone ? "nobody waits for it any more: nothing was done"
+                                     : "one JSON object is taken: nothing was done");
     }
     asked["page"] = true;
-    if (gone && asked["do"] != "stop") {
-        return R"({"ok":false,"text":"nobody waits for it any more: nothing was done"})";
-    }
     std::string answer = ask_session(session_.name, one_line(asked)).line;
     while (answer.ends_with('\n')) {
         answer.pop_back();
     }
     return !answer.empty() ? answer
-         : alive()
-             ? R"({"ok":false,"text":"the session did not answer within 2 s: look whether it did what was asked"})"
-             : R"({"ok":false,"text":"the session's program is gone: nothing was done"})";
+                           : answer_of(false, alive() ? "the session did not answer within 2 s: "
+                                                        "look whether it did what was asked"
+                                                      : "the session's program is gone: nothing "
+                                                        "was done");
 }
 
 std::string SessionStream::live() {

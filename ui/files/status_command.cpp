@@ -7,13 +7,12 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/csv/json_text.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/database.hpp"
 #include "ui/command/command.hpp"
 #include "ui/live/live_call.hpp"
-#include "ui/live/live_text.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -158,11 +157,10 @@ std::string running_text(const Json& state) {
                        state.value("alarm", false) ? "; ATTENTION: many trials do not count" : "");
 }
 
-/// As it stands; null: it ended.
+/// As it stands; empty: it ended.
 Json state_of(const RunningSession& session) {
     const auto state = session.process.alive() ? session.reader->state() : std::nullopt;
-    Json json = state ? Json::parse(state->json, nullptr, false) : Json(nullptr);
-    return json.is_object() ? json : Json(nullptr);
+    return object_in(state ? state->json : "");
 }
 
 /// A line for each change, until all have ended.
@@ -172,11 +170,11 @@ void follow(const std::vector<RunningSession>& running, bool json) {
         any = false;
         for (const RunningSession& session : running) {
             const Json state = state_of(session);
-            const bool over = state.is_null() || state["ended"].is_string();
+            const bool over = state.empty() || state["ended"].is_string();
             any = any || !over;
-            const std::string text = state.is_null() ? ""
-                                   : json            ? one_line(state) + '\n'
-                                                     : running_text(state);
+            const std::string text = state.empty() ? ""
+                                   : json          ? one_line(state) + '\n'
+                                                   : running_text(state);
             if (!text.empty() && std::exchange(said[session.uuid], text) != text) {
                 say("{}", text);
             }
@@ -195,7 +193,7 @@ int run(const StatusOptions& options) {
         status["studies"] = studies_of(database);
     }
     for (const RunningSession& session : running) {
-        if (Json state = state_of(session); !state.is_null()) {
+        if (Json state = state_of(session); !state.empty()) {
             status["running"].push_back(std::move(state));
         }
     }

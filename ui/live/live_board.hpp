@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -60,6 +61,9 @@ public:
               const protocols::Protocol& protocol,
               const protocols::Plan& plan,
               const protocols::OperatorDesk& desk);
+    LiveBoard(const LiveBoard&) = delete;
+    LiveBoard& operator=(const LiveBoard&) = delete;
+    ~LiveBoard();
 
     [[nodiscard]] const LiveFacts& facts() const noexcept { return facts_; }
     [[nodiscard]] const protocols::Protocol& protocol() const noexcept { return protocol_; }
@@ -91,33 +95,16 @@ public:
 private:
     static constexpr std::array<double, 8> kEdges{5, 10, 20, 50, 100, 200, 500, 1000};
     using Bins = std::array<std::uint64_t, kEdges.size() + 1>;
-    struct Line {
-        std::size_t trial = 0;
-        std::string what{};
-        std::string advice{};
-    };
-    struct Note {
-        std::string at;
-        std::optional<std::size_t> trial;
-        std::string text;
-    };
-    struct Answer {
-        std::size_t trial = 0;
-        std::string object{};
-        std::string friction{};
-        std::string answer{};
-        std::optional<bool> correct{};
-    };
-    class Text;
+    struct Lists;  ///< as they are shown
+    class Text;    ///< all of it as JSON, in one line
 
     [[nodiscard]] std::pair<bool, bool> wishes() const noexcept {
         return {desk_.wants_pause(), desk_.wants_stop()};
     }
     void show() noexcept;
-    /// All of it as JSON, in one line.
-    [[nodiscard]] std::string text() const;
     void draw_outline();
     [[nodiscard]] bool forget_half();
+    void add_not_counting(const protocols::TrialNumber& trial, const std::string& why);
     void show(const engine::TickRecord& tick) noexcept;
 
     LiveFacts facts_;
@@ -135,9 +122,6 @@ private:
     std::optional<double> minutes_{};
     bool alarm_ = false;
     std::string ended_{};
-    std::vector<Line> not_counting_;
-    std::vector<Line> faults_;
-    std::vector<Note> notes_;
     Bins late_trial_{};
     Bins late_session_{};
     std::uint64_t ticks_ = 0;
@@ -145,10 +129,10 @@ private:
     std::size_t per_shown_;  ///< ticks
     std::uint64_t fed_ = 0;
     engine::TickRecord last_{};  ///< that was shown
+    std::unique_ptr<Lists> lists_;
     bool revealed_ = false;
     std::optional<protocols::Presentation> felt_{};
     std::vector<engine::Vec2> outline_;  ///< of what is felt, m; nothing before it is revealed
-    std::vector<Answer> answers_;
 };
 
 }  // namespace palpate::ui

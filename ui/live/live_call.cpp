@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "data/csv/json_text.hpp"
 #include "ui/rig/control_call.hpp"
+#include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
 
@@ -15,8 +15,8 @@ std::vector<RunningSession> running_sessions(const std::optional<std::string>& o
     std::vector<RunningSession> all;
     for (const std::string& name : session_names(is_file ? of : std::nullopt)) {
         const ControlAnswer answer = ask_session(name, R"({"do":"state"})");
-        const data::Json said = data::Json::parse(answer.line, nullptr, false);
-        if (!said.is_object() || !said.value("ok", false) || !said["state"].is_object()) {
+        const data::Json said = object_in(answer.line);
+        if (!said.contains("state") || !said["state"].is_object()) {
             continue;
         }
         std::string uuid = said["state"].value("session", "");

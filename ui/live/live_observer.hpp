@@ -1,5 +1,6 @@
 #pragma once
 
+#include "protocols/session/ports.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/observer.hpp"
 #include "ui/live/live_session.hpp"
@@ -9,6 +10,9 @@ namespace palpate::ui {
 /// Whoever answers, with each step shown to those who look on. Where nobody sits at a screen, a
 /// pause lasts until the experimenter goes on all the same.
 class LiveObserver : public protocols::Observer {
+    using Signal = protocols::Signal;
+    using TrialView = protocols::TrialView;
+
 public:
     /// All outlive this one.
     LiveObserver(protocols::Observer& observer,
@@ -17,25 +21,68 @@ public:
                  bool (*interrupted)())
         : observer_(observer), live_(live), desk_(desk), interrupted_(interrupted) {}
 
-    [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override;
-    [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
-    [[nodiscard]] protocols::ExplorationStep explore(const protocols::TrialView& trial,
-                                                     double elapsed_s) override;
-    void feel(std::span<const engine::TickRecord> ticks) override;
-    [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
-                                           const protocols::Question& question) override;
-    [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,
-                                             bool correct) override;
-    [[nodiscard]] protocols::Signal gap(double seconds) override;
-    [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
-    [[nodiscard]] protocols::Signal pause(const protocols::TrialView& next) override;
-    [[nodiscard]] std::optional<protocols::Signal> trouble(
-        const protocols::TroubleView& view) override;
-    void finish(const protocols::SessionView& session) override;
+    [[nodiscard]] Signal welcome(const protocols::SessionView& session) override {
+        enter(LivePhase::welcome);
+        return observer_.welcome(session);
+    }
+    [[nodiscard]] Signal ready(const TrialView& trial) override {
+        enter(LivePhase::ready, &trial);
+        return observer_.ready(trial);
+    }
+    [[nodiscard]] protocols::ExplorationStep explore(const TrialView& trial,
+                                                     double elapsed_s) override {
+        enter(LivePhase::explore, &trial);
+        return observer_.explore(trial, elapsed_s);
+    }
+    void feel(std::span<const engine::TickRecord> ticks) override {
+        live_.board().feel(ticks);
+        observer_.feel(ticks);
+    }
+    [[nodiscard]] protocols::Choice choose(const TrialView& trial,
+                                           const protocols::Question& question) override {
+        enter(LivePhase::question, &trial);
+        return observer_.choose(trial, question);
+    }
+    [[nodiscard]] Signal feedback(const TrialView& trial, bool correct) override {
+        enter(LivePhase::feedback, &trial);
+        return observer_.feedback(trial, correct);
+    }
+    [[nodiscard]] Signal gap(double seconds) override {
+        enter(LivePhase::gap);
+        return observer_.gap(seconds);
+    }
+    [[nodiscard]] Signal rest(double seconds, const TrialView& next) override {
+        enter(LivePhase::rest, &next);
+        return observer_.rest(seconds, next);
+    }
+    [[nodiscard]] Signal pause(const TrialView& next) override {
+        enter(LivePhase::pause, &next);
+        const bool waits = !live_.board().facts().screen;
+        while (waits && !desk_.take_pause()) {
+            if (interrupted_()) {
+                return Signal::abort;
+            }
+            protocols::sleep_for(0.02);
+            live_.pump();
+        }
+        return observer_.pause(next);
+    }
+    [[nodiscard]] std::optional<Signal> trouble(const protocols::TroubleView& view) override {
+        live_.board().enter(view);
+        live_.pump();
+        return observer_.trouble(view);
+    }
+    void finish(const protocols::SessionView& session) override {
+        live_.end("finished");
+        observer_.finish(session);
+    }
 
 private:
     /// Shown, and what was asked for meanwhile done.
-    void enter(LivePhase phase, const protocols::TrialView* trial = nullptr);
+    void enter(LivePhase phase, const TrialView* trial = nullptr) {
+        live_.board().enter(phase, trial);
+        live_.pump();
+    }
 
     protocols::Observer& observer_;
     LiveSession& live_;

@@ -12,8 +12,8 @@
 #include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
 #include "data/store/uuid.hpp"
-#include "ui/live/live_text.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/operator_log.hpp"
 
 namespace palpate::ui {
@@ -24,8 +24,8 @@ constexpr std::size_t kInbox = 64;
 constexpr std::int64_t kWordNs = 60'000 * kMillisecond;
 
 std::string text_in(const data::Json& asked, const char* key) {
-    const auto at = asked.find(key);
-    return at != asked.end() && at->is_string() ? at->get<std::string>() : std::string();
+    const data::Json text = asked.value(key, data::Json());
+    return text.is_string() ? text.get<std::string>() : std::string();
 }
 
 /// Four letters that nobody sends by accident.
@@ -142,8 +142,8 @@ void LiveSession::answer_page(const Caller& caller) {
 }
 
 void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& caller) {
-    const data::Json asked = data::Json::parse(line, nullptr, false);
-    const std::string what = asked.is_object() ? text_in(asked, "do") : "";
+    const data::Json asked = object_in(line);
+    const std::string what = text_in(asked, "do");
     const std::string text = text_in(asked, what == "mark" ? "reason" : "text");
     if (what == "state" && reader_) {
         answer_state(*caller);

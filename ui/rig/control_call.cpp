@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/clock.hpp"
-#include "data/csv/json_text.hpp"
+#include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -49,8 +49,8 @@ StopResult stop_sessions(const std::optional<std::string>& database) {
     for (const Descriptor& line : lines) {
         bool ended = false;
         const std::string text = line_from(line, end, ended).line;
-        const data::Json answer = data::Json::parse(text, nullptr, false);
-        const bool ok = answer.is_object() && answer.value("ok", false);
+        const data::Json answer = object_in(text);
+        const bool ok = answer.value("ok", false);
         (ok ? stopped.sessions : ended || !text.empty() ? stopped.refused : stopped.silent) += 1;
         stopped.labels += ok ? answer.value("text", "") : "";
     }

@@ -10,13 +10,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 
-#include "data/csv/json_text.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -45,6 +44,20 @@ Descriptor control_socket() {
     return Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
+/// Under a free name of the file; < 0: all are taken, nobody can call.
+Descriptor listen_for(const FileIdentity& file) {
+    for (int k = 0; k < kSessions; ++k) {
+        Descriptor listening = control_socket();
+        const auto [address, length] = address_of(control_name(file, k));
+        const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
+        if (listening.get() >= 0 && bind(listening.get(), at, length) == 0 &&
+            listen(listening.get(), 16) == 0) {
+            return listening;
+        }
+    }
+    return Descriptor();
+}
+
 /// Bytes, and room for an open file beside them.
 struct Packet {
     explicit Packet(void* bytes, std::size_t size) : part{.iov_base = bytes, .iov_len = size} {
@@ -69,19 +82,6 @@ std::optional<FileIdentity> identity_of(const std::string& database) {
         return std::nullopt;
     }
     return FileIdentity{.device = file.st_dev, .inode = file.st_ino};
-}
-
-Descriptor listen_for(const FileIdentity& file) {
-    for (int k = 0; k < kSessions; ++k) {
-        Descriptor listening = control_socket();
-        const auto [address, length] = address_of(control_name(file, k));
-        const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
-        if (listening.get() >= 0 && bind(listening.get(), at, length) == 0 &&
-            listen(listening.get(), 16) == 0) {
-            return listening;
-        }
-    }
-    return Descriptor();
 }
 
 Descriptor connect_to(const std::string& name) {
@@ -193,11 +193,7 @@ bool shows_right(const Descriptor& right, const FileIdentity& file) {
 
 void Caller::answer(bool ok, std::string_view text, std::string_view word) const noexcept {
     try {
-        data::Json answer{{"ok", ok}, {"text", text}};
-        if (!word.empty()) {
-            answer["word"] = word;
-        }
-        answer_line(answer.dump(-1, ' ', true, data::Json::error_handler_t::replace));
+        answer_line(answer_of(ok, text, word));
     } catch (const std::exception&) {  // no memory: whoever asked hears nothing
     }
 }

@@ -49,8 +49,6 @@ struct FileIdentity {
 /// @param database  empty: what stands for one that is not there yet. @return none: no such file
 [[nodiscard]] std::optional<FileIdentity> identity_of(const std::string& database);
 
-/// A listening socket under a free name of the file; < 0: all are taken, nobody can call.
-[[nodiscard]] Descriptor listen_for(const FileIdentity& file);
 /// < 0: nobody listens there.
 [[nodiscard]] Descriptor connect_to(const std::string& name);
 /// Where sessions of a file may listen; without one, of every session on this machine.

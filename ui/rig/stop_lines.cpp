@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 #include "protocols/session/operator_desk.hpp"
-#include "data/csv/json_text.hpp"
+#include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -138,8 +138,8 @@ void StopLines::live() noexcept {
 
 /// No force first, whatever else is in the line.
 void StopLines::obey(const std::string& line, const std::shared_ptr<Caller>& caller) {
-    const data::Json asked = data::Json::parse(line, nullptr, false);
-    if (!asked.is_object() || !asked.contains("do")) {
+    const data::Json asked = object_in(line);
+    if (!asked.contains("do")) {
         caller->answer(false, R"(a line is one JSON object, as {"do":"stop"}: nothing was done)");
     } else if (asked["do"] == "stop" && asked.contains("people") && !acts_.types) {
         caller->answer(false, "nobody feels this session: it is stopped by its file");

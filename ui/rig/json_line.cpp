@@ -1,0 +1,42 @@
+#include "ui/rig/json_line.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace palpate::ui {
+
+using data::Json;
+
+std::string one_line(const Json& value) {
+    return value.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+Json object_in(std::string_view line) {
+    Json value = Json::parse(line, nullptr, false);
+    return value.is_object() ? value : Json::object();
+}
+
+std::string answer_of(bool ok, std::string_view text, std::string_view word) {
+    Json answer{{"ok", ok}, {"text", text}};
+    if (!word.empty()) {
+        answer["word"] = word;
+    }
+    return one_line(answer);
+}
+
+Json json_or_null(const std::string& text) {
+    return text.empty() ? Json(nullptr) : Json(text);
+}
+
+Json json_or_null(std::optional<double> number) {
+    return number ? Json(*number) : Json(nullptr);
+}
+
+Json json_or_null(std::optional<std::size_t> number) {
+    return number ? Json(*number) : Json(nullptr);
+}
+
+Json json_or_null(std::optional<bool> value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace palpate::ui
