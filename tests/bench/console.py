@@ -11,7 +11,6 @@ import io
 import json
 import os
 import re
-import signal
 import socket
 import sqlite3
 import subprocess
@@ -40,12 +39,14 @@ class Page(threading.Thread):
             cookie = re.search(r'Set-Cookie: ([^;]+)', one.makefile().read())[1]
         self.line = socket.create_connection(('127.0.0.1', port))
         self.line.sendall(f'GET /stream HTTP/1.1\r\n{head}Cookie: {cookie}\r\n\r\n'.encode())
-        self.heard = []
+        self.heard, self.gone = [], 0
         self.start()
 
     def run(self):
         live = False
         for text in self.line.makefile('rb'):
+            if not self.gone and b'"alive":false' in text:
+                self.gone = time.monotonic_ns()
             if live and text.startswith(b'data: '):
                 self.heard.append((time.monotonic_ns(), json.loads(text[6:])['t']))
             live = text.startswith(b'event: live')
@@ -111,9 +112,11 @@ def main():
                 heard.append(page.heard)
         pages = [Page(int(port), token) for _ in range(plan.pages)]
         time.sleep(2)
-        run.send_signal(signal.SIGTERM)
+        killed = time.monotonic_ns()
+        run.kill()
         run.wait()
         time.sleep(2)
+        gone = max(page.gone for page in pages) - killed
         before = spent(console.pid)
         time.sleep(plan.seconds)
         after_end = 100 * (spent(console.pid) - before) / plan.seconds
@@ -150,6 +153,7 @@ def main():
         with_pages, without = (100 * sum(turn[column] for turn in turns if turn[0] is is_open) / seconds
                                for is_open in (True, False))
         print(f'processor time of {who}: {with_pages:.2f} % of a core with pages, {without:.2f} % without')
+    print(f'from the death of the session to the last page: {1e-6 * gone:.0f} ms')
     print(f'processor time of the server with {plan.pages} pages on a session that is over: {after_end:.2f} % of a core')
 
 
