@@ -1,12 +1,12 @@
 #include "ui/console/session_stream.hpp"
 
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
 
 #include "engine/rendering/mode.hpp"
 #include "ui/rig/control_call.hpp"
@@ -15,6 +15,7 @@
 namespace palpate::ui {
 namespace {
 
+namespace fs = std::filesystem;
 using data::Json;
 
 constexpr std::int64_t kLookEvery = 500 * kMillisecond;
@@ -26,14 +27,12 @@ double seconds_since(std::int64_t then_ns) {
 
 /// Since its log was last written to, ms; < 0: not known.
 std::int64_t age_of_log(const std::string& database) {
-    struct stat log {};
-    timespec now{};
-    clock_gettime(CLOCK_REALTIME, &now);
-    if (stat((database + "-wal").c_str(), &log) != 0 && stat(database.c_str(), &log) != 0) {
-        return -1;
-    }
-    return std::max<std::int64_t>(0, (now.tv_sec - log.st_mtim.tv_sec) * 1000 +
-                                         (now.tv_nsec - log.st_mtim.tv_nsec) / kMillisecond);
+    std::error_code none;
+    auto written = fs::last_write_time(database + "-wal", none);
+    written = none ? fs::last_write_time(database, none) : written;
+    const auto age =
+        std::chrono::floor<std::chrono::milliseconds>(decltype(written)::clock::now() - written);
+    return none ? -1 : std::max<std::int64_t>(0, age.count());
 }
 
 /// Values are rounded to what can be seen: 10 um, 1 mN, 0.1 mm/s.
@@ -88,11 +87,9 @@ void WatchedSession::look_beside() {
     }
     looked_ns_ = monotonic_ns();
     written_ms_ = age_of_log(session_.file);
-    struct statvfs disk {};
-    if (statvfs(session_.file.c_str(), &disk) == 0) {
-        disk_free_mb_ = std::floor(static_cast<double>(disk.f_bavail) *
-                                   static_cast<double>(disk.f_frsize) / 1e6);
-    }
+    std::error_code unknown;
+    const fs::space_info disk = fs::space(session_.file, unknown);
+    disk_free_mb_ = unknown ? disk_free_mb_ : std::floor(static_cast<double>(disk.available) / 1e6);
     try {
         if (!database_) {
             database_ = std::make_unique<data::Database>(session_.file, data::Access::inspect);

@@ -1,12 +1,10 @@
 #include "ui/live/live_session.hpp"
 
-#include <array>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
-#include <sys/random.h>
 #include <sys/socket.h>
 
 #include "engine/base/clock.hpp"
@@ -30,13 +28,9 @@ std::string text_in(const data::Json& asked, const char* key) {
 
 /// Four letters that nobody sends by accident.
 std::string random_word() {
-    std::array<unsigned char, 4> bytes{};
-    if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-        throw std::runtime_error("no random numbers");
-    }
-    std::string word;
-    for (const unsigned char byte : bytes) {
-        word += "bcdfghjklmnpqrstvwxz"[byte % 20];
+    std::string word = data::random_secret().substr(0, 4);
+    for (char& digit : word) {
+        digit = "bcdfghjklmnpqrst"[digit <= '9' ? digit - '0' : digit - 'a' + 10];
     }
     return word;
 }
