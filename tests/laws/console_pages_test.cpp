@@ -136,6 +136,11 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
                std::string::npos;
     }));
     CHECK(console_of(session.program.id()) == 0);
+    {
+        Console ends(session);
+        ends.program.signal(SIGTERM);
+        CHECK(ends.program.wait().code == 0);
+    }
     const Console by_hand(session);
     CHECK(by_hand.browser->host == browser.host);
     CHECK(by_hand.browser->token == browser.token);

@@ -269,6 +269,7 @@ PageServer::PageServer(PageServerSpec spec) : spec_(std::move(spec)) {
         throw std::invalid_argument(spec_.address +
                                     ": only by TLS, with a certificate and its key");
     }
+    // Without ITC its end would shut the listening socket down for every server of the session.
     const unsigned flags = MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
                            MHD_USE_POLL | MHD_USE_ITC | (tls ? unsigned{MHD_USE_TLS} : 0U);
     const MHD_OptionItem certificates[]{{MHD_OPTION_HTTPS_MEM_CERT, 0, spec_.certificate.data()},
