@@ -1,10 +1,9 @@
 #include "ui/live/live_segment.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <new>
 #include <stdexcept>
 
@@ -13,6 +12,8 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "engine/base/files.hpp"
 
 namespace palpate::ui {
 
@@ -192,8 +193,7 @@ namespace {
 /// Field 22 of /proc/PID/stat; the name before it may hold spaces and brackets. 0: no such process,
 /// or one that has ended.
 std::uint64_t start_of(std::int64_t pid) {
-    std::ifstream file(fmt::format("/proc/{}/stat", pid));
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string text = file_text(fmt::format("/proc/{}/stat", pid));
     const std::size_t name = text.rfind(')');
     if (name == std::string::npos || name + 2 >= text.size() || text[name + 2] == 'Z') {
         return 0;

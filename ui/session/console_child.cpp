@@ -19,10 +19,7 @@ ConsoleChild::ConsoleChild(std::string session) : session_(std::move(session)) {
 
 /// In a group of its own: Ctrl+C is for the session, which takes its time to end.
 void ConsoleChild::start() {
-    std::string program = "palpate";
-    std::string command = "console";
-    std::string until = "--while-runs";
-    const std::array<char*, 5> words{program.data(), command.data(), session_.data(), until.data(),
+    std::array<const char*, 5> words{"palpate", "console", session_.c_str(), "--while-runs",
                                      nullptr};
     posix_spawnattr_t how;
     posix_spawnattr_init(&how);
@@ -30,7 +27,8 @@ void ConsoleChild::start() {
     const sched_param usual{};
     posix_spawnattr_setschedpolicy(&how, SCHED_OTHER);
     posix_spawnattr_setschedparam(&how, &usual);
-    const int error = posix_spawn(&pid_, "/proc/self/exe", nullptr, &how, words.data(), environ);
+    const int error = posix_spawn(&pid_, "/proc/self/exe", nullptr, &how,
+                                  const_cast<char**>(words.data()), environ);
     posix_spawnattr_destroy(&how);
     if (error != 0) {
         pid_ = -1;
