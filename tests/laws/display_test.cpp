@@ -16,10 +16,10 @@ using engine::Vec2;
 
 namespace {
 
-constexpr const char* kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+constexpr const char* kShortStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 
 std::vector<std::string> words(const TemporaryFolder& folder,
-                               const std::string& protocol = kFourTrials) {
+                               const std::string& protocol = kShortStudy) {
     return {"run",      protocol, "--participant", "P1", "--db", folder.file("d.sqlite"),
             "--device", "mouse"};
 }
@@ -113,7 +113,7 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
           "[long][window][law]") {
     const TemporaryFolder folder;
-    std::string text = tests::slurp(kFourTrials);
+    std::string text = tests::slurp(kShortStudy);
     text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
     std::ofstream(folder.file("p.toml")) << text;
     struct Place {
@@ -156,7 +156,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     const std::string where = GENERATE("explore", "question", "break");
     CAPTURE(where);
     const TemporaryFolder folder;
-    std::string text = tests::slurp(kFourTrials);
+    std::string text = tests::slurp(kShortStudy);
     const std::string none = "break_every = 0";
     text.replace(text.find(none), none.size(), "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
