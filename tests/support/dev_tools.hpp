@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/process.hpp"
 
 namespace palpate::tests {
@@ -49,8 +50,11 @@ public:
     [[nodiscard]] std::string text(const std::string& id) {
         return value("document.getElementById('" + id + "')?.textContent");
     }
-    /// With the mouse, where it is.
+    /// With the mouse, where it is, once it may be pressed: a page that was not served for long has
+    /// lost the session until it hears of it.
     void press(const std::string& id) {
+        REQUIRE(eventually(
+            [&] { return value("document.getElementById('" + id + "').ariaDisabled") != "true"; }));
         const auto at = nlohmann::json::parse(
             value("(e => { e.scrollIntoView({block: 'center', behavior: 'instant'}); const b = "
                   "e.getBoundingClientRect(); return '[' + (b.x + b.width / 2) + ',' + (b.y + "
