@@ -6,6 +6,7 @@ session on the emulated Haply; from a tick to the page; processor time. Needs no
 
 With --chromium each page is one of its own browser, which computes on this machine too."""
 import argparse
+import atexit
 import csv
 import io
 import json
@@ -97,8 +98,10 @@ def main():
         run = subprocess.Popen([plan.palpate, 'run', 'shape_friction', '--device', 'haply-emulator', '--headless',
                                 '--participant', 'P1', '--operator', 'bench', '--db', file],
                                stdout=subprocess.PIPE, text=True)
+        atexit.register(run.kill)
         printed(run, r'^#1 ')
         console = subprocess.Popen([plan.palpate, 'console', file], stdout=subprocess.PIPE, text=True)
+        atexit.register(console.kill)
         port, token = printed(console, r':(\d+)/\?token=(\w+)').groups()
         turns, heard = [], []  # turns: (open, from, to, spent by session, by server)
         for turn in range(2 * plan.rounds):
@@ -112,6 +115,8 @@ def main():
                 heard.append(page.heard)
         pages = [Page(int(port), token) for _ in range(plan.pages)]
         time.sleep(2)
+        if run.poll() is not None:
+            sys.exit('the session ended before it was measured: this machine is too busy, or the rounds too many')
         killed = time.monotonic_ns()
         run.kill()
         run.wait()
