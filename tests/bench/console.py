@@ -95,7 +95,10 @@ def main():
     plan = words.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         file = folder + '/d.sqlite'
-        run = subprocess.Popen([plan.palpate, 'run', 'shape_friction', '--device', 'haply-emulator', '--headless',
+        study = open(os.path.dirname(__file__) + '/../golden/four_trials.toml').read()
+        with open(folder + '/long.toml', 'w') as out:  # soft: emulated motors grow warm, too
+            out.write(study.replace('n_per_m = 1000', 'n_per_m = 150').replace('\nrepetitions = 1', '\nrepetitions = 200'))
+        run = subprocess.Popen([plan.palpate, 'run', folder + '/long.toml', '--device', 'haply-emulator', '--headless',
                                 '--participant', 'P1', '--operator', 'bench', '--db', file],
                                stdout=subprocess.PIPE, text=True)
         atexit.register(run.kill)
