@@ -477,7 +477,7 @@
   function listen() {
     triedAt = seconds();
     if (source !== null) source.close();
-    source = new EventSource(asked ? '/stream?shown' : '/stream');
+    source = new EventSource(asked ? '/stream?shown=1' : '/stream');
     source.addEventListener('state', event => {
       state = heard(event);
       stateAt = seconds();
