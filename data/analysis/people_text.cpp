@@ -9,7 +9,7 @@
 
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/statistics/over_people.hpp"
+#include "data/statistics/paired.hpp"
 
 namespace palpate::data {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/analysis/people_text.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/store/stored_progress.hpp"
 
 namespace palpate::data {

@@ -9,11 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
-#include "data/analysis/exclusion.hpp"
 #include "data/analysis/left_out.hpp"
 #include "data/analysis/people_text.hpp"
 #include "data/store/analysed.hpp"
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 
 namespace palpate::data {
 namespace {

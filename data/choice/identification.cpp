@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "data/statistics/distributions.hpp"
 

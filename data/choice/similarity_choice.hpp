@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "data/choice/thurstone.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 
 namespace palpate::data {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "data/statistics/simplex.hpp"
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {

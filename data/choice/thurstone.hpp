@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "data/choice/thurstone_model.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 
 namespace palpate::data {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 
 namespace palpate::data {
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/base/parsed.hpp"
-#include "engine/base/quotes.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::data {

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
 #include "data/csv/csv_text.hpp"

@@ -15,8 +15,6 @@
 #include "engine/realtime/tick_record.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/export/csv_export.hpp"
-#include "data/export/delimited_file.hpp"
-#include "data/export/formats.hpp"
 #include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/reader.hpp"

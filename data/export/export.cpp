@@ -16,7 +16,7 @@
 #include "engine/base/files.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
-#include "data/export/formats.hpp"
+#include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/stored_progress.hpp"
 #include "data/trace/columns.hpp"

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
-#include "data/export/delimited_file.hpp"
-#include "data/export/formats.hpp"
+#include "data/export/csv_export.hpp"
+#include "data/export/selection.hpp"
 #include "data/store/graded_answers.hpp"
 
 namespace palpate::data {

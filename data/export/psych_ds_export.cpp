@@ -7,7 +7,7 @@
 #include "engine/base/text.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/export/csv_export.hpp"
-#include "data/export/formats.hpp"
+#include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
 #include "data/trace/columns.hpp"
 

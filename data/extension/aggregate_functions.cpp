@@ -10,7 +10,7 @@
 
 #include "data/extension/functions.hpp"
 #include "data/statistics/information.hpp"
-#include "data/statistics/over_people.hpp"
+#include "data/statistics/paired.hpp"
 
 SQLITE_EXTENSION_INIT3
 

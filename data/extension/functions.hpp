@@ -28,7 +28,7 @@ int add_scalar_functions(sqlite3* db);
 ///     stddev_samp(x)             n - 1 below, Welford's recurrence; NULL for one row
 ///     share(x)                   of rows where x is true (not 0)
 ///     people_share_low(x), _high(x)  95 % interval over people of the mean of their shares;
-///     people_mean_low(x), _high(x)   of any number. A row is a person: over_people.hpp
+///     people_mean_low(x), _high(x)   of any number. A row is a person: paired.hpp
 ///     mutual_information(stimulus, response [, n])             bits, plug-in
 ///     mutual_information_miller_madow(stimulus, response [, n])
 ///

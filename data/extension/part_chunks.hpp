@@ -12,7 +12,6 @@
 #include "engine/device/pantograph.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "data/extension/query.hpp"
-#include "data/extension/tick_parts.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "data/trace/sample_columns.hpp"

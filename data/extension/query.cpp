@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 #include <sqlite3ext.h>
 
-#include "data/extension/tick_parts.hpp"
-
 SQLITE_EXTENSION_INIT3
 
 namespace palpate::data {

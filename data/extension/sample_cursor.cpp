@@ -2,9 +2,264 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "engine/realtime/felt_scene.hpp"
+#include "data/extension/part_chunks.hpp"
+#include "data/extension/query.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/chunk_replay.hpp"
+#include "data/trace/replay.hpp"
 
 namespace palpate::data {
+
+using engine::TickRecord;
+
+namespace {
+
+/// The ticks of a part that follow from the hand's path from tick 0 on, replayed as far as somebody
+/// asks.
+class PartReplay {
+public:
+    PartReplay(const TrialPart& part,
+               std::vector<std::vector<std::byte>> bytes,
+               std::span<const ChunkView> chunks,
+               std::shared_ptr<const engine::FeltScene> scene,
+               const std::optional<engine::PantographSpec>& machine,
+               Ticks room)
+        : part_(part),
+          bytes_(std::move(bytes)),
+          scene_(std::move(scene)),
+          replay_(machine, scene_.get(), chunks, true, std::move(room)) {
+        for (const ChunkView& chunk : chunks) {
+            first_ticks_.push_back(chunk.first_tick);
+            ticks_ += chunk.ticks;
+        }
+    }
+
+    [[nodiscard]] std::size_t chunks() const noexcept { return first_ticks_.size(); }
+    [[nodiscard]] std::size_t ticks() const noexcept { return ticks_; }
+    /// Its memory, for another. @pre nobody asks it again
+    [[nodiscard]] Ticks take_room() noexcept { return replay_.take(); }
+    /// Nobody is to be given this one again: the rows may be mended.
+    void gives_up() noexcept { given_up_ = true; }
+    [[nodiscard]] bool is_of(const TrialPart& part,
+                             const std::vector<std::vector<std::byte>>& bytes) const {
+        return !given_up_ && part_ == part && bytes_ == bytes;
+    }
+
+    /// @throws SampleError if the ticks are not what was recorded, TraceError if they are damaged
+    std::span<const TickRecord> chunk(std::size_t i, bool closest) {
+        const std::span<TickRecord> ticks = checked(i);
+        for (; closest && with_closest_ <= i; ++with_closest_) {
+            find_closest_points(*scene_, track_, checked(with_closest_));
+        }
+        return ticks;
+    }
+
+private:
+    std::span<TickRecord> checked(std::size_t i) {
+        const ChunkReplay::Again again = replay_.chunk(i);
+        if (!again.as_recorded) {
+            throw SampleError(replay_sentence(part_.trial, first_ticks_[i]));
+        }
+        return again.ticks;
+    }
+
+    TrialPart part_;
+    std::vector<std::vector<std::byte>> bytes_;  ///< what it is made of
+    std::shared_ptr<const engine::FeltScene> scene_;
+    ChunkReplay replay_;
+    std::vector<std::int64_t> first_ticks_;
+    std::size_t ticks_ = 0;
+    std::size_t with_closest_ = 0;  ///< the first chunk without closest points
+    engine::FeltTrack track_;
+    bool given_up_ = false;
+};
+
+/// Chunk by chunk, while those to come are worked on.
+class ReplayedBlocks : public TickBlocks {
+public:
+    ReplayedBlocks(const TrialPart& part,
+                   std::shared_ptr<PartReplay> replay,
+                   bool closest,
+                   const TickRange& range)
+        : part_(part), replay_(std::move(replay)), closest_(closest), range_(range) {}
+    std::span<const TickRecord> next() override {
+        if (next_ == replay_->chunks()) {
+            return {};
+        }
+        const std::size_t i = next_++;
+        try {
+            return ticks_in(of_part(part_, [&] { return replay_->chunk(i, closest_); }), range_);
+        } catch (const SampleError&) {
+            replay_->gives_up();
+            throw;
+        }
+    }
+
+private:
+    TrialPart part_;
+    std::shared_ptr<PartReplay> replay_;
+    bool closest_;
+    TickRange range_;
+    std::size_t next_ = 0;
+};
+
+}  // namespace
+
+struct TickStore::State {
+    explicit State(sqlite3* database) : db(database) {}
+
+    struct Context {
+        TraceTrial trial;
+        SessionTraces* session = nullptr;
+    };
+    Context context_of(const TrialPart& part);
+    std::shared_ptr<PartReplay> replayed(const TrialPart& part);
+    Ticks make_room();
+    void require_one_study();
+
+    StatementCache db;
+    /// By protocol and calibration, so that nothing here can be out of date.
+    std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
+    /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
+    std::vector<std::shared_ptr<PartReplay>> kept;
+};
+
+TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
+    Query row(db,
+              "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
+              "plan.friction), coalesce(felt.slip_decay, 0), "
+              "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
+              "felt.mu_d, felt.stimulus, study.protocol_toml, (SELECT value FROM "
+              "main.session_provenance AS p "
+              "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
+              "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
+              "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
+              "ON felt.trial_id = trial.trial_id AND felt.interval = ?2 WHERE trial.trial_id = ?1");
+    if (!row.bind(1, part.trial).bind(2, part.interval).step()) {
+        fail(part, "it has ticks, but no row in trial");
+    }
+    const auto number = [&row](int column) {
+        return row.null(column) ? std::nullopt : std::optional(row.real(column));
+    };
+    const std::pair key(row.text(8), row.text(9));
+    auto session = sessions.find(key);
+    if (session == sessions.end()) {
+        session = sessions.emplace(key, SessionTraces(key.first, key.second)).first;
+    }
+    return {.trial = {.object = row.text(0),
+                      .friction = row.text(1),
+                      .slip_decay = row.real(2),
+                      .heal_decay = row.real(3),
+                      .curvature = number(4),
+                      .mu_s = number(5),
+                      .mu_d = number(6),
+                      .stimulus = number(7)},
+            .session = &session->second};
+}
+
+std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
+    PartChunks rows(db, part);
+    std::vector<std::vector<std::byte>> bytes;
+    std::vector<ChunkView> views;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        PartChunk chunk = rows.at(i);
+        views.push_back(chunk.view);
+        bytes.push_back(std::move(chunk.bytes));  // the view looks at the same bytes
+    }
+    const auto same =
+        std::ranges::find_if(kept, [&](const auto& one) { return one->is_of(part, bytes); });
+    if (same != kept.end()) {
+        std::rotate(same, same + 1, kept.end());
+        return kept.back();
+    }
+    Ticks room = make_room();
+    const Context context = context_of(part);
+    kept.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
+                                                context.session->scene_of(context.trial),
+                                                context.session->machine(), std::move(room)));
+    return kept.back();
+}
+
+/// For one more: of a long trial none is kept beside it. @return the memory of one that went
+Ticks TickStore::State::make_room() {
+    constexpr std::size_t kMaxParts = 4;
+    constexpr std::size_t kMaxTicks = 400'000;  // 60 MB
+    const auto ticks = [this] {
+        std::size_t sum = 0;
+        for (const auto& one : kept) {
+            sum += one->ticks();
+        }
+        return sum;
+    };
+    Ticks room;
+    while (kept.size() >= kMaxParts || ticks() > kMaxTicks) {
+        if (kept.front().use_count() == 1) {
+            room = kept.front()->take_room();
+        }
+        kept.erase(kept.begin());
+    }
+    return room;
+}
+
+TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
+TickStore::~TickStore() = default;
+
+/// SQLite does not tell a table of this kind which database was named: b.sample would be main's
+/// ticks.
+void TickStore::State::require_one_study() {
+    // Statements: a table of the file may be called pragma_database_list.
+    for (Query others(db, "PRAGMA database_list"); others.step();) {
+        const std::string name = others.text(1);
+        if (name != "main" && name != "temp" &&
+            Query(db, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step()) {
+            throw SampleError(fmt::format(
+                "sample is of the file that was opened first, and another palpate database is "
+                "attached: DETACH {}, and ask each by itself",
+                name));
+        }
+    }
+}
+
+std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
+    state_->require_one_study();
+    // A part whose chunks are gone is one too: it is refused.
+    std::vector<TrialPart> parts;
+    Query query(state_->db,
+                "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
+                "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
+                "AND ?2 AND ticks > 0 ORDER BY 1, 2");
+    query.bind(1, trials.first).bind(2, trials.last);
+    while (query.step()) {
+        parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});
+    }
+    return parts;
+}
+
+std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
+                                              SampleColumns columns,
+                                              const TickRange& range) {
+    State& state = *state_;
+    if ((columns & kReplayedColumns) != 0) {
+        const bool closest = (columns & kClosestColumns) != 0;
+        return std::make_unique<ReplayedBlocks>(
+            part, of_part(part, [&] { return state.replayed(part); }), closest, range);
+    }
+    HipSource source;
+    if ((columns & kHipColumns) != 0) {
+        const SessionTraces& session =
+            *of_part(part, [&] { return state.context_of(part).session; });
+        source = {.machine = session.machine(), .in_space = session.in_space()};
+    }
+    return stored_blocks(state.db, part, columns, range, source);
+}
 
 using engine::TickRecord;
 

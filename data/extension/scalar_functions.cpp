@@ -7,8 +7,8 @@
 
 #include "protocols/psychometric/exact_math.hpp"
 #include "data/extension/functions.hpp"
-#include "data/statistics/d_prime.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
+#include "data/statistics/information.hpp"
 
 SQLITE_EXTENSION_INIT3
 

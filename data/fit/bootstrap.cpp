@@ -7,7 +7,6 @@
 
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/fit/binomial.hpp"
 #include "data/fit/optimum.hpp"
 
 namespace palpate::data {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "data/fit/curve_model.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 
 /// Psychometric functions fitted by maximum likelihood, or MAP where the spec has priors.
 namespace palpate::data {

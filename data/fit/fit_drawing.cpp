@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "data/fit/fit_words.hpp"
+#include "data/fit/fit_report.hpp"
 
 namespace palpate::data {
 namespace {

@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "protocols/procedure/estimate.hpp"
+#include "protocols/procedure/procedure_state.hpp"
 #include "data/analysis/left_out.hpp"
 #include "data/fit/bootstrap.hpp"
 #include "data/plot/figure.hpp"
-#include "data/statistics/over_people.hpp"
+#include "data/statistics/paired.hpp"
 #include "data/store/analysed.hpp"
 #include "data/tables/table.hpp"
 
@@ -112,5 +113,34 @@ struct FitReport {
 [[nodiscard]] std::string fit_json(const FitReport& report);
 /// A panel a participant: curves, shares, and the thresholds' profile intervals.
 [[nodiscard]] Figure fit_figure(const FitReport& report);
+
+// What the table for people and the JSON for programs say alike.
+
+/// As protocol files and --family have it.
+[[nodiscard]] std::string_view word_of(protocols::Family family);
+/// "threshold", "slope b"; of at_share "stimulus at a share".
+[[nodiscard]] std::string_view word_of(Quantity quantity);
+/// "free", "0.02 (given)".
+[[nodiscard]] std::string rate_text(bool free, double value);
+/// "free, one for all conditions of a person" too, as the next.
+[[nodiscard]] std::string guess_text(const CurveSpec& spec);
+[[nodiscard]] std::string lapse_text(const CurveSpec& spec);
+/// "threshold ~ normal: mean, sd (5, 2), lapse ~ beta(2, 50)"; empty without priors.
+[[nodiscard]] std::string priors_text(const CurveSpec& spec);
+[[nodiscard]] std::int64_t answers_of(const FittedCurve& curve);
+/// Half of the answers or more stand alone at their stimulus: then the deviance is of the fitted
+/// chances alone.
+[[nodiscard]] bool single_answers(const FittedCurve& curve);
+inline constexpr std::string_view kNoGoodness =
+    "no goodness of fit: the deviance of single answers says next to nothing of it; group them by "
+    "stimulus";
+/// What a reader should know before the numbers are believed.
+[[nodiscard]] std::vector<std::string> warnings_of(const FitReport& report,
+                                                   const FittedCurve& curve);
+
+/// The quantities of a curve, a row each.
+[[nodiscard]] Table estimates_table(const FitReport& report, const FittedCurve& curve);
+/// Of each participant, what a condition has more than the first: a row a quantity.
+[[nodiscard]] Table differences_table(const FitReport& report);
 
 }  // namespace palpate::data

@@ -7,7 +7,7 @@
 
 #include "protocols/psychometric/exact_math.hpp"
 #include "data/fit/curve_fit.hpp"
-#include "data/fit/fit_words.hpp"
+#include "data/fit/fit_report.hpp"
 
 namespace palpate::data {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "engine/base/text.hpp"
 #include "data/csv/json_text.hpp"
-#include "data/fit/fit_words.hpp"
+#include "data/fit/fit_report.hpp"
 
 namespace palpate::data {
 namespace {

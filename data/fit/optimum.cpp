@@ -10,7 +10,7 @@
 
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/statistics/simplex.hpp"
+#include "data/statistics/solve.hpp"
 
 namespace palpate::data {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/session/adaptive_runs.hpp"
+#include "protocols/session/progress.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/fit/fit_report.hpp"

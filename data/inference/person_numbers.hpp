@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/information.hpp"
-#include "data/statistics/wilson.hpp"
 
 /// What the trials of one person say.
 namespace palpate::data {

@@ -10,9 +10,7 @@
 
 #include "data/inference/mixed_logit.hpp"
 #include "data/statistics/distributions.hpp"
-#include "data/statistics/over_people.hpp"
 #include "data/statistics/paired.hpp"
-#include "data/statistics/wilson.hpp"
 
 namespace palpate::data {
 namespace {

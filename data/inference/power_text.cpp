@@ -7,7 +7,7 @@
 
 #include "protocols/file/keys.hpp"
 #include "data/inference/power.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/tables/table.hpp"
 
 namespace palpate::data {

@@ -9,8 +9,7 @@
 #include "data/inference/mixed_logit.hpp"
 #include "data/inference/person_numbers.hpp"
 #include "data/inference/trials.hpp"
-#include "data/statistics/d_prime.hpp"
-#include "data/statistics/over_people.hpp"
+#include "data/statistics/information.hpp"
 #include "data/statistics/paired.hpp"
 
 /// All statistics of a table of trials, and what is said of them.

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "data/page/study.hpp"
 #include "data/plot/figure.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/tables/table.hpp"
 
 /// Parts of the page as HTML.
@@ -106,5 +108,22 @@ private:
 /// The page's style sheet, style.css. Figures keep the inks of data/plot (Okabe & Ito), lighter on
 /// a dark page; on paper the page is light, and the watermark stands on every sheet.
 [[nodiscard]] std::string_view page_style();
+
+// Numbers of every tick as text of a page, some one and a half bytes each; trial_script.js reads
+// them.
+
+/// In place of a number that there is not.
+inline constexpr std::int64_t kNoNumber = std::numeric_limits<std::int32_t>::min();
+
+/// RFC 4648, with its padding.
+[[nodiscard]] std::string base64(std::string_view bytes);
+
+/// base64() of: a byte `order`, then what a straight line through the values before (order 2), the
+/// value before (1) or nothing (0) leaves of each value, what is before the first being 0. Each is
+/// folded (0, -1, 1, -2 are 0, 1, 2, 3) and stands in groups of 7 bits, the lowest first, all but
+/// the last with 128 added; after a 0 comes in the same way how many more follow. The order is the
+/// one with the fewest bytes.
+/// @param values  |value| < 2^50
+[[nodiscard]] std::string tick_text(std::span<const std::int64_t> values);
 
 }  // namespace palpate::data

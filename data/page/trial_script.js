@@ -9,7 +9,7 @@
   };
   var dark = window.matchMedia('(prefers-color-scheme: dark)');
 
-  // As data/page/tick_text.hpp writes it.
+  // As data/page/html.hpp writes it.
   function numbers(text, count, step) {
     var bytes = atob(text), at = 1, order = bytes.charCodeAt(0);
     var out = new Array(count), last = 0, before = 0, zeros = 0;

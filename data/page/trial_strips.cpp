@@ -7,7 +7,7 @@
 
 #include "engine/realtime/felt_scene.hpp"
 #include "data/csv/json_text.hpp"
-#include "data/page/tick_text.hpp"
+#include "data/page/html.hpp"
 #include "data/page/trial_trace.hpp"
 
 namespace palpate::data {

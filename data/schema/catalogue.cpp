@@ -1,7 +1,10 @@
 #include "data/schema/catalogue.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,6 +12,240 @@
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
+namespace {
+
+enum class Kind { word, symbol, literal, comment, end };
+
+struct Token {
+    Kind kind = Kind::end;
+    std::string_view text;
+    std::size_t line = 0;
+};
+
+/// SQL as far as its comments need it: words, literals, comments, single characters.
+class Scanner {
+public:
+    explicit Scanner(std::string_view sql) : sql_(sql) {}
+
+    Token next() {
+        while (at_ < sql_.size() && std::isspace(static_cast<unsigned char>(sql_[at_])) != 0) {
+            line_ += sql_[at_++] == '\n' ? 1U : 0U;
+        }
+        if (at_ == sql_.size()) {
+            return {.kind = Kind::end, .text = {}, .line = line_};
+        }
+        const std::string_view rest = sql_.substr(at_);
+        if (rest.starts_with("--")) {
+            const std::string_view all = take(std::min(rest.find('\n'), rest.size()));
+            const std::size_t begin = std::min(all.find_first_not_of(' ', 2), all.size());
+            return {.kind = Kind::comment, .text = all.substr(begin), .line = line_};
+        }
+        if (rest.front() == '\'') {
+            return {.kind = Kind::literal, .text = take(rest.find('\'', 1) + 1), .line = line_};
+        }
+        const auto word = std::find_if_not(rest.begin(), rest.end(), [](char c) {
+            return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+        });
+        const auto size = static_cast<std::size_t>(word - rest.begin());
+        return {.kind = size > 0 ? Kind::word : Kind::symbol,
+                .text = take(std::max<std::size_t>(size, 1)),
+                .line = line_};
+    }
+
+private:
+    std::string_view take(std::size_t size) {
+        const std::string_view taken =
+            sql_.substr(at_, size == 0 ? std::string_view::npos : size);  // an open literal
+        at_ += taken.size();
+        return taken;
+    }
+
+    std::string_view sql_;
+    std::size_t at_ = 0;
+    std::size_t line_ = 1;
+};
+
+bool is_constraint(std::string_view word) {
+    constexpr std::array kWords{"PRIMARY", "UNIQUE", "FOREIGN", "CHECK", "CONSTRAINT"};
+    return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
+}
+
+void join(std::string& meaning, std::string_view comment) {
+    meaning += meaning.empty() ? "" : " ";
+    meaning += comment;
+}
+
+/// Takes [details] or [file] from the beginning of a meaning.
+Visibility taken_mark(std::string& meaning) {
+    for (const auto& [word, seen] :
+         {std::pair{"[details] ", Visibility::details}, {"[file] ", Visibility::file}}) {
+        if (meaning.starts_with(word)) {
+            meaning.erase(0, std::string_view(word).size());
+            return seen;
+        }
+    }
+    return Visibility::everybody;
+}
+
+/// Takes {a = first; b = second} from the end of a meaning.
+std::string taken_levels(std::string& meaning) {
+    const std::size_t open = meaning.find('{');
+    if (open == std::string::npos || !meaning.ends_with('}') ||
+        meaning.find(" = ", open) == std::string::npos) {
+        return "";
+    }
+    std::string levels = meaning.substr(open + 1, meaning.size() - open - 2);
+    meaning.erase(meaning.find_last_not_of(' ', open - 1) + 1);
+    return levels;
+}
+
+/// Reads the columns of one statement.
+class Reader {
+public:
+    Reader(Scanner& scanner, bool view) : scanner_(scanner), view_(view) {}
+
+    TableManual read(std::string_view name) {
+        table_.name = name;
+        table_.view = view_;
+        bool inside = false;  // what stands between the name and the columns is passed over
+        for (Token token = scanner_.next(); token.kind != Kind::end; token = scanner_.next()) {
+            if (token.kind == Kind::comment) {
+                comment(token);
+            } else if (!inside) {
+                inside = token.text == (view_ ? "SELECT" : "(");
+            } else if (depth_ == 0 && token.text == (view_ ? "FROM" : ")")) {
+                break;
+            } else {
+                element(token);
+            }
+        }
+        finish();
+        table_.seen = taken_mark(table_.meaning);
+        return std::move(table_);
+    }
+
+private:
+    void comment(const Token& token) {
+        if (words_ > 0) {
+            join(column_.meaning, token.text);
+        } else if (token.line == ended_ && !table_.columns.empty()) {
+            join(table_.columns.back().meaning, token.text);
+        } else if (table_.columns.empty()) {
+            join(table_.meaning, token.text);
+        }
+    }
+
+    void element(const Token& token) {
+        if (depth_ == 0 && token.text == ",") {
+            finish();
+            ended_ = token.line;
+            return;
+        }
+        depth_ += token.text == "(" ? 1 : token.text == ")" ? -1 : 0;
+        ++words_;
+        last_line_ = token.line;
+        column_.source +=
+            words_ <= 3 ? std::string(token.text) : "";  // "trial", ".", "outcome" and no more
+        column_.source = words_ == 4 && token.text != "AS" ? "" : column_.source;
+        if (depth_ == 0 && !view_) {
+            column_.type = words_ == 2 ? token.text : column_.type;
+            column_.nullable = column_.nullable && token.text != "NULL" && token.text != "PRIMARY";
+        }
+        // A table's column begins with its name, a view's ends with it.
+        if (depth_ == 0 && token.kind == Kind::word && (view_ || words_ == 1)) {
+            column_.name = token.text;
+        }
+    }
+
+    void finish() {
+        if (words_ > 0) {
+            ended_ = last_line_;
+            if (view_ || !is_constraint(column_.name)) {
+                column_.unit = unit_of(column_.name);
+                column_.source =
+                    view_ && column_.source.find('.') != std::string::npos ? column_.source : "";
+                table_.columns.push_back(std::move(column_));
+            }
+        }
+        column_ = {};
+        words_ = 0;
+    }
+
+    Scanner& scanner_;
+    bool view_;
+    TableManual table_;
+    ColumnManual column_;
+    int words_ = 0;  ///< of the column so far
+    int depth_ = 0;
+    std::size_t ended_ = 0;  ///< line of the last column's end
+    std::size_t last_line_ = 0;
+};
+
+std::vector<TableManual> statements_of(std::string_view sql) {
+    std::vector<TableManual> manual;
+    Scanner scanner(sql);
+    bool create = false;
+    for (Token token = scanner.next(); token.kind != Kind::end; token = scanner.next()) {
+        if (create && (token.text == "TABLE" || token.text == "VIEW")) {
+            const bool view = token.text == "VIEW";
+            const Token name = scanner.next();
+            manual.push_back(Reader(scanner, view).read(name.text));
+        }
+        create = token.kind == Kind::word && token.text == "CREATE";
+    }
+    return manual;
+}
+
+/// A view's column that is another's has its meaning, words and readers.
+void say_what_is_repeated(const std::vector<TableManual>& manual, ColumnManual& column) {
+    const std::size_t dot = column.source.find('.');
+    const auto table = std::ranges::find(manual, column.source.substr(0, dot), &TableManual::name);
+    if (dot == std::string::npos || table == manual.end()) {
+        return;
+    }
+    const auto source =
+        std::ranges::find(table->columns, column.source.substr(dot + 1), &ColumnManual::name);
+    if (source != table->columns.end()) {
+        column.type = source->type;
+        column.seen = source->seen;
+        column.levels = source->levels;
+        column.meaning = column.meaning.empty() ? source->meaning : column.meaning;
+    }
+}
+
+}  // namespace
+
+std::string_view unit_of(std::string_view column) noexcept {
+    struct Ending {
+        std::string_view end;
+        std::string_view unit;
+    };
+    constexpr std::array kEndings{
+        Ending{"_n_per_m", "N/m"}, Ending{"_m_per_s", "m/s"}, Ending{"_per_m", "1/m"},
+        Ending{"_utc", "UTC"},     Ending{"_hz", "Hz"},       Ending{"_us", "us"},
+        Ending{"_ns", "ns"},       Ending{"_s", "s"},         Ending{"_m", "m"},
+        Ending{"_n", "N"},         Ending{"_j", "J"},
+    };
+    if (column.ends_with("mu_s")) {  // static, not seconds
+        return "-";
+    }
+    const auto* const found =
+        std::find_if(kEndings.begin(), kEndings.end(),
+                     [column](const Ending& ending) { return column.ends_with(ending.end); });
+    return found == kEndings.end() ? "-" : found->unit;
+}
+
+std::vector<TableManual> schema_manual(std::string_view sql) {
+    std::vector<TableManual> manual = statements_of(sql);
+    for (TableManual& table : manual) {
+        for (ColumnManual& column : table.columns) {
+            say_what_is_repeated(manual, column);
+            column.seen = std::max(column.seen, taken_mark(column.meaning));
+            column.levels = column.levels.empty() ? taken_levels(column.meaning) : column.levels;
+        }
+    }
+    return manual;
+}
 
 std::string_view tables_text();  // tables.sql
 

@@ -11,7 +11,6 @@
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/schema/manual.hpp"
 #include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {

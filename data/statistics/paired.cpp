@@ -5,11 +5,154 @@
 #include <numeric>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "engine/base/pcg32.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 #include "data/statistics/distributions.hpp"
-#include "data/statistics/over_people.hpp"
 
 namespace palpate::data {
+namespace {
+
+constexpr std::size_t kMaxExact = 40;  ///< 2^20 sums in each half
+constexpr int kDrawn = 1'000'000;
+
+/// Standard error of the mean times the 97.5 % point of t; nothing if it would be 0 or is not
+/// known.
+std::optional<double> half_width(std::span<const double> values, double mean) {
+    const auto n = static_cast<double>(values.size());
+    double squares = 0.0;
+    for (const double value : values) {
+        squares += (value - mean) * (value - mean);
+    }
+    const bool alike = std::ranges::all_of(values, [&](double v) { return v == values.front(); });
+    if (values.size() < 2 || alike) {
+        return std::nullopt;
+    }
+    const double t = t_quantile(0.975, n - 1.0);
+    return t * std::sqrt(squares / (n - 1.0) / n);
+}
+
+double mean_of(std::span<const double> values) {
+    double sum = 0.0;
+    for (const double value : values) {
+        sum += value;
+    }
+    return sum / static_cast<double>(values.size());
+}
+
+/// The sums of all patterns of signs.
+std::vector<double> signed_sums(std::span<const double> values) {
+    std::vector<double> sums{0.0};
+    for (const double value : values) {
+        const std::size_t before = sums.size();
+        for (std::size_t i = 0; i < before; ++i) {
+            sums.push_back(sums[i] - value);
+            sums[i] += value;
+        }
+    }
+    return sums;
+}
+
+/// The share of patterns whose sum reaches `far` on either side, by the sums of both halves of the
+/// people.
+double exact_share(std::span<const double> differences, double far) {
+    const std::size_t half = differences.size() / 2;
+    const std::vector<double> first = signed_sums(differences.first(half));
+    std::vector<double> second = signed_sums(differences.subspan(half));
+    std::ranges::sort(second);
+    double reached = 0.0;
+    for (const double sum : first) {
+        reached += static_cast<double>(second.end() - std::ranges::lower_bound(second, far - sum));
+        reached +=
+            static_cast<double>(std::ranges::upper_bound(second, -far - sum) - second.begin());
+    }
+    return reached / (static_cast<double>(first.size()) * static_cast<double>(second.size()));
+}
+
+double drawn_share(std::span<const double> differences, double far) {
+    Pcg32 random(20260301, 1);
+    int reached = 1;  // the observed pattern is one of them
+    for (int i = 1; i < kDrawn; ++i) {
+        double sum = 0.0;
+        for (const double difference : differences) {
+            sum += random.bounded(2) == 0 ? difference : -difference;
+        }
+        reached += std::fabs(sum) >= far ? 1 : 0;
+    }
+    return static_cast<double>(reached) / kDrawn;
+}
+
+}  // namespace
+
+PeopleMean mean_over_people(std::span<const double> values) {
+    PeopleMean made{.people = values.size(), .mean = mean_of(values)};
+    if (const auto half = half_width(values, made.mean)) {
+        made.interval = Interval{made.mean - *half, made.mean + *half};
+    }
+    return made;
+}
+
+PeopleMean mean_share_over_people(std::span<const double> shares) {
+    PeopleMean made{.people = shares.size(), .mean = mean_of(shares)};
+    const auto half = half_width(shares, made.mean);
+    if (half && made.mean > 0.0 && made.mean < 1.0) {
+        const double logit = std::log(made.mean / (1.0 - made.mean));
+        const double far = *half / (made.mean * (1.0 - made.mean));
+        made.interval =
+            Interval{1.0 / (1.0 + std::exp(far - logit)), 1.0 / (1.0 + std::exp(-far - logit))};
+    }
+    return made;
+}
+
+SignFlip sign_flip(std::span<const double> differences) {
+    double sum = 0.0;
+    double size = 0.0;
+    for (const double difference : differences) {
+        sum += difference;
+        size += std::fabs(difference);
+    }
+    // Sums of the same shares in another order differ in their last bits: they count as equal.
+    const double far = std::fabs(sum) - 1e-9 * size;
+    if (far <= 0.0) {
+        return {};
+    }
+    const bool exact = differences.size() <= kMaxExact;
+    return {.p = exact ? exact_share(differences, far) : drawn_share(differences, far),
+            .exact = exact};
+}
+
+std::string without_text(std::span<const LeftOutPerson> people) {
+    std::string text;
+    for (const LeftOutPerson& one : people) {
+        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", one.name, one.why);
+    }
+    return people.empty()
+             ? text
+             : fmt::format("{} left out: {}", counted(people.size(), "person", "people"), text);
+}
+
+std::optional<double> median_of(std::vector<double> values) {
+    if (values.empty()) {
+        return std::nullopt;
+    }
+    std::ranges::sort(values);
+    const double low = values[(values.size() - 1) / 2];
+    const double high = values[values.size() / 2];
+    const bool known = std::isfinite(low) && std::isfinite(high);
+    return known ? std::optional(0.5 * (low + high)) : std::nullopt;
+}
+
+Interval newcombe(std::int64_t k1, std::int64_t n1, std::int64_t k2, std::int64_t n2) {
+    const double p1 = static_cast<double>(k1) / static_cast<double>(n1);
+    const double p2 = static_cast<double>(k2) / static_cast<double>(n2);
+    const Interval one = wilson(k1, n1);
+    const Interval two = wilson(k2, n2);
+    return {p2 - p1 - std::hypot(p2 - two.low, one.high - p1),
+            p2 - p1 + std::hypot(two.high - p2, p1 - one.low)};
+}
+
 namespace {
 
 constexpr std::size_t kMaxRanked = 300;  ///< 90,000 sums

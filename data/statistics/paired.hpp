@@ -1,14 +1,79 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 
-/// One number a person, against 0: differences within people. Each test says what the others do
-/// not, and none counts trials. The sign-flip test is in over_people.hpp.
+/// What a sample of people tells of people: the person is the unit, never the trial. An interval
+/// that pools the trials of several people is too narrow as soon as they differ: with a spread of
+/// 0.5 logit, 12 people and 50 trials each, the pooled Wilson interval of 95 % holds the mean share
+/// in .70 of samples.
+///
+/// Differences within people are one number a person, against 0: each test says what the others do
+/// not, and none counts trials.
 namespace palpate::data {
+
+/// The mean over people, with its interval.
+struct PeopleMean {
+    std::size_t people = 0;
+    double mean = 0.0;
+    /// 95 %. Nothing for fewer than two people, or where all have the same value: how people differ
+    /// is not known then.
+    std::optional<Interval> interval{};
+};
+
+/// The mean of a number that each person has, with Student's t interval over people.
+/// @pre every value is finite; one or more
+[[nodiscard]] PeopleMean mean_over_people(std::span<const double> values);
+
+/// The same of a share from 0 to 1. The mean is that of the shares; the interval is Student's, with
+/// the standard error carried to the logit scale of the mean, so that it stays inside 0 to 1:
+///
+///     logit m -+ t(n - 1) s / (sqrt(n) m (1 - m))
+///
+/// Chosen by simulation, 12 people x 50 trials, spreads of 0, 0.5 and 1 logit, mean shares from .5
+/// to .88: it holds the mean share of people in .946 to .956 of samples, t on the shares in .926 to
+/// .953, t on each person's logit in .881 to .955 (its centre is another quantity), on the arcsine
+/// in .914 to .953. Within .5 .. .73 it is between .949 and .956 (tests). Nothing where the mean is
+/// 0 or 1.
+[[nodiscard]] PeopleMean mean_share_over_people(std::span<const double> shares);
+
+/// Who has no such number, and why: an average over people names them, or it would be of others
+/// than it seems.
+struct LeftOutPerson {
+    std::string name{};
+    std::string why{};
+};
+
+/// "2 people left out: P03 (no curve), P05 (unbounded)"; empty for nobody.
+[[nodiscard]] std::string without_text(std::span<const LeftOutPerson> people);
+
+/// The middle value, of two the mean of both. Values may be infinite, where only their rank is
+/// known. Nothing for no value, or where the middle is not finite. @pre none is NaN
+[[nodiscard]] std::optional<double> median_of(std::vector<double> values);
+
+/// The p of a sign-flip test, two-sided.
+struct SignFlip {
+    double p = 1.0;
+    bool exact = true;  ///< every pattern of signs was counted
+};
+
+/// Two-sided sign-flip (paired permutation) test of the mean of differences within people: the
+/// share of all 2^n patterns of signs whose sum is as far from 0 as the observed one (R. A. Fisher,
+/// The Design of Experiments, 1935, section 21). Exact up to 40 people; beyond by 1,000,000
+/// patterns drawn with a fixed seed. Never below 2^(1 - n).
+[[nodiscard]] SignFlip sign_flip(std::span<const double> differences);
+
+/// The difference k2 / n2 - k1 / n1 of two shares of one person, by the square-and-add of both
+/// Wilson intervals (R. G. Newcombe, Stat. Med. 17:873, 1998, method 10). Of this person's trials,
+/// not of people.
+/// @pre 0 <= k <= n, n >= 1
+[[nodiscard]] Interval newcombe(std::int64_t k1, std::int64_t n1, std::int64_t k2, std::int64_t n2);
 
 /// Student's t of differences.
 struct PairedT {

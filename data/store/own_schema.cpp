@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "engine/base/remark.hpp"
+#include "engine/base/files.hpp"
 #include "data/schema/catalogue.hpp"
 
 namespace palpate::data {

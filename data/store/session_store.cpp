@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/chain.hpp"
@@ -12,7 +12,7 @@
 #include "data/store/people.hpp"
 #include "data/store/row.hpp"
 #include "data/store/secret.hpp"
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/store/uuid.hpp"
 #include "data/store/written_rows.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -17,7 +16,7 @@
 #include <unistd.h>
 
 #include "engine/realtime/felt_scene.hpp"
-#include "protocols/session/pending_trials.hpp"
+#include "protocols/session/progress.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"

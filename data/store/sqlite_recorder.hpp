@@ -14,7 +14,7 @@
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/trace/retrace.hpp"
 
 namespace palpate::data {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "engine/base/quotes.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::data {
 namespace {

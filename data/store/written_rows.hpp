@@ -8,7 +8,7 @@
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/session/recorder.hpp"
 #include "data/store/row.hpp"
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 
 /// Rows as the program writes them, but for the numbers of other rows (trial_id, session_id) and
 /// the clock: the store inserts them, verify makes them again and compares.

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "engine/base/shared_library.hpp"
-#include "data/export/number_text.hpp"
+#include "data/export/csv_export.hpp"
 
 namespace palpate::data {
 namespace {

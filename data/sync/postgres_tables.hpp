@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/sync/layout.hpp"
+#include "data/sync/session_version.hpp"
 
 namespace palpate::data {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "data/csv/json_text.hpp"
-#include "data/statistics/over_people.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
+#include "data/statistics/paired.hpp"
 
 /// What an analysis found, made once and said as text, JSON, CSV and on the page: these cannot
 /// differ.

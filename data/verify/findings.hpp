@@ -1,17 +1,93 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "data/store/database.hpp"
 #include "data/store/row.hpp"
-#include "data/verify/finding.hpp"
-#include "data/verify/stored_row.hpp"
 
 namespace palpate::data {
+
+/// How much a finding weighs.
+enum class FindingKind : std::uint8_t {
+    differs,  ///< the file says something else than what follows from the rest of it
+    /// Nothing to compare: an older program did not store it, or this machine cannot know it.
+    missing,
+};
+
+/// One thing that a verification found.
+struct Finding {
+    FindingKind kind = FindingKind::differs;
+    std::optional<std::int64_t> trial;  ///< its id
+    std::optional<std::int64_t> tick;   ///< the first one, where ticks differ
+    std::string what;                   ///< table.column, or a check of SQLite's
+    std::string stored;                 ///< in the file
+    std::string recomputed;             ///< what it should be, or why it is not known
+    std::int64_t count = 1;             ///< ticks of the trial in which this column differs
+};
+
+/// What was looked at in a session, and what was found.
+struct SessionReport {
+    std::int64_t id = 0;
+    std::string study;
+    std::string participant;
+    std::int64_t number = 0;
+    std::string kind;
+    bool finished = false;
+    std::size_t trials = 0;     ///< attempts
+    std::int64_t replayed = 0;  ///< ticks computed again
+    std::string head{};         ///< last of its chain of hashes; empty: it has none
+    std::vector<Finding> findings{};
+};
+
+/// What a verification says about a file.
+struct Verification {
+    std::vector<Finding> file;  ///< of no session: SQLite's own checks, studies
+    std::vector<SessionReport> sessions;
+
+    /// Findings of one kind, in all.
+    [[nodiscard]] std::size_t count(FindingKind kind) const noexcept;
+};
+
+/// A value as SQLite gave it. No value: NULL, or a column that the file does not have.
+using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
+
+/// Whatever columns the file's schema has, by name.
+class StoredRow {
+public:
+    /// A later value replaces an earlier one.
+    void set(std::string_view column, Value value) {
+        values_.insert_or_assign(std::string(column), std::move(value));
+    }
+    /// No value for a column that the file does not have: as for NULL.
+    [[nodiscard]] const Value& at(std::string_view column) const;
+    [[nodiscard]] bool null(std::string_view column) const;
+    /// 0 or "" for a value of another type: SQLite's own types are checked by STRICT.
+    [[nodiscard]] std::int64_t integer(std::string_view column) const;
+    [[nodiscard]] double real(std::string_view column) const;
+    [[nodiscard]] std::string text(std::string_view column) const;
+
+private:
+    std::map<std::string, Value, std::less<>> values_;
+};
+
+/// @param sql  with ?1 for `id`
+[[nodiscard]] std::vector<StoredRow> rows_of(Database& database,
+                                             std::string_view sql,
+                                             std::optional<std::int64_t> id = std::nullopt);
+
+/// "NULL", the number as short as it can be, or the text in quotes.
+[[nodiscard]] std::string to_text(const Value& value);
+
+/// As SQLite keeps them: a NaN is NULL, -0.0 is 0.
+[[nodiscard]] bool same(const Value& stored, const Value& recomputed) noexcept;
 
 /// Takes down what is found, for the trial that is being looked at.
 class Findings {

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/device/gantry.hpp"
+#include "engine/device/machine.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/observer/person.hpp"
 #include "protocols/protocol/protocol.hpp"
-#include "protocols/session/adaptive_runs.hpp"
+#include "protocols/session/progress.hpp"
+#include "protocols/session/recorder.hpp"
 #include "protocols/trial/presentation.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"
@@ -82,5 +83,35 @@ void check_step(Database& database,
                 const std::optional<protocols::RuleAnswer>& answer,
                 const protocols::AdaptiveRuns& runs,
                 Findings& findings);
+
+/// The columns of a trial that ended and of its intervals, added up again from its ticks.
+///
+/// How many ticks were felt (the rest is the ramp out of the force) is known where the clock was
+/// virtual; on a real one the stored number is believed as far as a whole ramp stands behind it.
+/// @param force  the device of the trial gives some
+/// @return what was felt of each interval; nothing where ticks are missing
+std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
+                                                   const StoredRow& trial,
+                                                   std::span<const CheckedInterval> intervals,
+                                                   bool answered_by_numbers,
+                                                   bool force,
+                                                   Findings& findings);
+
+/// Why an answer does not count: by the rules of [invalid], or because somebody marked it.
+/// @param mark  the reason of its mark, if it has one @param felt of each interval, from
+/// check_summary()
+void check_invalid(const SessionFrame& frame,
+                   const StoredRow& trial,
+                   const std::optional<std::string>& mark,
+                   std::span<const protocols::TrialSummary> felt,
+                   Findings& findings);
+
+/// The rows of fault_tick: the last ticks of the last interval, at most 100, for a faulted trial;
+/// none else.
+/// @param rows  of the trial, by tick
+void check_fault_ticks(std::span<const StoredRow> rows,
+                       const StoredRow& trial,
+                       const StoredTrace& last,
+                       Findings& findings);
 
 }  // namespace palpate::data

@@ -7,12 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/parsed.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
-#include "engine/realtime/felt_scene.hpp"
 #include "protocols/design/counterbalance.hpp"
-#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/calibration_file.hpp"
@@ -22,7 +19,7 @@
 #include "data/store/chain.hpp"
 #include "data/store/repairs.hpp"
 #include "data/store/session_store.hpp"
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/store/written_rows.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/trial_check.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "data/verify/finding.hpp"
-#include "data/verify/stored_row.hpp"
+#include "data/verify/findings.hpp"
 
 namespace palpate::data {
 

@@ -19,7 +19,7 @@
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/written_rows.hpp"
-#include "data/verify/summary_check.hpp"
+#include "data/verify/interval_check.hpp"
 
 namespace palpate::data {
 namespace {

@@ -9,7 +9,6 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/store/stored_progress.hpp"
-#include "data/store/trial_device.hpp"
 #include "data/verify/interval_check.hpp"
 
 namespace palpate::data {

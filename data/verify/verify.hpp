@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "data/store/database.hpp"
-#include "data/verify/finding.hpp"
+#include "data/verify/findings.hpp"
 
 namespace palpate::data {
 

@@ -1,13 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 #include <sys/types.h>
 
+#include "engine/base/text.hpp"
+
 namespace palpate {
+
+/// What somebody should know though nothing failed, to standard error: "palpate: ", the sentence on
+/// one line, the end of the line. That nobody reads it is no error.
+inline void remark(std::string_view sentence) {
+    const std::string line = "palpate: " + plain(sentence) + '\n';
+    static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
+}
 
 /// Waits until the bytes of a file, or the names in a folder, are on the disk: a power cut from
 /// here on does not lose them. A file's name is its folder's.

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <array>
+#include <charconv>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 /// Words, numbers and characters for people. Text from outside, on its way to a terminal, is
 /// written plainly: names, notes and files can hold anything, and a terminal takes some characters
@@ -79,5 +82,23 @@ enum class Lines : std::uint8_t {
 [[nodiscard]] std::string suggestion(std::string_view unknown,
                                      std::span<const std::string> known,
                                      std::string_view otherwise);
+
+/// Between two `mark`s, each `mark` of its own twice: as SQL and CSV take whatever a text holds.
+[[nodiscard]] inline std::string in_quotes(std::string_view text, char mark = '"') {
+    std::string out(1, mark);
+    for (const char c : text) {
+        out.append(c == mark ? 2 : 1, c);
+    }
+    return out + mark;
+}
+
+/// The number that a text is as a whole; none for another text, a sign +, or one out of range.
+template <class Number>
+[[nodiscard]] std::optional<Number> parsed(std::string_view text) {
+    Number value{};
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
+}
 
 }  // namespace palpate

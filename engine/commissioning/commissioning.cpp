@@ -6,7 +6,7 @@
 #include "engine/base/text.hpp"
 #include "engine/commissioning/pulse_match.hpp"
 #include "engine/commissioning/straight_axes.hpp"
-#include "engine/device/gantry.hpp"
+#include "engine/device/machine.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/safety/passivity.hpp"
 

@@ -5,8 +5,8 @@
 
 #include "engine/base/text.hpp"
 #include "engine/commissioning/straight_axes.hpp"
-#include "engine/device/gantry.hpp"
-#include "engine/device/pantograph_plant.hpp"
+#include "engine/device/machine.hpp"
+#include "engine/device/simulated_pantograph.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -6,7 +6,7 @@
 #include "engine/commissioning/handle_fit.hpp"
 #include "engine/commissioning/pulse_match.hpp"
 #include "engine/commissioning/straight_axes.hpp"
-#include "engine/device/gantry.hpp"
+#include "engine/device/machine.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/commissioning/nearest_numbers.hpp"
 #include "engine/commissioning/pulse_fit.hpp"
-#include "engine/device/gantry.hpp"
+#include "engine/device/machine.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {

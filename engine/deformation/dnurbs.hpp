@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/geometry/knots.hpp"
+#include "engine/geometry/nurbs_curve.hpp"
 #include "engine/geometry/vec.hpp"
 
 /// Dynamic NURBS (D-NURBS): a curve with mass, damping, tension and rigidity that a force deforms.

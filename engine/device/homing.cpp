@@ -80,9 +80,9 @@ double narrowest(std::span<const MarkReading> marks) {
 }
 
 /// Unknowns: the zeros, and the changes of the turn of one count (times the counts' size).
-constexpr std::size_t kMax = 4;
-using Column = std::array<double, kMax>;
-using Normal = std::array<Column, kMax>;
+constexpr std::size_t kMaxUnknowns = 4;
+using Column = std::array<double, kMaxUnknowns>;
+using Normal = std::array<Column, kMaxUnknowns>;
 
 /// Gauss's elimination with pivots. @throws HomingError if the marks do not tell
 Column solved(Normal a, Column b, std::size_t n) {
@@ -122,9 +122,9 @@ Column fitted(const std::vector<Target>& targets, const Vec2& per_count, bool sc
     Column right{};
     for (const Target& target : targets) {
         const Vec2 turned = per_count * target.counts;
-        const std::array<Vec2, kMax> columns{target.jacobian.column_1(), target.jacobian.column_2(),
-                                             target.jacobian.column_1() * turned.x,
-                                             target.jacobian.column_2() * turned.y};
+        const std::array<Vec2, kMaxUnknowns> columns{
+            target.jacobian.column_1(), target.jacobian.column_2(),
+            target.jacobian.column_1() * turned.x, target.jacobian.column_2() * turned.y};
         const Vec2 wanted = target.jacobian * (target.angles - turned);
         for (std::size_t i = 0; i < n; ++i) {
             for (std::size_t j = 0; j < n; ++j) {

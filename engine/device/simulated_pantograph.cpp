@@ -1,12 +1,227 @@
 #include "engine/device/simulated_pantograph.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "engine/base/processor.hpp"
 #include "engine/base/text.hpp"
+#include "engine/device/dry_friction.hpp"
+#include "engine/device/pantograph.hpp"
 
 namespace palpate::engine {
+namespace {
+
+/// s. A whole part of the periods at 1, 2 and 4 kHz; the error of a step is that of a hand of 10
+/// Hz, (2 pi 10 Hz 250 us)^2 / 12 = 2e-5 of the motion.
+constexpr double kSubStep = 250e-6;
+constexpr double kLongestAdvance = 1.0;  ///< s
+constexpr double kNoTorque = 1e-30;      ///< N m from the command: a current that dies away arrives
+
+/// exp(-x) for x >= 0 from + - * / alone: Taylor for x / 2^k <= 1/16, then k squarings. 1e-14.
+double decay(double x) noexcept {
+    int halvings = 0;
+    while (x > 0.0625 && halvings < 12) {
+        x *= 0.5;
+        ++halvings;
+    }
+    if (x > 0.0625) {
+        return 0.0;  // exp(-256) and less
+    }
+    double value = 1.0;
+    for (int n = 10; n >= 1; --n) {
+        value = 1.0 - x / n * value;
+    }
+    for (int i = 0; i < halvings; ++i) {
+        value *= value;
+    }
+    return value;
+}
+
+void in_range(double value, double lowest, double highest, const char* what) {
+    require_range(value, lowest, highest, std::string("the simulated pantograph's ") + what);
+}
+
+void check(const PlantModel& model) {
+    check(model.machine);
+    for (int i = 0; i < 2; ++i) {
+        in_range(model.inertia[i], 1e-8, 10.0, "inertia (kg m^2)");
+        in_range(model.damping[i], 0.0, 10.0, "joint damping (N m s/rad)");
+        in_range(model.coulomb[i], 0.0, 10.0, "dry friction (N m)");
+    }
+    in_range(model.current_time, 0.0, 1.0, "current's time constant (s)");
+    in_range(model.handle_mass, 0.0, 10.0, "handle mass (kg)");
+    in_range(model.handle_damping, 0.0, 1e3, "handle damping (N s/m)");
+    in_range(model.handle_friction, 0.0, 1e3, "dry friction at the handle (N)");
+    in_range(model.hand.mass, 0.0, 10.0, "hand mass (kg)");
+    in_range(model.hand.stiffness, 0.0, 1e5, "hand stiffness (N/m)");
+    in_range(model.hand.damping, 0.0, 1e3, "hand damping (N s/m)");
+    in_range(model.hand.strength, 0.0, 1e3, "hand strength (N)");
+}
+
+double clamped(double torque, double limit) noexcept {
+    return std::isfinite(torque) ? std::clamp(torque, -limit, limit) : 0.0;
+}
+
+/// Rows of a 2 x 2 matrix.
+struct Matrix {
+    Vec2 row_1{};
+    Vec2 row_2{};
+
+    [[nodiscard]] Vec2 operator*(const Vec2& v) const noexcept {
+        return Vec2{glm::dot(row_1, v), glm::dot(row_2, v)};
+    }
+};
+
+/// J^T A.
+Matrix transposed_times(const Jacobian& j, const Jacobian& a) noexcept {
+    const Vec2 column_1 = j.transposed(a.column_1());
+    const Vec2 column_2 = j.transposed(a.column_2());
+    return {.row_1 = {column_1.x, column_2.x}, .row_2 = {column_1.y, column_2.y}};
+}
+
+}  // namespace
+
+PantographPlant::Steps::Steps(double seconds, double current_time) noexcept
+    : span(seconds),
+      count(static_cast<int>(std::ceil(span / kSubStep * (1.0 - 1e-9)))),
+      h(span / count) {
+    if (const double ratio = current_time > 0.0 ? h / current_time : 0.0; ratio > 0.0) {
+        left = decay(ratio);
+        mean = (1.0 - left) / ratio;
+    }
+}
+
+PantographPlant::PantographPlant(const PlantModel& model)
+    : model_(model),
+      steps_(kSubStep, model.current_time),
+      frame_(model.machine.origin, model.machine.turn),
+      path_(Exploration{}) {
+    check(model);
+    begin(Exploration{});
+}
+
+void PantographPlant::begin(const Exploration& plan) {
+    HandPath path(plan);
+    const auto angles = Pantograph(model_.machine).reach(path.at(0.0).position);
+    if (!angles) {
+        throw std::invalid_argument("the simulated pantograph cannot reach the start pose (" +
+                                    number_text(plan.start.x) + ", " + number_text(plan.start.y) +
+                                    ") m: move the start closer to the object");
+    }
+    path_ = std::move(path);
+    angles_ = *angles;
+    rates_ = Vec2{};
+    command_ = Vec2{};
+    torque_ = Vec2{};
+    time_ = 0.0;
+    lost_ = false;
+}
+
+void PantographPlant::set_torque(const Vec2& newton_metres) noexcept {
+    const auto& [one, two] = model_.machine.axes;
+    command_ = Vec2{clamped(newton_metres.x, one.torque_limit),
+                    clamped(newton_metres.y, two.torque_limit)};
+}
+
+/// The hand's intention at two steps at once.
+void PantographPlant::take_steps() noexcept {
+    const double h = steps_.h;
+    for (int i = 0; i < steps_.count && !lost_; i += 2) {
+        const auto [aim, next] = path_.at(time_ + 0.5 * h, (time_ + h) + 0.5 * h);
+        follow(aim);
+        if (i + 1 < steps_.count && !lost_) {
+            follow(next);
+        }
+    }
+}
+
+/// One step, with the motors' current on its way to the command.
+void PantographPlant::follow(const HandPath::Intention& aim) noexcept {
+    const Vec2 away = torque_ - command_;
+    step(command_ + steps_.mean * away, aim);
+    torque_ = glm::length(away) > kNoTorque ? command_ + steps_.left * away : command_;
+}
+
+void PantographPlant::advance(double seconds) noexcept {
+    if (!(seconds > 0.0) || lost_) {
+        return;
+    }
+    const double span = std::min(seconds, kLongestAdvance);
+    if (rests()) {
+        time_ += span;
+        return;
+    }
+    if (span != steps_.span) {
+        steps_ = Steps(span, model_.current_time);
+    }
+    as_this_processor_can([this] { take_steps(); });
+}
+
+/// What nobody holds rests on, to the bit, while dry friction holds its motors.
+bool PantographPlant::rests() const noexcept {
+    return model_.hand.stiffness == 0.0 && model_.hand.damping == 0.0 && rates_ == Vec2{} &&
+           torque_ == command_ && std::fabs(torque_.x) <= model_.coulomb.x &&
+           std::fabs(torque_.y) <= model_.coulomb.y;
+}
+
+void PantographPlant::step(const Vec2& torque, const HandPath::Intention& aim) noexcept {
+    const double h = steps_.h;
+    const FiveBar& linkage = model_.machine.linkage;
+    const HandModel& hand = model_.hand;
+    const JointAngles half{angles_[0] + 0.5 * h * rates_.x, angles_[1] + 0.5 * h * rates_.y};
+    const auto pose = linkage.forward(half);
+    const auto jacobian = pose ? linkage.jacobian(*pose) : std::nullopt;
+    if (!jacobian) {
+        lost_ = true;
+        return;
+    }
+    Vec2 pull = hand.stiffness * (aim.position - frame_.point_to_object(pose->handle));
+    const double strength = glm::length(pull);
+    if (strength > hand.strength) {
+        pull *= hand.strength / strength;
+    }
+    const Vec2 force = frame_.to_linkage(pull + hand.damping * aim.velocity);
+
+    // (mass + damping h / 2) v+ = (mass - damping h / 2) v + h drive, c as C(v) v+
+    const double mass = model_.handle_mass + hand.mass;
+    const double damping = hand.damping + model_.handle_damping;
+    const double less = mass - 0.5 * h * damping;
+    const double more = mass + 0.5 * h * damping;
+    const Vec2 brake = 0.5 * h * model_.damping;
+    const Matrix g = transposed_times(*jacobian, *jacobian);
+    const Matrix turning = transposed_times(*jacobian, linkage.drift(*pose, *jacobian, rates_));
+    const Vec2 drive = torque + jacobian->transposed(force);
+    const Vec2 right = (model_.inertia - brake) * rates_ + less * (g * rates_) + h * drive;
+    Vec2 row_1 = more * g.row_1 + h * mass * turning.row_1;
+    Vec2 row_2 = more * g.row_2 + h * mass * turning.row_2;
+    row_1.x += model_.inertia.x + brake.x;
+    row_2.y += model_.inertia.y + brake.y;
+    const Vec2 rates = after_dry_friction(
+        row_1, row_2, right, {h * model_.coulomb, h * model_.handle_friction, g.row_1, g.row_2},
+        rates_);
+    if (!std::isfinite(rates.x + rates.y)) {
+        lost_ = true;
+        return;
+    }
+    rates_ = rates;
+    angles_ = {half[0] + 0.5 * h * rates.x, half[1] + 0.5 * h * rates.y};
+    time_ += h;
+}
+
+double PantographPlant::kinetic_energy() const noexcept {
+    const auto pose = model_.machine.linkage.forward(angles_);
+    const auto jacobian = pose ? model_.machine.linkage.jacobian(*pose) : std::nullopt;
+    if (!jacobian) {
+        return 0.0;
+    }
+    const Vec2 velocity = *jacobian * rates_;
+    return 0.5 * (glm::dot(model_.inertia * rates_, rates_) +
+                  (model_.handle_mass + model_.hand.mass) * glm::dot(velocity, velocity));
+}
+
 namespace {
 
 /// Code and torque of one motor.

@@ -8,9 +8,8 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/realtime/lateness_histogram.hpp"
-#include "engine/realtime/latest_value.hpp"
+#include "engine/realtime/lock_free.hpp"
 #include "engine/realtime/realtime_rights.hpp"
-#include "engine/realtime/spsc_ring.hpp"
 #include "engine/realtime/tick_loop.hpp"
 
 namespace palpate::engine {

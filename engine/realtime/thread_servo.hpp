@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <thread>
 
-#include "engine/realtime/adaptive_spin.hpp"
 #include "engine/realtime/deadline_grid.hpp"
 #include "engine/realtime/servo.hpp"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "engine/base/text.hpp"
 #include "engine/friction/walk_at_once.hpp"

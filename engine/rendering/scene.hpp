@@ -6,9 +6,9 @@
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/deformation/soft_shape.hpp"
+#include "engine/friction/friction_law.hpp"
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/laws/law.hpp"
-#include "engine/friction/stribeck.hpp"
 #include "engine/rendering/mode.hpp"
 
 namespace palpate::engine {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/geometry/knots.hpp"
+#include "engine/geometry/nurbs_curve.hpp"
 #include "engine/surface/bezier_patch.hpp"
 
 namespace palpate::engine {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "engine/friction/stribeck.hpp"
+#include "engine/friction/friction_law.hpp"
 #include "engine/rendering/mode.hpp"
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/surface_closest.hpp"

@@ -1,8 +1,12 @@
 #include "protocols/design/counterbalance.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <optional>
 
-#include "protocols/design/factorial.hpp"
+#include <fmt/format.h>
+
+#include "protocols/design/plan.hpp"
 
 namespace palpate::protocols {
 
@@ -89,6 +93,137 @@ RowHistory picture_history(const Protocol& protocol,
         }
     }
     return row_history(rows, others, own);
+}
+
+bool in_friction_blocks(const DesignSpec& design) noexcept {
+    return design.friction_blocks != FrictionBlocks::interleaved;
+}
+
+std::size_t block_count(const Protocol& protocol) noexcept {
+    const std::size_t rounds = protocol.design.blocks;
+    return in_friction_blocks(protocol.design) ? rounds * protocol.frictions.size() : rounds;
+}
+
+std::vector<Condition> block_trials(const Protocol& protocol, std::size_t friction) {
+    const DesignSpec& design = protocol.design;
+    std::vector<Condition> trials = factorial(protocol, design.repetitions / design.blocks);
+    if (in_friction_blocks(design)) {
+        std::erase_if(trials, [&](const Condition& one) { return one.friction != friction; });
+    }
+    return trials;
+}
+
+RunLimits block_limits(const DesignSpec& design) noexcept {
+    return {.object = design.max_run_object,
+            .friction = in_friction_blocks(design) ? 0 : design.max_run_friction};
+}
+
+std::vector<std::vector<std::size_t>> friction_rows(const Protocol& protocol) {
+    return williams_rows(protocol.frictions.size());
+}
+
+RowHistory friction_history(const Protocol& protocol,
+                            std::span<const std::vector<std::string>> others,
+                            const std::vector<std::string>& own) {
+    if (!in_friction_blocks(protocol.design)) {
+        return {};
+    }
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& row : friction_rows(protocol)) {
+        auto& names = rows.emplace_back();
+        for (const std::size_t friction : row) {
+            names.push_back(protocol.frictions[friction].name);
+        }
+    }
+    return row_history(rows, others, own);
+}
+
+std::vector<std::size_t> friction_of_blocks(const DesignSpec& design,
+                                            std::span<const std::size_t> row) {
+    std::vector<std::size_t> frictions;
+    for (std::size_t round = 0; round < design.blocks; ++round) {
+        const bool back = design.friction_blocks == FrictionBlocks::abba && round % 2 == 1;
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            frictions.push_back(row[back ? row.size() - 1 - i : i]);
+        }
+    }
+    return frictions;
+}
+
+std::vector<std::size_t> first_round(const Protocol& protocol, const Plan& plan) {
+    std::vector<std::size_t> row;
+    for (const PlannedTrial& trial : plan.trials) {
+        if (trial.phase == Phase::main && trial.block == row.size() &&
+            row.size() < protocol.frictions.size()) {
+            row.push_back(trial.condition.friction);
+        }
+    }
+    return row;
+}
+
+std::string why_not_in_blocks(const Protocol& protocol) {
+    const DesignSpec& design = protocol.design;
+    if (!in_friction_blocks(design)) {
+        return {};
+    }
+    if (protocol.frictions.size() < 2) {
+        return "blocks of one friction each need two frictions or more: add a [[friction]], or "
+               "give \"interleaved\"";
+    }
+    if (design.order == OrderRule::first_order) {
+        return "order = \"first_order\" mixes the frictions: give \"interleaved\", or order = "
+               "\"random\"";
+    }
+    if (design.friction_blocks == FrictionBlocks::abba && design.blocks % 2 != 0) {
+        return fmt::format(
+            "\"abba\" goes there and back, and blocks is {}: give an even number of blocks, each "
+            "of them a round of all frictions, or \"blocked\"",
+            design.blocks);
+    }
+    return {};
+}
+
+std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random) {
+    std::vector<std::size_t> places(main + catches - 1);
+    std::iota(places.begin(), places.end(), std::size_t{1});
+    shuffle(std::span(places), random);
+    std::vector<bool> is_catch(main + catches, false);
+    for (std::size_t i = 0; i < catches; ++i) {
+        is_catch[places[i]] = true;
+    }
+    return is_catch;
+}
+
+std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
+                                         std::size_t of_block,
+                                         std::span<const std::size_t> frictions,
+                                         std::span<const Condition> catches,
+                                         Pcg32& random) {
+    std::vector<std::size_t> blocks(frictions.size());
+    std::iota(blocks.begin(), blocks.end(), std::size_t{0});
+    shuffle(std::span(blocks), random);
+    std::vector<std::vector<Condition>> of(frictions.size());
+    for (const Condition& condition : catches) {
+        // The first in that order which has fewest so far.
+        std::optional<std::size_t> chosen;
+        for (const std::size_t block : blocks) {
+            if (frictions[block] == condition.friction &&
+                (!chosen || of[block].size() < of[*chosen].size())) {
+                chosen = block;
+            }
+        }
+        of.at(chosen.value()).push_back(condition);
+    }
+    std::vector<MainTrial> trials;
+    for (std::size_t block = 0; block < of.size(); ++block) {
+        std::size_t next_main = block * of_block;
+        std::size_t next_catch = 0;
+        for (const bool a_catch : catch_places(of_block, of[block].size(), random)) {
+            trials.push_back(a_catch ? MainTrial{Phase::catch_trial, of[block][next_catch++], block}
+                                     : MainTrial{Phase::main, main[next_main++], block});
+        }
+    }
+    return trials;
 }
 
 }  // namespace palpate::protocols

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "engine/base/pcg32.hpp"
+#include "protocols/design/plan.hpp"
+#include "protocols/order/constrained_order.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
@@ -50,5 +52,66 @@ struct RowHistory {
 [[nodiscard]] RowHistory picture_history(const Protocol& protocol,
                                          std::span<const std::vector<std::string>> others,
                                          const std::vector<std::string>& own);
+
+// Designs in which the friction stays the same for a block of main trials. `blocks` of the
+// protocol is then a number of rounds, in each of which every friction has one block; each block
+// holds every pictured object repetitions / blocks times. With "abba" every second round goes
+// backwards, so that two rounds of two frictions are A B B A: what grows or fades in a straight
+// line over the session then weighs alike on both.
+
+/// Whether the design has such blocks: "abba" or "blocked", not "interleaved".
+[[nodiscard]] bool in_friction_blocks(const DesignSpec& design) noexcept;
+
+/// Blocks of the main phase: `blocks`, or as many for every friction.
+[[nodiscard]] std::size_t block_count(const Protocol& protocol) noexcept;
+
+/// The main trials of one block in file order, and the limits that its order keeps.
+/// @param friction  of the block; without meaning where frictions are interleaved
+/// @pre blocks divides repetitions
+[[nodiscard]] std::vector<Condition> block_trials(const Protocol& protocol, std::size_t friction);
+[[nodiscard]] RunLimits block_limits(const DesignSpec& design) noexcept;
+
+/// The orders of frictions in the first round that the study uses: the rows of their Williams
+/// design, as indices into Protocol::frictions. Two frictions: off on, and on off.
+[[nodiscard]] std::vector<std::vector<std::size_t>> friction_rows(const Protocol& protocol);
+
+/// Finds recorded first rounds, as names of frictions, among friction_rows(). Where frictions are
+/// interleaved there is no history.
+[[nodiscard]] RowHistory friction_history(const Protocol& protocol,
+                                          std::span<const std::vector<std::string>> others,
+                                          const std::vector<std::string>& own);
+
+/// The friction of each block of the session. @param row  one of friction_rows()
+[[nodiscard]] std::vector<std::size_t> friction_of_blocks(const DesignSpec& design,
+                                                          std::span<const std::size_t> row);
+
+/// The first round of a plan made in friction blocks, as it is recorded.
+[[nodiscard]] std::vector<std::size_t> first_round(const Protocol& protocol, const Plan& plan);
+
+/// Why the design cannot be had in friction blocks, with a remedy; empty if it can.
+[[nodiscard]] std::string why_not_in_blocks(const Protocol& protocol);
+
+/// A trial of the main phase before it has a position.
+struct MainTrial {
+    Phase phase = Phase::main;
+    Condition condition{};
+    std::size_t block = 0;
+
+    friend bool operator==(const MainTrial&, const MainTrial&) = default;
+};
+
+/// For every place of so many trials, whether a catch trial goes there. Never the first.
+[[nodiscard]] std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& random);
+
+/// Puts catch trials among the main ones of their own friction. The catch trials of a friction are
+/// dealt round its blocks in a random order, so that these hold equally many or one more; within a
+/// block their places are uniform over all but the first.
+/// @param main     block by block, each of `of_block` trials, frictions[b] the one of block b
+/// @param catches  of any of these frictions, in random order
+[[nodiscard]] std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
+                                                       std::size_t of_block,
+                                                       std::span<const std::size_t> frictions,
+                                                       std::span<const Condition> catches,
+                                                       Pcg32& random);
 
 }  // namespace palpate::protocols

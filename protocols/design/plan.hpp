@@ -9,6 +9,7 @@
 
 #include "protocols/order/constrained_order.hpp"
 #include "protocols/protocol/condition.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 
@@ -61,5 +62,14 @@ struct Plan {
 
     friend bool operator==(const Plan&, const Plan&) = default;
 };
+
+// The cells of a design.
+
+/// Indices of the objects that are pictured, or of those that are not (catch objects), in file
+/// order.
+[[nodiscard]] std::vector<std::size_t> objects_of(const Protocol& protocol, bool pictured);
+
+/// Every pictured object with every friction, `repetitions` times, in file order.
+[[nodiscard]] std::vector<Condition> factorial(const Protocol& protocol, std::size_t repetitions);
 
 }  // namespace palpate::protocols

@@ -25,7 +25,7 @@ namespace palpate::protocols {
 ///    block). The limits hold inside a block; where two meet a run may be longer. With the rule
 ///    first_order instead: one block, a sequence in which every condition follows every condition
 ///    once (eulerian_order; stream main_order). Its first trial has no forerunner: it leads in, as
-///    practice. The run limits do not apply. With friction blocks (friction_blocks.hpp): `blocks`
+///    practice. The run limits do not apply. With friction blocks (counterbalance.hpp): `blocks`
 ///    rounds, in each one block of every friction, with every pictured object repetitions / blocks
 ///    times in it; which friction begins is the row that others used least, drawn as the pictures
 ///    are (stream friction_blocks). Only the limit of objects applies.

@@ -7,8 +7,8 @@
 
 #include "engine/contact/closest_point.hpp"
 #include "engine/surface/surface_scene.hpp"
-#include "protocols/design/factorial.hpp"
 #include "protocols/design/object_outline.hpp"
+#include "protocols/design/plan.hpp"
 #include "protocols/file/outline_shape.hpp"
 #include "protocols/file/rules.hpp"
 

@@ -6,9 +6,9 @@
 
 #include "engine/base/text.hpp"
 #include "engine/friction/laws/law.hpp"
-#include "protocols/design/factorial.hpp"
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/object_outline.hpp"
+#include "protocols/design/plan.hpp"
 #include "protocols/file/keys.hpp"
 
 namespace palpate::protocols {

@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "protocols/design/object_outline.hpp"
-#include "protocols/observer/curvature_cues.hpp"
+#include "protocols/observer/cues.hpp"
 
 namespace palpate::protocols {
-namespace {}  // namespace
 
 OutlineCues::OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures)
     : softness_(1.0 / protocol.apparatus.stiffness) {

@@ -3,8 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "engine/math/elementary.hpp"
+#include "protocols/design/object_outline.hpp"
+#include "protocols/design/plan.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -97,6 +105,177 @@ double normal_draw(Pcg32& random) noexcept {
 
 double exponential_draw(Pcg32& random) noexcept {
     return -engine::natural_log(1.0 - uniform_draw(random));  // (0, 1]: never the logarithm of 0
+}
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Statistics alone are made of it: its last bits may differ from one C library to another.
+double below(double z) noexcept {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+}  // namespace
+
+void require_judged(const Protocol& protocol) {
+    if (protocol.procedure || protocol.response.kind != ResponseKind::identification ||
+        !differ_in_curvature_alone(protocol)) {
+        throw std::invalid_argument(
+            fmt::format("{}: power is known of studies that ask which of several objects was felt, "
+                        "where these differ in curvature alone and no rule chooses",
+                        protocol.id));
+    }
+}
+
+namespace {
+
+/// Between which percepts, 1/m, an object is the nearest of those pictured.
+std::pair<double, double> bounds_of(const Protocol& protocol,
+                                    const std::vector<std::size_t>& pictured,
+                                    std::size_t object) {
+    const double own = protocol.objects[object].curvature;
+    std::pair<double, double> bounds{-kInfinity, kInfinity};
+    for (const std::size_t other : pictured) {
+        const double middle = 0.5 * (own + protocol.objects[other].curvature);
+        bounds.first = middle < own ? std::max(bounds.first, middle) : bounds.first;
+        bounds.second = middle > own ? std::min(bounds.second, middle) : bounds.second;
+    }
+    return bounds;
+}
+
+/// Of learned() over a session of so many trials.
+double mean_learned(const ObserverModel& model, std::size_t trials) {
+    const Person typical{.spec = model.typical, .learning = model.learning};
+    double mean = 0.0;
+    for (std::size_t i = 0; i < trials; ++i) {
+        mean += learned(typical, i) / static_cast<double>(trials);
+    }
+    return mean;
+}
+
+}  // namespace
+
+JudgedPeople::JudgedPeople(const Protocol& protocol,
+                           const ObserverModel& model,
+                           std::vector<FeltTrial> hands,
+                           const FrictionPair& pair,
+                           std::optional<LogitEffect> effect)
+    : model_(model), effect_(effect), repetitions_(protocol.design.repetitions) {
+    require_judged(protocol);
+    const std::vector<std::size_t> pictured = objects_of(protocol, true);
+    for (const std::size_t object : pictured) {
+        const auto [low, high] = bounds_of(protocol, pictured, object);
+        const Condition condition{.hands = {}, .low = low, .high = high};
+        without_.push_back(condition);
+        with_.push_back(condition);
+    }
+    for (const FeltTrial& felt : hands) {
+        const auto at = std::ranges::find(pictured, felt.object);
+        if (at != pictured.end() && (felt.friction == pair.without || felt.friction == pair.with)) {
+            Conditions& all = felt.friction == pair.without ? without_ : with_;
+            all[static_cast<std::size_t>(at - pictured.begin())].hands.push_back(felt.cues);
+        }
+    }
+    for (const Conditions* all : {&without_, &with_}) {
+        if (std::ranges::any_of(*all, [](const Condition& one) { return one.hands.empty(); })) {
+            throw std::invalid_argument(
+                fmt::format("{}: no hand felt one of its objects: give more hands", protocol.id));
+        }
+    }
+    guess_ = 1.0 / static_cast<double>(pictured.size());
+    learned_ = mean_learned(model, 2 * pictured.size() * repetitions_);
+}
+
+/// Of right answers over all hands, with what is learned over a session taken at its mean.
+double JudgedPeople::share(const Person& person, const Conditions& conditions) const {
+    Person rested = person;
+    rested.learning = {};
+    double sum = 0.0;
+    for (const Condition& condition : conditions) {
+        double right = 0.0;
+        for (const Cues& felt : condition.hands) {
+            const std::optional<double> mean = percept_mean(person, felt);
+            if (!mean) {
+                right += guess_;
+                continue;
+            }
+            const double noise = learned_ * percept_noise(rested, felt.friction, 0);
+            const auto reached = [&](double criterion) {
+                return noise > 0.0 ? below((criterion - *mean) / noise)
+                                   : (criterion > *mean ? 1.0 : 0.0);
+            };
+            right += (condition.high < kInfinity ? reached(condition.high) : 1.0) -
+                     (condition.low > -kInfinity ? reached(condition.low) : 0.0);
+        }
+        sum += right / static_cast<double>(condition.hands.size());
+    }
+    const double judged = sum / static_cast<double>(conditions.size());
+    return person.spec.lapse * guess_ + (1.0 - person.spec.lapse) * judged;
+}
+
+/// @param share  without friction
+double JudgedPeople::share_under_effect(double share, double normal) const {
+    if (effect_->in_shares) {
+        const double max = std::min(share, 1.0 - share);
+        return share + std::clamp(effect_->sd * share * (1.0 - share) * normal, -max, max);
+    }
+    const double factor = std::exp(effect_->mean + effect_->sd * normal);
+    return share * factor / (1.0 - share + share * factor);
+}
+
+/// One answer. @param done  trials of the session before it
+bool JudgedPeople::is_right(const Person& who,
+                            const Condition& condition,
+                            const Cues& felt,
+                            std::size_t done,
+                            Pcg32& random) const {
+    const std::optional<double> mean = percept_mean(who, felt);
+    if (!mean || uniform_draw(random) < who.spec.lapse) {
+        return uniform_draw(random) < guess_;
+    }
+    const double noise = percept_noise(who, felt.friction, done);
+    const double percept = *mean + noise * normal_draw(random);
+    return percept > condition.low && percept < condition.high;
+}
+
+JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::size_t number) const {
+    const Person who = drawn_person(model_, {.protocol_hash = "power",
+                                             .participant = fmt::format("{}:{}", study, number),
+                                             .purpose = {},
+                                             .seed = seed});
+    Pcg32 random = stream({.protocol_hash = "power",
+                           .participant = fmt::format("{}:{}", study, number),
+                           .session = 1,
+                           .purpose = std::string(purpose::observer),
+                           .seed = seed});
+    JudgedPerson made{.trials = without_.size() * repetitions_};
+    made.share_without = share(who, without_);
+    const double felt_share = share(who, with_);
+    made.share_with =
+        effect_ ? share_under_effect(made.share_without, normal_draw(random)) : felt_share;
+    const double lost = felt_share > made.share_with ? 1.0 - made.share_with / felt_share : 0.0;
+    const double won =
+        felt_share < made.share_with ? (made.share_with - felt_share) / (1.0 - felt_share) : 0.0;
+
+    std::vector<std::size_t> order(2 * made.trials);  // which condition comes when
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        order[i] = i;
+    }
+    shuffle(std::span(order), random);
+    for (std::size_t done = 0; done < order.size(); ++done) {
+        const bool with = order[done] >= made.trials;
+        const Condition& condition =
+            (with ? with_ : without_)[order[done] % made.trials / repetitions_];
+        const Cues& felt =
+            condition.hands[random.bounded(static_cast<std::uint32_t>(condition.hands.size()))];
+        bool right = is_right(who, condition, felt, done, random);
+        if (with && effect_) {
+            right = right ? uniform_draw(random) >= lost : uniform_draw(random) < won;
+        }
+        (with ? made.right_with : made.right_without) += right ? 1 : 0;
+    }
+    return made;
 }
 
 }  // namespace palpate::protocols

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "engine/base/pcg32.hpp"
 #include "protocols/design/streams.hpp"
-#include "protocols/observer/curvature_cues.hpp"
+#include "protocols/observer/cues.hpp"
 #include "protocols/protocol/observer_model.hpp"
 
 namespace palpate::protocols {
@@ -48,5 +50,92 @@ struct Person {
 [[nodiscard]] double percept_noise(const Person& person,
                                    double friction,
                                    std::size_t done) noexcept;
+
+// Simulated people who judge, again and again, what hands once felt: hands are the slow part of a
+// simulation.
+
+/// What a hand felt of one object of one friction.
+struct FeltTrial {
+    std::size_t object = 0;    ///< index into Protocol::objects
+    std::size_t friction = 0;  ///< index into Protocol::frictions
+    Cues cues{};
+};
+
+/// Two frictions whose answers are compared.
+struct FrictionPair {
+    std::size_t without = 0;  ///< index into Protocol::frictions
+    std::size_t with = 0;
+};
+
+/// What friction does to how often a person is right.
+struct LogitEffect {
+    double mean = 0.0;  ///< of the log odds of a right answer, with less without
+    double sd = 0.0;    ///< over people, normal
+    /// People differ by sd p (1 - p) N(0, 1) in the share p of right answers itself, cut to the
+    /// lesser of p and 1 - p on both sides: with a mean of 0 the mean difference of shares is then
+    /// 0 too, which an effect that is symmetric in log odds does not give.
+    bool in_shares = false;
+};
+
+/// Right answers of one person, and how many are to be expected of everybody like them.
+struct JudgedPerson {
+    std::size_t trials = 0;  ///< under each friction
+    std::size_t right_without = 0;
+    std::size_t right_with = 0;
+    double share_without = 0.0;  ///< chance of a right answer, over all hands
+    double share_with = 0.0;
+};
+
+/// Before hands are simulated. @throws std::invalid_argument if answers are no names of objects, if
+/// these differ in
+///         more than curvature, or if a rule chooses
+void require_judged(const Protocol& protocol);
+
+/// People of an observer file who feel every pictured object equally often under both frictions,
+/// and name one. Each trial is a hand, drawn from those that felt this object under this friction,
+/// and a percept of its own; the order of the trials is drawn anew for each person.
+class JudgedPeople {
+public:
+    /// @param hands   of every pictured object under both frictions
+    /// @param effect  none: friction does what the observer file says. Else each person loses some
+    ///                right answers under friction, or some wrong ones, so that over all hands the
+    ///                log odds differ by mean + sd N(0, 1)
+    /// @throws as require_judged(); std::invalid_argument if no hand felt one of the objects
+    JudgedPeople(const Protocol& protocol,
+                 const ObserverModel& model,
+                 std::vector<FeltTrial> hands,
+                 const FrictionPair& pair,
+                 std::optional<LogitEffect> effect);
+
+    /// The person of a number in a study of a number: always the same one, whoever else was asked
+    /// for.
+    [[nodiscard]] JudgedPerson person(std::uint64_t seed,
+                                      std::size_t study,
+                                      std::size_t number) const;
+
+private:
+    /// Hands of one object under one friction, and between which percepts it is named.
+    struct Condition {
+        std::vector<Cues> hands{};
+        double low = 0.0;  ///< 1/m
+        double high = 0.0;
+    };
+    using Conditions = std::vector<Condition>;  ///< by object
+
+    [[nodiscard]] bool is_right(const Person& who,
+                                const Condition& condition,
+                                const Cues& felt,
+                                std::size_t done,
+                                Pcg32& random) const;
+    [[nodiscard]] double share(const Person& person, const Conditions& conditions) const;
+    [[nodiscard]] double share_under_effect(double share, double normal) const;
+
+    ObserverModel model_;
+    Conditions without_, with_;
+    std::optional<LogitEffect> effect_;
+    std::size_t repetitions_ = 1;
+    double guess_ = 0.0;    ///< chance to be right by a lapse
+    double learned_ = 1.0;  ///< mean of learned() over a session
+};
 
 }  // namespace palpate::protocols

@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "protocols/design/streams.hpp"
-#include "protocols/observer/curvature_cues.hpp"
+#include "protocols/observer/cues.hpp"
 #include "protocols/observer/outline_cues.hpp"
 #include "protocols/observer/person.hpp"
-#include "protocols/observer/softness_cues.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/observer.hpp"
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/protocol/run.hpp"
+#include "protocols/protocol/condition.hpp"
 
 namespace palpate::protocols {
 namespace {

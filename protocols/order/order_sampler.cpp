@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/order/order_counter.hpp"
-#include "protocols/protocol/run.hpp"
+#include "protocols/protocol/condition.hpp"
 
 namespace palpate::protocols {
 namespace {

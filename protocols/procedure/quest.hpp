@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocols/procedure/estimate.hpp"
+#include "protocols/procedure/procedure_state.hpp"
 
 namespace palpate::protocols {
 

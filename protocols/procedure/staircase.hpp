@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/base/pcg32.hpp"
-#include "protocols/procedure/estimate.hpp"
+#include "protocols/procedure/procedure_state.hpp"
 
 namespace palpate::protocols {
 

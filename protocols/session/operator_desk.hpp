@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "protocols/session/pending_trials.hpp"
+#include "protocols/session/progress.hpp"
 
 namespace palpate::protocols {
 

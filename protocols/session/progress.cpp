@@ -2,8 +2,158 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/plan.hpp"
 
 namespace palpate::protocols {
+
+AdaptiveRuns::AdaptiveRuns(const Protocol& protocol, const StreamKey& session) {
+    if (!protocol.procedure) {
+        return;
+    }
+    for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
+        begun_.emplace_back(*protocol.procedure->rule.spec, stream(run_key(session, run)));
+    }
+    procedures_ = begun_;
+}
+
+double AdaptiveRuns::next(std::size_t run) const {
+    const Procedure& procedure = procedures_.at(run);
+    if (procedure.finished()) {
+        throw std::logic_error(fmt::format("run {} has ended", run));
+    }
+    return procedure.next().front();
+}
+
+void AdaptiveRuns::update(const RuleAnswer& answer) {
+    procedures_.at(answer.run).update(std::span(&answer.stimulus, 1), answer.outcome);
+}
+
+AdaptiveStep AdaptiveRuns::step_after(const RuleAnswer& answer) const {
+    const Procedure& procedure = procedures_.at(answer.run);
+    return {
+        .answer = answer, .estimates = procedure.estimates(), .state_hash = procedure.state_hash()};
+}
+
+std::optional<double> stimulus_for(const Protocol& protocol,
+                                   const PlannedTrial& planned,
+                                   const AdaptiveRuns& runs) {
+    if (!planned.adaptive) {
+        return std::nullopt;
+    }
+    return planned.phase == Phase::practice ? protocol.procedure->practice_stimulus
+                                            : runs.next(planned.adaptive->run);
+}
+
+std::size_t outcome_of(const Protocol& protocol,
+                       const PlannedTrial& planned,
+                       const Response& response) {
+    switch (protocol.response.kind) {
+        case ResponseKind::two_interval:
+            return response.place + 1 == planned.adaptive->comparison ? 1 : 0;
+        case ResponseKind::identification: {
+            const std::vector<std::size_t> pictured = objects_of(protocol, true);
+            const auto found = std::find(pictured.begin(), pictured.end(), response.object);
+            return static_cast<std::size_t>(found - pictured.begin());
+        }
+        case ResponseKind::yes_no:
+        case ResponseKind::rating:
+            break;
+    }
+    return response.place;
+}
+
+std::optional<bool> is_right(const Protocol& protocol,
+                             const Plan& plan,
+                             const PlannedTrial& planned,
+                             std::span<const Presentation> felt,
+                             std::size_t place) {
+    if (protocol.response.kind == ResponseKind::identification && !planned.adaptive) {
+        const auto& pictures = plan.picture_order;
+        const bool pictured =
+            std::find(pictures.begin(), pictures.end(), planned.condition.object) != pictures.end();
+        return pictured ? std::optional(pictures.at(place) == planned.condition.object)
+                        : std::nullopt;
+    }
+    if (protocol.response.kind != ResponseKind::two_interval || felt.size() != 2) {
+        return std::nullopt;
+    }
+    const double first = varied_value(*protocol.procedure, felt[0]);
+    const double second = varied_value(*protocol.procedure, felt[1]);
+    if (first == second) {
+        return std::nullopt;
+    }
+    return (second > first) == (place == 1);
+}
+
+PendingTrials::PendingTrials(const Plan& plan, RequeueRule rule) : rule_(std::move(rule)) {
+    for (const PlannedTrial& planned : plan.trials) {
+        order_.push_back(planned.position);
+        part_.push_back(planned.phase == Phase::practice ? 0 : 1 + planned.block);
+    }
+}
+
+bool PendingTrials::has(std::size_t position) const noexcept {
+    return std::find(order_.begin(), order_.end(), position) != order_.end();
+}
+
+std::size_t PendingTrials::left(bool practice) const noexcept {
+    return static_cast<std::size_t>(
+        std::count_if(order_.begin(), order_.end(),
+                      [&](std::size_t position) { return (part_[position] == 0) == practice; }));
+}
+
+TrialNumber PendingTrials::number() const noexcept {
+    const bool practice = !order_.empty() && part_[order_.front()] == 0;
+    const auto total = static_cast<std::size_t>(std::count_if(
+        part_.begin(), part_.end(), [&](std::size_t part) { return (part == 0) == practice; }));
+    return {practice, std::min(total - left(practice) + 1, total), total};
+}
+
+void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
+    const bool answered = is_answered(outcome);
+    const auto found = std::find(order_.begin(), order_.end(), position);
+    if (found == order_.end() || !(answered || is_lost(outcome))) {
+        return;
+    }
+    order_.erase(found);
+    if (!(answered && counts)) {
+        set_back(position);
+    }
+}
+
+void PendingTrials::begin_again(std::size_t part) {
+    std::erase_if(order_, [&](std::size_t position) { return part_[position] == part; });
+    std::erase_if(again_, [&](const auto& again) { return part_[again.first] == part; });
+    auto at = std::find_if(order_.begin(), order_.end(),
+                           [&](std::size_t position) { return part_[position] > part; });
+    for (std::size_t position = 0; position < part_.size(); ++position) {
+        if (part_[position] == part) {
+            at = order_.insert(at, position) + 1;
+        }
+    }
+}
+
+void PendingTrials::set_back(std::size_t position) {
+    StreamKey key = rule_.key;
+    key.block = position;
+    key.purpose = purpose::requeue;
+    Again& again = again_.try_emplace(position, Again{.random = stream(key)}).first->second;
+    if (again.times++ == rule_.max) {
+        return;
+    }
+    const auto part = part_[position];  // parts follow each other in the plan, and so they do here
+    const auto first = std::find_if(order_.begin(), order_.end(),
+                                    [&](std::size_t other) { return part_[other] >= part; });
+    const auto last =
+        std::find_if(first, order_.end(), [&](std::size_t other) { return part_[other] > part; });
+    const auto others = static_cast<std::uint32_t>(last - first);
+    order_.insert(others == 0 ? first : first + 1 + again.random.bounded(others), position);
+}
 
 SessionProgress::SessionProgress(const Protocol& protocol,
                                  const Plan& plan,

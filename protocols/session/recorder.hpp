@@ -11,7 +11,7 @@
 #include "engine/realtime/tick_record.hpp"
 #include "engine/safety/trip.hpp"
 #include "protocols/design/plan.hpp"
-#include "protocols/procedure/estimate.hpp"
+#include "protocols/procedure/procedure_state.hpp"
 #include "protocols/session/deciles.hpp"
 #include "protocols/trial/observer.hpp"
 #include "protocols/trial/presentation.hpp"

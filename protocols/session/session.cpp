@@ -9,9 +9,9 @@
 
 #include "engine/base/text.hpp"
 #include "engine/realtime/servo.hpp"
-#include "protocols/session/handle_check.hpp"
 #include "protocols/session/trial_runner.hpp"
 #include "protocols/session/trouble.hpp"
+#include "protocols/session/trust.hpp"
 
 namespace palpate::protocols {
 namespace {

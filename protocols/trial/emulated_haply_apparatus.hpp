@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "engine/realtime/thread_servo.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 

@@ -44,7 +44,7 @@ BEGIN {
     inexact = "(a?sinh?|a?cosh?|a?tanh?|atan2|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot|erfc?" \
               "|[tl]gamma|sincos)[fl]?"
     # Computed once a scene and kept with the session, so that a replay need not compute them again.
-    exempt["engine/friction/stribeck.cpp"] = 1
+    exempt["engine/friction/friction_law.cpp"] = 1
 
     longest = 400
     longest_function = 60

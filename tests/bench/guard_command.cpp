@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "engine/device/drivers/serial_link.hpp"
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/emulated_machine.hpp"

@@ -1,6 +1,5 @@
 #include "tests/bench/own_methods.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 

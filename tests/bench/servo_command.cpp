@@ -10,7 +10,6 @@
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
-#include "ui/doctor/cyclictest.hpp"
 #include "ui/doctor/wake_up.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/logging_cost.hpp"

@@ -7,7 +7,6 @@
 #include "data/store/people.hpp"
 #include "data/store/stored_progress.hpp"
 #include "data/sync/merge.hpp"
-#include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/database_edits.hpp"

@@ -1,5 +1,5 @@
 #include "data/analysis/summary.hpp"
-#include "data/statistics/wilson.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

@@ -1,5 +1,4 @@
 #include "data/store/async_recorder.hpp"
-#include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 

@@ -1,4 +1,4 @@
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "tests/support/catch.hpp"

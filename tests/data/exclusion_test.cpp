@@ -1,4 +1,4 @@
-#include "data/analysis/exclusion.hpp"
+#include "data/analysis/left_out.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"

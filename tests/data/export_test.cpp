@@ -1,8 +1,8 @@
 #include <bit>
 #include <cstdlib>
 
+#include "data/export/csv_export.hpp"
 #include "data/export/export.hpp"
-#include "data/export/number_text.hpp"
 #include "data/export/tables.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/people.hpp"

@@ -1,6 +1,5 @@
 #include "data/inference/mixed_logit.hpp"
 #include "data/statistics/distributions.hpp"
-#include "data/statistics/over_people.hpp"
 #include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"
 

@@ -1,4 +1,4 @@
-#include "data/statistics/over_people.hpp"
+#include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::data;

@@ -1,6 +1,6 @@
 #include <boost/math/distributions/non_central_t.hpp>
 
-#include "data/statistics/d_prime.hpp"
+#include "data/statistics/information.hpp"
 #include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"
 

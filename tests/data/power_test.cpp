@@ -4,7 +4,6 @@
 #include "data/inference/mixed_logit.hpp"
 #include "data/inference/power.hpp"
 #include "data/statistics/distributions.hpp"
-#include "data/statistics/over_people.hpp"
 #include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

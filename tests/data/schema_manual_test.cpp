@@ -2,7 +2,6 @@
 
 #include "protocols/session/trial_meter.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/schema/manual.hpp"
 #include "data/store/database.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/trace/sample_columns.hpp"

@@ -46,8 +46,8 @@ Protocol held_protocol() {
 }
 
 /// A session on the simulated pantograph, through the safety chain, into a file.
-struct Run {
-    explicit Run(const Protocol& protocol)
+struct FeltRun {
+    explicit FeltRun(const Protocol& protocol)
         : spec(tests::session_spec(protocol)),
           database(folder.file("a.sqlite"), Access::write),
           apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed}) {}
@@ -98,7 +98,7 @@ std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
 }
 
 /// What the database keeps of a trial that faulted: its trace and its last ticks end with the trip.
-void check_last_ticks(Run& run) {
+void check_last_ticks(FeltRun& run) {
     auto row = run.database.prepare("SELECT trial_id FROM fault ORDER BY trial_id");
     std::size_t faults = 0;
     while (row.step()) {
@@ -132,7 +132,7 @@ void check_last_ticks(Run& run) {
 
 TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end",
           "[session][fault][law]") {
-    Run run(held_protocol());
+    FeltRun run(held_protocol());
     class Watching : public Acting {
     public:
         using Acting::Acting;
@@ -160,7 +160,7 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
 
 TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is held again",
           "[session][fault][law]") {
-    Run run(held_protocol());
+    FeltRun run(held_protocol());
     Acting observer([&] { run.apparatus.hold(false); });
     observer.before_trial = [&] {
         run.apparatus.hold(true);
@@ -173,7 +173,7 @@ TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is
 
 TEST_CASE("whoever does not hold the key again gets no force at all, trial after trial",
           "[session][fault]") {
-    Run run(held_protocol());
+    FeltRun run(held_protocol());
     class Headless : public Acting {
     public:
         using Acting::Acting;
@@ -192,7 +192,7 @@ TEST_CASE("whoever does not hold the key again gets no force at all, trial after
 TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault]") {
     Protocol protocol = held_protocol();
     protocol.safety.dead_man = false;
-    Run run(protocol);
+    FeltRun run(protocol);
     Acting observer([&] { run.apparatus.hold(false); });
     CHECK(run.with(observer).why == SessionEnd::Why::finished);
     CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
@@ -204,7 +204,7 @@ TEST_CASE("a hand above the protocol's speed trips as over_speed, one below it n
     for (const double speed : {0.03, 1.0}) {  // the simulated hands go at 65 to 95 mm/s
         CAPTURE(speed);
         protocol.safety.speed_limit = speed;
-        Run run(protocol);
+        FeltRun run(protocol);
         class Headless : public Acting {
         public:
             using Acting::Acting;
@@ -230,7 +230,7 @@ TEST_CASE("a hand above the protocol's speed trips as over_speed, one below it n
 TEST_CASE("a virtual clock records no timing, and two sessions on it have the same events",
           "[session][fault][law]") {
     const auto events = [] {
-        Run run(held_protocol());
+        FeltRun run(held_protocol());
         Acting observer([&] { run.apparatus.stop(); });
         CHECK(run.with(observer).why == SessionEnd::Why::finished);
         CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0 \n");
@@ -252,7 +252,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
     };
     Protocol protocol = held_protocol();
     protocol.apparatus.force_ramp = 0.0;
-    Run run(protocol);
+    FeltRun run(protocol);
     DeviceApparatus apparatus(protocol, std::make_unique<Still>());
     CHECK(apparatus.timing().empty());  // no tick yet
     class Brief : public tests::Patient {

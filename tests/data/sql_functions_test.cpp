@@ -1,7 +1,6 @@
 #include "data/extension/sample_module.hpp"
-#include "data/statistics/d_prime.hpp"
+#include "data/statistics/distributions.hpp"
 #include "data/statistics/information.hpp"
-#include "data/statistics/wilson.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

@@ -1,4 +1,4 @@
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

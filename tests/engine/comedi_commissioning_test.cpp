@@ -1,5 +1,5 @@
 #include "engine/commissioning/commissioning.hpp"
-#include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/emulator/hands.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/daq_bench.hpp"
 

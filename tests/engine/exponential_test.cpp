@@ -1,4 +1,4 @@
-#include "engine/math/exponential.hpp"
+#include "engine/math/elementary.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,4 +1,3 @@
-#include "engine/device/gantry.hpp"
 #include "engine/device/machine.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

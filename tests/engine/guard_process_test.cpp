@@ -7,7 +7,7 @@
 #include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"

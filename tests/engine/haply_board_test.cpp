@@ -1,5 +1,5 @@
 #include "engine/device/drivers/haply_wire.hpp"
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"

@@ -1,6 +1,6 @@
 
 #include "engine/device/drivers/haply_wire.hpp"
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"

@@ -1,6 +1,6 @@
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
-#include "engine/device/pantograph_plant.hpp"
+#include "engine/device/simulated_pantograph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,4 +1,3 @@
-#include "engine/safety/motor_heat.hpp"
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

@@ -4,9 +4,9 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/device/drivers/udp_link.hpp"
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/open_board.hpp"
-#include "engine/device/emulator/udp_board.hpp"
+#include "engine/device/emulator/served_board.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"

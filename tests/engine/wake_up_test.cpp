@@ -1,9 +1,8 @@
 #include <atomic>
 
-#include "engine/realtime/adaptive_spin.hpp"
 #include "engine/realtime/deadline_grid.hpp"
 #include "engine/realtime/lateness_histogram.hpp"
-#include "engine/realtime/latest_value.hpp"
+#include "engine/realtime/lock_free.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "tests/support/catch.hpp"
 

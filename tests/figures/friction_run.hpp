@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "engine/geometry/nurbs_curve.hpp"
 #include "engine/rendering/mode.hpp"
 
 /// The pre-determined path of the thesis' chapter 3.2.1 on its object of two curves, felt by two

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/base/files.hpp"
-#include "ui/command/heard.hpp"
+#include "ui/command/command.hpp"
 #include "tests/figures/figure_list.hpp"
 
 namespace {

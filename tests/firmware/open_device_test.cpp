@@ -1,6 +1,6 @@
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/device/drivers/board_device.hpp"
-#include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/emulator/hands.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"

@@ -2,8 +2,8 @@
 
 #include <sys/resource.h>
 
-#include "ui/subject/picture_row.hpp"
-#include "ui/subject/pointer_map.hpp"
+#include "ui/subject/answer_row.hpp"
+#include "ui/subject/picking.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 

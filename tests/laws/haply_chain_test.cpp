@@ -1,5 +1,5 @@
-#include "engine/device/emulator/desk_hand.hpp"
-#include "engine/device/pantograph_plant.hpp"
+#include "engine/device/emulator/hands.hpp"
+#include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"

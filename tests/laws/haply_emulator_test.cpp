@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/protocol_file.hpp"

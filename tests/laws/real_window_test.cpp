@@ -1,8 +1,8 @@
 #include <csignal>
 
 #include "data/store/reader.hpp"
-#include "ui/subject/picture_row.hpp"
-#include "ui/subject/pointer_map.hpp"
+#include "ui/subject/answer_row.hpp"
+#include "ui/subject/picking.hpp"
 #include "tests/support/gos_oracle.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"

@@ -1,7 +1,7 @@
 #include <csignal>
 
-#include "ui/subject/picture_row.hpp"
-#include "ui/subject/style.hpp"
+#include "ui/subject/answer_row.hpp"
+#include "ui/subject/window.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 

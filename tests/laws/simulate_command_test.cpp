@@ -1,5 +1,4 @@
 #include <csignal>
-#include <cstdlib>
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "protocols/observer/curvature_cues.hpp"
+#include "protocols/observer/cues.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
 

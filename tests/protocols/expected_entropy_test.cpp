@@ -1,4 +1,3 @@
-#include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/quest_plus.hpp"
 #include "tests/protocols/simulated_answers.hpp"
 #include "tests/support/catch.hpp"

@@ -1,7 +1,7 @@
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/session/pending_trials.hpp"
+#include "protocols/session/progress.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;

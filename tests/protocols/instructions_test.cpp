@@ -1,4 +1,3 @@
-#include "protocols/file/keys.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/new_protocol.hpp"
 #include "tests/support/catch.hpp"

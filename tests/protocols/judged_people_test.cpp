@@ -1,5 +1,5 @@
 #include "protocols/file/observer_file.hpp"
-#include "protocols/observer/judged_people.hpp"
+#include "protocols/observer/person.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "protocols/procedure/outcome_model.hpp"
+#include "protocols/procedure/grid.hpp"
 #include "tests/support/random.hpp"
 
 namespace palpate::tests {

@@ -8,7 +8,7 @@
 
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
-#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/emulated_machine.hpp"

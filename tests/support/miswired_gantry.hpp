@@ -8,7 +8,7 @@
 
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/device.hpp"
-#include "engine/device/gantry.hpp"
+#include "engine/device/machine.hpp"
 
 namespace palpate::tests {
 

@@ -4,7 +4,7 @@
 #include <deque>
 
 #include "engine/commissioning/encoder_proof.hpp"
-#include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/emulator/hands.hpp"
 
 namespace palpate::tests {
 

@@ -5,7 +5,7 @@
 
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/device/pantograph.hpp"
-#include "engine/device/pantograph_plant.hpp"
+#include "engine/device/simulated_pantograph.hpp"
 
 namespace palpate::tests {
 

@@ -78,7 +78,7 @@ inline std::map<std::string, Source> sources_of(const std::string& page) {
     return found;
 }
 
-/// What tick_text.hpp promises, read by its words. NaN: none.
+/// What tick_text() of html.hpp promises, read by its words. NaN: none.
 inline std::vector<double> ticks_of(const std::string& text, double step) {
     const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string bits;

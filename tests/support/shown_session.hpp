@@ -9,8 +9,8 @@
 
 #include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
-#include "ui/live/live_call.hpp"
-#include "ui/rig/control_call.hpp"
+#include "ui/live/live_segment.hpp"
+#include "ui/rig/control_line.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/process.hpp"

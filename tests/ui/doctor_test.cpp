@@ -1,6 +1,5 @@
 #include "engine/device/pointer_device.hpp"
 #include "ui/doctor/checks.hpp"
-#include "ui/doctor/report.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;

@@ -2,11 +2,10 @@
 
 #include "engine/safety/trip.hpp"
 #include "stimuli/two_curve.hpp"
-#include "protocols/file/keys.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/paragraph.hpp"
-#include "ui/subject/style.hpp"
+#include "ui/subject/window.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"
 

@@ -6,7 +6,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/session.hpp"
 #include "ui/cli/study_advice.hpp"
-#include "ui/session/open_masking.hpp"
+#include "ui/session/rig_parts.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"

@@ -1,5 +1,5 @@
-#include "ui/subject/picture_row.hpp"
-#include "ui/subject/pointer_map.hpp"
+#include "ui/subject/answer_row.hpp"
+#include "ui/subject/picking.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::ui;

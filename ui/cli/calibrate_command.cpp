@@ -13,7 +13,7 @@
 #include "engine/device/pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/command/command.hpp"
-#include "ui/rig/calibration_device.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
 

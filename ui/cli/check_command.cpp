@@ -6,11 +6,10 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
-#include "protocols/design/factorial.hpp"
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
+#include "protocols/design/plan.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/file/keys.hpp"
 #include "data/plot/object_sheet.hpp"
 #include "ui/cli/plan_text.hpp"
 #include "ui/cli/study_advice.hpp"

@@ -9,20 +9,17 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "engine/base/parsed.hpp"
+#include "engine/base/text.hpp"
 #include "engine/commissioning/place_proof.hpp"
-#include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/emulator/free_handle.hpp"
-#include "engine/device/emulator/gantry_hand.hpp"
+#include "engine/device/emulator/hands.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "engine/device/emulator/open_board.hpp"
-#include "engine/device/emulator/pty_board.hpp"
-#include "engine/device/emulator/udp_board.hpp"
+#include "engine/device/emulator/served_board.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/command/command.hpp"
-#include "ui/rig/calibration_device.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {

@@ -9,7 +9,6 @@
 #include "data/store/statement.hpp"
 #include "ui/cli/scene_tools.hpp"
 #include "ui/command/command.hpp"
-#include "ui/command/heard.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"

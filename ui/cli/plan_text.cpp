@@ -11,10 +11,9 @@
 #include "engine/base/sha256.hpp"
 #include "engine/deformation/soft_shape.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
-#include "protocols/file/keys.hpp"
 #include "protocols/trial/presentation.hpp"
 
 namespace palpate::ui {

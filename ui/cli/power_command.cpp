@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
-#include "engine/base/parsed.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "data/inference/power.hpp"

@@ -7,11 +7,10 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/file/calibration_file.hpp"
-#include "protocols/file/keys.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
-#include "ui/rig/emulator_behind.hpp"
+#include "ui/rig/device_choice.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
 #include "ui/rig/operator_log.hpp"

@@ -9,7 +9,7 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/protocol/protocol.hpp"
-#include "protocols/session/pending_trials.hpp"
+#include "protocols/session/progress.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"

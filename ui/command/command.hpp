@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -9,6 +10,11 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ui/rig/say.hpp"
 
 /// Commands and the words they take. Each command declares its own in its file; CLI11 stays in
 /// parse.cpp.
@@ -113,5 +119,17 @@ struct ParseResult {
                                              const std::string& version,
                                              int argc,
                                              const char* const* argv);
+
+/// The exit code of a command that ended with `code`: a full disk behind standard output is no
+/// success. Who closes a pipe has read enough.
+[[nodiscard]] inline int heard(int code) {
+    struct stat out {};
+    const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+    if (code != 0 || !lost || (fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))) {
+        return code;
+    }
+    warn("standard output: cannot be written; check the space on the disk");
+    return kExitFailure;
+}
 
 }  // namespace palpate::ui

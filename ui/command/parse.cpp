@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "engine/base/parsed.hpp"
 #include "engine/base/text.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"

@@ -8,7 +8,7 @@
 #include "data/page/trial_trace.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/session_stream.hpp"
-#include "ui/rig/control_call.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"

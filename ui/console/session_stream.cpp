@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/rendering/mode.hpp"
-#include "ui/rig/control_call.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {

@@ -6,7 +6,7 @@
 
 #include "data/store/database.hpp"
 #include "ui/console/page_server.hpp"
-#include "ui/live/live_call.hpp"
+#include "ui/live/live_segment.hpp"
 
 namespace palpate::ui {
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "ui/doctor/checks.hpp"
-#include "ui/sound/hush.hpp"
+#include "ui/sound/noise_player.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/window.hpp"
 

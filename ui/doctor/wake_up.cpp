@@ -1,7 +1,15 @@
 #include "ui/doctor/wake_up.hpp"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <ctime>
+#include <memory>
+#include <numeric>
+#include <string>
 #include <thread>
 
 #include "engine/device/device.hpp"
@@ -10,6 +18,95 @@
 #include "stimuli/two_curve.hpp"
 
 namespace palpate::ui {
+namespace {
+
+constexpr std::size_t kBins = 5000;  ///< us; beyond, cyclictest counts overflows
+
+struct Close {
+    void operator()(std::FILE* pipe) const { pclose(pipe); }
+};
+
+/// The command is ours: no word of it comes from outside.
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<std::FILE, Close> pipe(popen(command.c_str(), "re"));
+    std::string out;
+    std::array<char, 4096> buffer{};
+    while (pipe) {
+        const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe.get());
+        if (n == 0) {
+            break;
+        }
+        out.append(buffer.data(), n);
+    }
+    return out;
+}
+
+std::optional<std::int64_t> number_in(std::string_view text) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+    std::int64_t value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && value >= 0 ? std::optional(value) : std::nullopt;
+}
+
+/// What follows `label` at the start of `line`.
+std::optional<std::int64_t> labelled(std::string_view line, std::string_view label) {
+    return line.starts_with(label) ? number_in(line.substr(label.size())) : std::nullopt;
+}
+
+}  // namespace
+
+std::int64_t Cyclictest::total() const {
+    return std::accumulate(counts.begin(), counts.end(), overflows);
+}
+
+double Cyclictest::quantile_us(double share) const {
+    const double wanted = std::clamp(share, 0.0, 1.0) * static_cast<double>(total());
+    double seen = 0.0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        const auto here = static_cast<double>(counts[i]);
+        if (here > 0.0 && seen + here >= wanted) {
+            return static_cast<double>(i) + std::max(0.0, wanted - seen) / here;
+        }
+        seen += here;
+    }
+    return max_us;
+}
+
+std::optional<Cyclictest> parse_cyclictest(std::string_view output) {
+    Cyclictest result;
+    while (!output.empty()) {
+        const std::size_t end = output.find('\n');
+        const std::string_view line = output.substr(0, end);
+        output.remove_prefix(end == std::string_view::npos ? output.size() : end + 1);
+        if (const auto max = labelled(line, "# Max Latencies:")) {
+            result.max_us = static_cast<double>(*max);
+        } else if (const auto over = labelled(line, "# Histogram Overflows:")) {
+            result.overflows = *over;
+        } else if (!line.empty() && line.front() >= '0' && line.front() <= '9') {
+            const auto bin = number_in(line);
+            const auto count = number_in(line.substr(std::min(line.find(' '), line.size())));
+            if (bin && count && *bin < 1'000'000) {
+                const auto at = static_cast<std::size_t>(*bin);
+                result.counts.resize(std::max(result.counts.size(), at + 1));
+                result.counts[at] = *count;
+            }
+        }
+    }
+    return result.total() > 0 ? std::optional(result) : std::nullopt;
+}
+
+bool cyclictest_installed() {
+    return !output_of("command -v cyclictest 2>/dev/null").empty();
+}
+
+std::optional<Cyclictest> run_cyclictest(double rate_hz, double seconds, bool realtime) {
+    const auto interval = std::lround(1e6 / rate_hz);
+    const auto loops = std::max(1L, std::lround(seconds * rate_hz));
+    return parse_cyclictest(output_of("cyclictest -q -t1 -i" + std::to_string(interval) + " -l" +
+                                      std::to_string(loops) + " -h" + std::to_string(kBins) +
+                                      (realtime ? " -m -p80" : "") + " 2>/dev/null"));
+}
+
 namespace {
 
 class NoDevice : public engine::Device {

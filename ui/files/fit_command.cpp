@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
-#include "engine/base/parsed.hpp"
+#include "engine/base/text.hpp"
 #include "data/choice/identification.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/fit/stored_answers.hpp"

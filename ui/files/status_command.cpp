@@ -10,7 +10,7 @@
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/database.hpp"
 #include "ui/command/command.hpp"
-#include "ui/live/live_call.hpp"
+#include "ui/live/live_segment.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"

@@ -6,7 +6,7 @@
 
 #include "engine/base/text.hpp"
 #include "ui/command/command.hpp"
-#include "ui/rig/control_call.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {

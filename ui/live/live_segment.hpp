@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -96,5 +97,17 @@ struct ProcessIdentity {
     [[nodiscard]] bool alive() const;
 };
 [[nodiscard]] ProcessIdentity this_process();
+
+/// A session that runs now on this machine, and shows itself to this user.
+struct RunningSession {
+    std::string name;  ///< of its control socket
+    std::string file;  ///< its database
+    std::string uuid;
+    ProcessIdentity process{};
+    std::unique_ptr<LiveReader> reader;
+};
+
+/// @param of  a database, or a session's uuid; none: all
+[[nodiscard]] std::vector<RunningSession> running_sessions(const std::optional<std::string>& of);
 
 }  // namespace palpate::ui

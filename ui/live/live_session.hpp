@@ -9,7 +9,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/device/calibration.hpp"
@@ -32,5 +34,29 @@ namespace palpate::ui {
 [[nodiscard]] std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
                                                           const engine::Calibration& calibration,
                                                           double period);
+
+/// Opens what --device of `palpate calibrate` names. Its readings count from wherever its encoders
+/// were when it was switched on: the zeros of `calibration` are a guess.
+///
+/// `sim` is a simulated machine whose encoders are off by angles that the calibration has to find.
+/// @throws std::invalid_argument for a device that is not known, naming those that are
+[[nodiscard]] std::unique_ptr<engine::Device> open_for_calibration(
+    const std::string& device, const engine::Calibration& calibration);
+
+/// Brings the handle of a simulated machine in the plane to `place`, object frame, m.
+/// @return false for a device that a person has to move
+bool bring_handle(engine::Device& device, const engine::Vec2& place);
+
+/// X_MM,Y_MM in the object's frame; X_MM,Y_MM,Z_MM of a machine of three axes.
+/// @param word  what it was given as, for the message
+/// @return m   @throws std::invalid_argument with both
+template <int kAxes = 2>
+[[nodiscard]] engine::Vec<kAxes> parse_place(const std::string& text, const std::string& word);
+
+/// "480,300,120". @return none: it is no three numbers
+[[nodiscard]] std::optional<engine::Vec3> three_numbers(const std::string& text);
+
+/// As many digits of a calibration's id tell it from others, for people.
+inline constexpr std::size_t kShownId = 12;
 
 }  // namespace palpate::ui

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "protocols/observer/judged_people.hpp"
+#include "protocols/observer/person.hpp"
 #include "ui/session/simulated_session.hpp"
 
 namespace palpate::ui {

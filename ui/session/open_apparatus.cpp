@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/device/pantograph_plant.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"

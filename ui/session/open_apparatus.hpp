@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocols/session/feasibility.hpp"
-#include "data/store/trial_device.hpp"
+#include "data/store/stored_progress.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/stay_awake.hpp"
 #include "ui/session/rig.hpp"

@@ -21,12 +21,9 @@
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/console_child.hpp"
-#include "ui/session/live_facts.hpp"
-#include "ui/session/observers.hpp"
-#include "ui/session/open_masking.hpp"
 #include "ui/session/provenance.hpp"
+#include "ui/session/rig_parts.hpp"
 #include "ui/session/session_choice.hpp"
-#include "ui/session/stops.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/display.hpp"
 

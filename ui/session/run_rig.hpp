@@ -7,7 +7,6 @@
 #include "data/store/database.hpp"
 #include "ui/session/open_apparatus.hpp"
 #include "ui/session/rig.hpp"
-#include "ui/session/screen_words.hpp"
 
 namespace palpate::ui {
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counterbalance.hpp"
-#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "protocols/session/session.hpp"

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <charconv>
 #include <condition_variable>
-#include <cstdlib>
 #include <exception>
 #include <map>
 #include <mutex>

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "ui/sound/faded_noise.hpp"
-#include "ui/sound/hush.hpp"
 
 namespace palpate::ui {
 namespace {

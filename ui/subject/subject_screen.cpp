@@ -1,6 +1,5 @@
 #include "ui/subject/subject_screen.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

@@ -8,9 +8,9 @@
 #include "engine/safety/trip.hpp"
 #include "protocols/trial/observer.hpp"
 #include "protocols/trial/start_gate.hpp"
+#include "ui/subject/answer_row.hpp"
 #include "ui/subject/faces.hpp"
-#include "ui/subject/picture_row.hpp"
-#include "ui/subject/pointer_map.hpp"
+#include "ui/subject/picking.hpp"
 #include "ui/subject/stage.hpp"
 
 namespace palpate::ui {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/device/drivers/descriptor_link.hpp"
+#include "engine/device/drivers/byte_link.hpp"
 
 namespace palpate::engine {
 

@@ -10,7 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "engine/base/parsed.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "engine/device/drivers/descriptor_link.hpp"
+#include "engine/device/drivers/byte_link.hpp"
 
 namespace palpate::engine {
 

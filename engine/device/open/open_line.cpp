@@ -1,7 +1,6 @@
 #include "engine/device/open/open_line.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <stdexcept>
 
 namespace palpate::engine {

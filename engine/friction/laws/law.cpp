@@ -5,18 +5,9 @@
 #include <string>
 
 #include "engine/base/text.hpp"
-#include "engine/friction/laws/bristle.hpp"
-#include "engine/friction/laws/coulomb_sign.hpp"
-#include "engine/friction/laws/dahl.hpp"
-#include "engine/friction/laws/friction_cone.hpp"
-#include "engine/friction/laws/hayward_armstrong.hpp"
-#include "engine/friction/laws/karnopp.hpp"
-#include "engine/friction/laws/lugre.hpp"
-#include "engine/friction/laws/reset_integrator.hpp"
+#include "engine/friction/laws/bristle_laws.hpp"
+#include "engine/friction/laws/rate_laws.hpp"
 #include "engine/friction/laws/snags.hpp"
-#include "engine/friction/laws/stiction.hpp"
-#include "engine/friction/laws/stribeck_map.hpp"
-#include "engine/friction/laws/viscous.hpp"
 
 namespace palpate::engine {
 namespace {

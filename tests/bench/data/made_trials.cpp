@@ -9,7 +9,6 @@
 #include "protocols/design/streams.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "protocols/trial/drawn_hand.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "protocols/trial/trial_scene.hpp"
 

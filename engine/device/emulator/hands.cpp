@@ -1,0 +1,298 @@
+#include "engine/device/emulator/hands.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "engine/base/text.hpp"
+#include "engine/device/machine.hpp"
+
+namespace palpate::engine {
+
+DeskHand::DeskHand(const Calibration& machine, const Exploration& plan)
+    : pantograph_(machine.pantograph), path_(plan) {
+    const auto home =
+        machine.home ? pantograph_.reach(*machine.home) : std::optional(pantograph_.angles({0, 0}));
+    const auto start = pantograph_.reach(plan.start);
+    if (!home || !pantograph_.locate(*home) || !start) {
+        throw std::invalid_argument("the linkage of " + machine.pantograph.name +
+                                    " cannot be at its home pose or at the start: correct home, "
+                                    "zero_deg or the origin");
+    }
+    home_ = angles_ = *home;
+    start_ = *start;
+}
+
+Vec2 DeskHand::hip() const noexcept {
+    const auto fix = pantograph_.locate(angles_);
+    return fix ? fix->hip : Vec2{};
+}
+
+void DeskHand::before_set_up() noexcept {
+    angles_ = home_;
+    turn_to(Act::rests);
+}
+
+void DeskHand::turn_to(Act act) noexcept {
+    act_ = act;
+    from_ = angles_;
+    time_ = 0.0;
+}
+
+/// At rest at both ends.
+void DeskHand::glide(const JointAngles& to) noexcept {
+    const double t = std::fmin(time_ / kGlide, 1.0);
+    const double share = t * t * (3.0 - 2.0 * t);
+    for (std::size_t i = 0; i < 2; ++i) {
+        angles_[i] = from_[i] + share * (to[i] - from_[i]);
+    }
+}
+
+void DeskHand::advance(double seconds) noexcept {
+    time_ += seconds;
+    switch (act_) {
+        case Act::waits:
+            break;
+        case Act::rests:
+            if (time_ >= kRest) {
+                turn_to(Act::goes);
+            }
+            break;
+        case Act::goes:
+            glide(start_);
+            if (time_ >= kGlide) {
+                turn_to(Act::explores);
+            }
+            break;
+        case Act::explores:
+            angles_ = pantograph_.reach(path_.at(time_).position).value_or(angles_);
+            if (time_ >= path_.duration()) {
+                turn_to(Act::comes);
+            }
+            break;
+        case Act::comes:
+            glide(home_);
+            if (time_ >= kGlide) {
+                turn_to(Act::rests);
+            }
+            break;
+    }
+}
+
+namespace {
+
+/// The same handle in the hand that explores.
+PlantModel somebody_holds(PlantModel plant) {
+    plant.hand = {};
+    return plant;
+}
+
+}  // namespace
+
+FreeHandle::FreeHandle(const PlantModel& plant, const Vec2& place)
+    : plant_(nobody_holds(plant)), stroke_(somebody_holds(plant)), machine_(plant.machine) {
+    let_go(place);
+}
+
+void FreeHandle::bring(const Vec2& place) {
+    if (act_ == Act::free) {
+        return let_go(place);
+    }
+    stroke_.begin({.start = place, .tremor = 0.0});  // refuses what cannot be reached
+    aim_ = stroke_.angles();
+    place_ = place;
+    turn_to(Act::brings);
+}
+
+void FreeHandle::let_go(const Vec2& place) {
+    plant_.begin({.start = place, .tremor = 0.0});
+    plant_.set_torque(torque_);
+    angles_ = plant_.angles();
+    turn_to(Act::free);
+}
+
+Vec2 FreeHandle::place_now() const noexcept {
+    const auto fix = machine_.locate(angles_);
+    return fix ? fix->hip : Vec2{};
+}
+
+void FreeHandle::hold(bool held) {
+    if (held) {
+        turn_to(Act::held);
+    } else if (act_ != Act::free) {
+        let_go(place_now());
+    }
+}
+
+void FreeHandle::explore(const Exploration& plan) {
+    stroke_.begin(plan);  // refuses what cannot be reached, before anything moves
+    plan_ = plan;
+    aim_ = stroke_.angles();
+    turn_to(Act::comes);
+}
+
+void FreeHandle::turn_to(Act act) noexcept {
+    act_ = act;
+    from_ = angles_;
+    time_ = 0.0;
+}
+
+void FreeHandle::set_torque(const Vec3& newton_metres) noexcept {
+    torque_ = gain_ * Vec2(newton_metres);
+    plant_.set_torque(torque_);
+    stroke_.set_torque(torque_);
+}
+
+/// At rest at both ends.
+void FreeHandle::glide() noexcept {
+    const double t = std::fmin(time_ / kGlide, 1.0);
+    const double share = t * t * (3.0 - 2.0 * t);
+    for (std::size_t i = 0; i < 2; ++i) {
+        angles_[i] = from_[i] + share * (aim_[i] - from_[i]);
+    }
+}
+
+void FreeHandle::advance(double seconds) noexcept {
+    time_ += seconds;
+    switch (act_) {
+        case Act::free:
+            plant_.advance(seconds);
+            angles_ = plant_.angles();
+            break;
+        case Act::held:
+            break;
+        case Act::brings:
+            glide();
+            if (time_ >= kGlide) {
+                let_go(place_);
+            }
+            break;
+        case Act::comes:
+            glide();
+            if (time_ >= kGlide) {
+                turn_to(Act::rests);
+            }
+            break;
+        case Act::rests:
+            if (time_ >= kRest) {
+                stroke_.begin(plan_);
+                stroke_.set_torque(torque_);
+                turn_to(Act::strokes);
+            }
+            break;
+        case Act::strokes:
+            stroke_.advance(seconds);
+            angles_ = stroke_.angles();
+            if (stroke_.hand_is_done()) {
+                turn_to(Act::comes);
+            }
+            break;
+    }
+}
+
+namespace {
+
+GantrySpec gantry_of(const Calibration& machine) {
+    if (!machine.gantry) {
+        throw std::invalid_argument("the machine " + machine.name() + " has no three axes");
+    }
+    return *machine.gantry;
+}
+
+GantryModel model_of(const Calibration& machine, bool held) {
+    GantryModel model;
+    model.damping = machine.damping().value_or(model.damping);
+    if (!held) {
+        model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    }
+    return model;
+}
+
+/// Where it goes from home, and comes back to.
+SurfaceExploration round_from(const GantrySpec& machine) {
+    return {.start = machine.home(), .returns = true};
+}
+
+}  // namespace
+
+GantryHand::GantryHand(const Calibration& machine, bool held)
+    : machine_(gantry_of(machine)), held_(held), plant_(model_of(machine, held)) {
+    plant_.begin(round_from(machine_));
+}
+
+void GantryHand::bring(const Vec3& place) {
+    if (!Gantry(machine_).weakest_force(place)) {
+        throw std::invalid_argument("(" + number_text(1e3 * place.x) + ", " +
+                                    number_text(1e3 * place.y) + ", " + number_text(1e3 * place.z) +
+                                    ") mm is outside the workspace of " + machine_.name +
+                                    ": give a place within it");
+    }
+    plant_.begin({.start = place, .tremor = 0.0});
+    plant_.set_force(force_);
+    keeps_ = held_;
+}
+
+void GantryHand::hold(bool held) {
+    GantryModel model = model_of({.gantry = machine_}, held);
+    model.friction = plant_.model().friction;
+    model.weight = plant_.model().weight;
+    const Vec3 place = plant_.position();
+    held_ = held;
+    plant_ = GantryPlant(model);
+    bring(place);
+}
+
+void GantryHand::explore() {
+    hold(true);
+    before_set_up();
+}
+
+void GantryHand::set_torque(const Vec3& newton_metres) noexcept {
+    for (int motor = 0; motor < 3; ++motor) {
+        const std::size_t axis = moves_[static_cast<std::size_t>(motor)];
+        force_[static_cast<int>(axis)] =
+            gain_[motor] * newton_metres[motor] / machine_.axes[axis].radius;
+    }
+    plant_.set_force(force_);
+}
+
+void GantryHand::before_set_up() noexcept {
+    if (held_) {
+        plant_.begin(round_from(machine_));
+        explores_ = false;
+        keeps_ = false;
+        rested_ = 0.0;
+    }
+}
+
+void GantryHand::advance(double seconds) noexcept {
+    if (!held_) {
+        plant_.advance(seconds);
+        return;
+    }
+    if (keeps_) {
+        return;
+    }
+    if (!explores_) {
+        rested_ += seconds;
+        if (rested_ >= kRest) {
+            plant_.begin(round_from(machine_));
+            plant_.set_force(force_);
+            explores_ = true;
+            settled_ = 0.0;
+        }
+        return;
+    }
+    plant_.advance(seconds);
+    settled_ += plant_.hand_is_done() ? seconds : 0.0;
+    if (settled_ >= kSettle) {
+        explores_ = false;
+        rested_ = 0.0;
+    }
+}
+
+double GantryHand::angle(std::size_t axis) const noexcept {
+    const StraightAxis& straight = machine_.axes[axis];
+    return (plant_.position()[static_cast<int>(axis)] - straight.home) / straight.radius;
+}
+
+}  // namespace palpate::engine

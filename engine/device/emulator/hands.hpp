@@ -1,0 +1,177 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/emulator/port_board.hpp"
+#include "engine/device/hand_path.hpp"
+#include "engine/device/pantograph.hpp"
+#include "engine/device/simulated_gantry.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+
+namespace palpate::engine {
+
+/// A firm hand on the handle of an emulated machine that stands on a desk: no torque moves it.
+/// Whenever a board is set up it has brought the handle home; it rests there, goes over to the
+/// start, explores the object, comes home, and so on. It moves without jumps, and rests nowhere but
+/// at home, so that a driver that waits for a resting handle finds it there.
+class DeskHand : public BoardPlant {
+public:
+    static constexpr double kRest = 3.0;   ///< s at home
+    static constexpr double kGlide = 1.5;  ///< s from home to the start, or back
+
+    /// Home is Calibration::home, and without one the pose of count 0.
+    /// @throws std::invalid_argument if the linkage cannot be there, or cannot reach the start
+    explicit DeskHand(const Calibration& machine, const Exploration& plan = {});
+
+    void set_torque(const Vec3& newton_metres) noexcept override { torque_ = newton_metres; }
+    void advance(double seconds) noexcept override;
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
+    void before_set_up() noexcept override;
+
+    /// Where the handle truly is, object frame, m.
+    [[nodiscard]] Vec2 hip() const noexcept;
+    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
+    [[nodiscard]] Vec3 torque() const noexcept { return torque_; }
+
+private:
+    enum class Act : std::uint8_t { waits, rests, goes, explores, comes };
+
+    void turn_to(Act act) noexcept;
+    void glide(const JointAngles& to) noexcept;
+
+    Pantograph pantograph_;
+    HandPath path_;
+    JointAngles home_{};
+    JointAngles start_{};
+    JointAngles angles_{};
+    JointAngles from_{};  ///< where the present act began
+    Vec3 torque_{};
+    Act act_ = Act::waits;
+    double time_ = 0.0;  ///< s in the present act
+};
+
+/// `plant` without a hand on its handle.
+[[nodiscard]] inline PlantModel nobody_holds(PlantModel plant) {
+    plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    return plant;
+}
+
+/// The handle of an emulated machine on a desk that nobody holds, so that motors move it and
+/// friction stops it, until a hand takes it.
+///
+/// A hand that explores takes the handle over to the start, rests there, strokes over the object
+/// and gives way as the hand of a SimulatedPantograph does, comes back to the start, and so on. It
+/// moves without jumps.
+class FreeHandle : public BoardPlant {
+public:
+    static constexpr double kRest = 3.0;   ///< s at the start
+    static constexpr double kGlide = 1.5;  ///< s from where it is to the start
+
+    /// At rest at `place`. @throws std::invalid_argument if it is out of reach
+    FreeHandle(const PlantModel& plant, const Vec2& place);
+
+    /// Somebody brings it there and lets go; a hand that holds it does so on a way without a jump.
+    /// @throws std::invalid_argument if it is out of reach
+    void bring(const Vec2& place);
+    /// From now on a hand holds it where it is, or nobody does.
+    void hold(bool held);
+    /// A hand takes it where it is, and explores. @throws std::invalid_argument for a start out of
+    /// reach
+    void explore(const Exploration& plan);
+
+    /// From now on its motors give `gain` times what they are asked for.
+    void strengthen(double gain) noexcept { gain_ = Vec2(gain); }
+    /// The same of one motor. @param motor  0 or 1
+    void strengthen(std::size_t motor, double gain) noexcept {
+        gain_[static_cast<int>(motor)] = gain;
+    }
+
+    void set_torque(const Vec3& newton_metres) noexcept override;
+    void advance(double seconds) noexcept override;
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
+    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
+
+private:
+    enum class Act : std::uint8_t { free, held, brings, comes, rests, strokes };
+
+    void let_go(const Vec2& place);
+    [[nodiscard]] Vec2 place_now() const noexcept;
+    void turn_to(Act act) noexcept;
+    void glide() noexcept;
+
+    PantographPlant plant_;   ///< nobody's
+    PantographPlant stroke_;  ///< with a hand
+    Pantograph machine_;
+    Exploration plan_{};
+    JointAngles angles_{};
+    JointAngles from_{};  ///< where the hand set off
+    JointAngles aim_{};   ///< where to
+    Vec2 place_{};        ///< the same in the plane, where it lets go
+    Vec2 gain_{1.0};
+    Vec2 torque_{};
+    Act act_ = Act::free;
+    double time_ = 0.0;  ///< s in the present act
+};
+
+/// The handle of an emulated machine of three straight axes, on a board: held by a hand, or free.
+///
+/// The hand brings the handle home whenever the board is set up; it rests there, explores the patch
+/// about the origin, comes home, and so on. It gives way as the hand of a SimulatedGantry does.
+class GantryHand : public BoardPlant {
+public:
+    static constexpr double kRest = 3.0;    ///< s at home
+    static constexpr double kSettle = 0.5;  ///< s, after the way home
+
+    /// @param machine  with a gantry
+    /// @param held     false: nobody holds the handle, and motors move it
+    /// @throws std::invalid_argument for a machine without a gantry
+    explicit GantryHand(const Calibration& machine, bool held = true);
+
+    /// Somebody brings the handle there and lets go, m, or where a hand holds it keeps it there.
+    /// @throws std::invalid_argument outside the workspace
+    void bring(const Vec3& place);
+    /// From now on its motors give `gain` times what is asked of them.
+    void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
+    /// The same of one motor. @param motor  below 3
+    void strengthen(std::size_t motor, double gain) noexcept {
+        gain_[static_cast<int>(motor)] = gain;
+    }
+    /// The cables of two motors change places. @param one, other  below 3
+    void swap_motors(std::size_t one, std::size_t other) noexcept {
+        std::swap(moves_[one], moves_[other]);
+    }
+    /// It rubs and weighs so much from now on, N. @throws std::invalid_argument as
+    /// GantryPlant::burden
+    void burden(double friction, double weight) { plant_.burden(friction, weight); }
+    [[nodiscard]] const GantryModel& model() const noexcept { return plant_.model(); }
+    /// From now on a hand holds it where it is, until the board is set up again, or nobody does.
+    void hold(bool held);
+    /// A hand takes it at home, and explores.
+    void explore();
+
+    void set_torque(const Vec3& newton_metres) noexcept override;
+    void advance(double seconds) noexcept override;
+    /// rad from home
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override;
+    void before_set_up() noexcept override;
+
+    /// Where the handle truly is, object frame, m.
+    [[nodiscard]] const Vec3& hip() const noexcept { return plant_.position(); }
+
+private:
+    GantrySpec machine_;
+    bool held_;
+    GantryPlant plant_;
+    Vec3 force_{};  ///< N, of the motors
+    Vec3 gain_{1.0};
+    std::array<std::size_t, 3> moves_{0, 1, 2};  ///< which axis each motor moves
+    double rested_ = 0.0;                        ///< s at home
+    double settled_ = 0.0;                       ///< s after the way home
+    bool explores_ = false;
+    bool keeps_ = false;  ///< the hand that holds it stands still
+};
+
+}  // namespace palpate::engine

@@ -1,0 +1,291 @@
+#include "ui/session/rig_parts.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "protocols/design/session_plan.hpp"
+#include "protocols/observer/simulated_observer.hpp"
+#include "protocols/session/trouble.hpp"
+#include "protocols/session/trust.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/session/open_apparatus.hpp"
+#include "ui/subject/display.hpp"
+#include "ui/subject/spectator_screen.hpp"
+#include "ui/subject/subject_screen.hpp"
+
+namespace palpate::ui {
+namespace {
+
+/// @throws std::invalid_argument if there is no such monitor, or SDL would put the window on
+/// another
+void require_monitor(const std::vector<std::string>& monitors, std::size_t number) {
+    std::string all;
+    for (std::size_t i = 0; i < monitors.size(); ++i) {
+        all += fmt::format("{}{}: {}", i == 0 ? "" : "; ", i + 1, monitors[i]);
+    }
+    if (number > monitors.size()) {
+        throw std::invalid_argument(fmt::format("--monitor {}: there {} {} ({}): give one of them",
+                                                number, monitors.size() == 1 ? "is" : "are",
+                                                monitors.size(), all));
+    }
+    const auto place = [&](std::size_t i) {
+        return monitors[i].substr(monitors[i].rfind(" at "));
+    };
+    for (std::size_t i = 0; i + 1 < number; ++i) {
+        if (place(i) == place(number - 1)) {
+            throw std::invalid_argument(fmt::format(
+                "--monitor {}: monitor {} is at the same place ({}): leave it out if they show the "
+                "same, or name a screen of its own by DISPLAY, as :0.1",
+                number, i + 1, all));
+        }
+    }
+}
+
+}  // namespace
+
+void add_screen_words(CommandWords& words, ScreenOptions& screen) {
+    words.add("--headless", screen.headless,
+              "No window: the simulated observer answers (so does it without a display)");
+    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
+    words
+        .add("--windowed", screen.windowed,
+             "It does not; without either word it does in real sessions")
+        .excludes("--fullscreen");
+    words
+        .add("--monitor", screen.monitor,
+             "Number of the monitor for the subject's window; palpate doctor names them")
+        .above_zero();
+    words.add("--font", screen.font, "A TrueType font for the subject's screen");
+    words
+        .add(
+            "--speed", screen.speed,
+            "Simulated and replayed hands at this multiple of real time; 0: as fast as the machine")
+        .from_zero();
+}
+
+bool wants_window(const ScreenOptions& screen) {
+    if (screen.headless) {
+        return false;
+    }
+    const FoundDisplay found = find_display();
+    if (found.state == FoundDisplay::State::broken) {
+        throw std::invalid_argument(found.trouble);
+    }
+    if (found.state == FoundDisplay::State::ready && screen.monitor > 0) {
+        require_monitor(found.monitors, static_cast<std::size_t>(screen.monitor));
+    }
+    return found.state == FoundDisplay::State::ready;
+}
+
+namespace {
+
+std::string fact_of(const OpenedApparatus& felt, std::string_view key) {
+    const auto fact = std::ranges::find(felt.opening, key, &OpeningFact::key);
+    return fact == felt.opening.end() ? "" : fact->value;
+}
+
+}  // namespace
+
+LiveFacts live_facts(const RigSpec& spec,
+                     const OpenedApparatus& felt,
+                     data::Database& database,
+                     const data::OpenedSession& opened) {
+    data::Statement row =
+        database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
+    const auto calibration = std::ranges::find(felt.provenance, "calibration name",
+                                               [](const auto& p) { return p.first; });
+    return {.uuid = std::string(row.text(0)),
+            .file = std::filesystem::absolute(database.file()).string(),
+            .kind = std::string(to_string(spec.kind)),
+            .participant = spec.key.participant,
+            .number = spec.key.session,
+            .operator_name = spec.operator_name,
+            .device = felt.port->device_name(),
+            .calibration = calibration == felt.provenance.end() ? "" : calibration->second,
+            .check = fact_of(felt, protocols::kRigCheck),
+            .guard = fact_of(felt, "device watchdog"),
+            .round_trip_us =
+                felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
+            .gives_force = gives_force(spec.device.kind),
+            .answered = opened.progress.pending().answered(),
+            .left = opened.progress.pending().order().size()};
+}
+
+namespace {
+
+std::unique_ptr<protocols::Observer> make_simulated_observer(
+    const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
+    return std::make_unique<protocols::SimulatedObserver>(
+        spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
+        plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
+}
+
+SubjectScreenOptions screen_options(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk,
+                                    LiveSession& live) {
+    SubjectScreenOptions options;
+    options.desk = &desk;
+    options.window.fullscreen =
+        spec.screen.fullscreen || (spec.kind == data::RunKind::real && !spec.screen.windowed);
+    options.window.monitor = spec.screen.monitor;
+    options.window.font = spec.screen.font;
+    options.window.language = spec.study.protocol.language;
+    options.window.instructions =
+        spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
+    options.asks = spec.study.protocol.response.kind;
+    options.start = spec.study.protocol.apparatus.start;
+    options.gate = protocols::StartGate(spec.study.protocol);
+    options.place = [&apparatus] {
+        return apparatus.place();
+    };
+    options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
+                      : unproved(spec)                        ? "PILOT, NOT PROVED: 0.3 N"
+                      : spec.kind == data::RunKind::pilot     ? "PILOT"
+                                                              : "";
+    options.interrupted = [&live] {
+        live.pump();
+        return interrupted();
+    };
+    options.guard_s = spec.study.protocol.timing.guard;
+    options.dead_man = spec.study.protocol.safety.dead_man && gives_force(spec.device.kind);
+    options.on_hold = [&apparatus](bool held) {
+        apparatus.hold(held);
+    };
+    options.on_stop = [&apparatus, &desk](engine::Trip cause, const char* way) {
+        desk.stop(way);
+        apparatus.stop(cause);
+    };
+    options.on_close = [] {
+        say("The participant's window was to be closed, and stays: Ctrl+Shift+Q there, then Y, "
+            "ends the "
+            "session.\n");
+    };
+    if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
+        options.on_pointer = [pointer](const engine::Vec2& position) {
+            pointer->pointer().publish(position);
+        };
+    }
+    return options;
+}
+
+}  // namespace
+
+Observers observers_before_the_plan(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk,
+                                    LiveSession& live) {
+    if (!wants_window(spec.screen) || spec.watch_only) {
+        return {};
+    }
+    return {.simulated = nullptr,
+            .screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk, live))};
+}
+
+void add_simulated_observer(Observers& observers,
+                            const RigSpec& spec,
+                            const protocols::Plan& plan,
+                            protocols::Apparatus& apparatus,
+                            protocols::OperatorDesk& desk,
+                            LiveSession& live) {
+    if (observers.screen) {
+        return;
+    }
+    observers.simulated = make_simulated_observer(spec, plan, apparatus);
+    if (wants_window(spec.screen)) {
+        observers.screen = std::make_unique<SpectatorScreen>(
+            *observers.simulated, screen_options(spec, apparatus, desk, live));
+    }
+}
+
+namespace {
+
+OpenedMasking silent(const std::string& why) {
+    warn("no masking noise: {}", why);
+    return {.player = nullptr, .note = "none: " + why};
+}
+
+}  // namespace
+
+OpenedMasking open_masking(const RigSpec& spec) {
+    const protocols::MaskingSpec& asked = spec.study.protocol.masking;
+    if (asked.noise == protocols::Noise::none || !held_by_a_person(spec.device.kind)) {
+        return {};
+    }
+    if (spec.screen.no_sound) {
+        return silent("--no-sound was given");
+    }
+    OpenedMasking opened{
+        .player = nullptr, .note = {}, .required = spec.kind == data::RunKind::real};
+    try {
+        opened.player =
+            open_noise(asked, protocols::session_stream(spec.study.hash, spec.key, spec.seed));
+    } catch (const std::runtime_error& error) {
+        if (opened.required) {
+            throw;
+        }
+        return silent(error.what());
+    }
+    opened.note = opened.player->name();
+    if (!opened.player->audible()) {
+        if (opened.required) {
+            throw std::runtime_error(
+                fmt::format("masking noise ({}) would reach nobody: leave SDL_AUDIODRIVER unset, "
+                            "or give --no-sound",
+                            opened.note));
+        }
+        warn("the masking noise ({}) reaches nobody", opened.note);
+    }
+    return opened;
+}
+
+std::unique_ptr<StopLines> stop_lines(const data::Database& database,
+                                      const RigSpec& spec,
+                                      protocols::Apparatus& apparatus,
+                                      protocols::OperatorDesk& desk,
+                                      LiveSession& live) {
+    const bool screen = live.board().facts().screen;
+    const auto stop = [&apparatus, &desk, screen](const char* way) {
+        desk.stop(way);
+        apparatus.stop(engine::Trip::stopped);
+        say("Stopped ({}): no force {}.\n", way,
+            screen ? "until Ctrl+Shift+P at the participant's screen" : "any more in this trial");
+    };
+    const auto bar = [&desk](const char* why) {
+        desk.bar(why);
+    };
+    return std::make_unique<StopLines>(
+        database.file(),
+        fmt::format("{}, participant {}, {}{}\n", spec.study.protocol.id, spec.key.participant,
+                    std::filesystem::absolute(database.file()).string(),
+                    screen ? ": Ctrl+Shift+P at the participant's screen goes on" : ""),
+        spec.stop_button,
+        StopLines::Acts{
+            .stop = stop,
+            .bar = bar,
+            .types = screen || spec.stop_button,
+            .obey = [&live](const std::string& line, const std::shared_ptr<Caller>& caller) {
+                live.hear(line, caller);
+            }});
+}
+
+void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why) {
+    warn(
+        "{}\nThe participant's screen says \"one moment\". Enter here, or Ctrl+Shift+Q then Y "
+        "there, closes it.",
+        why);
+    static_cast<void>(desk.take_stop());
+    while (!display_lost() && !interrupted() && desk.take_stop() == nullptr &&
+           screen.trouble({.sentence = why}) != protocols::Signal::abort) {
+        protocols::sleep_for(protocols::kTroubleSlice);
+    }
+}
+
+}  // namespace palpate::ui
