@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
+#include "protocols/file/keys.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/inference/power.hpp"
 #include "data/inference/stats_report.hpp"

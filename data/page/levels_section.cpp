@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "protocols/file/keys.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/graded_answers.hpp"

@@ -146,7 +146,7 @@ TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[a
     CAPTURE(edit);
     database.execute(edit);
     CHECK_FALSE(differences(database).empty());
-    CHECK_THROWS_WITH(run_simulated(database, spec), ContainsSubstring("nothing was run"));
+    CHECK_THROWS_WITH(run_simulated(database, spec), Has("nothing was run"));
     CHECK(count(database, "trial") == trials);
 }
 
@@ -196,11 +196,10 @@ TEST_CASE("a run handed to palpate procedure gives the stored estimates and stat
         protocols::ProcedureFile file = protocols::parse_procedure(made.procedure, "run.toml");
         protocols::Procedure& procedure = file.procedure;
         // Whose run it is cannot be read from it.
-        CHECK_THAT(made.procedure, ContainsSubstring(stream_origin(run_key(
-                                       session_stream(spec), static_cast<std::size_t>(run)))) &&
-                                       !ContainsSubstring("P01") &&
-                                       !ContainsSubstring(tests::kSecret) &&
-                                       !ContainsSubstring(spec.protocol_hash));
+        CHECK_THAT(
+            made.procedure,
+            Has(stream_origin(run_key(session_stream(spec), static_cast<std::size_t>(run)))) &&
+                !Has("P01") && !Has(tests::kSecret) && !Has(spec.protocol_hash));
         data::Statement row = database.prepare(
             "SELECT stimulus, rule_outcome, state_sha256, estimates FROM analysis_trial WHERE "
             "run_trial_number IS NOT NULL AND run_number = ?1 ORDER BY run_trial_number",

@@ -7,7 +7,6 @@
 
 using namespace palpate;
 using namespace palpate::data;
-using Catch::Matchers::ContainsSubstring;
 using tests::TemporaryFolder;
 
 namespace {
@@ -70,7 +69,7 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
           "[analysis]") {
     const TemporaryFolder folder;
     Database database(folder.file("it's.sqlite"), Access::write);
-    CHECK_THAT(data::summary_text(database), ContainsSubstring("No main trial"));
+    CHECK_THAT(data::summary_text(database), Has("No main trial"));
     for (const data::RunKind kind : {data::RunKind::simulated, data::RunKind::real}) {
         auto spec =
             tests::session_spec(tests::small_protocol(), kind == data::RunKind::real ? "R1" : "S1");
@@ -84,12 +83,12 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
         }
     }
     const std::string text = data::summary_text(database);
-    CHECK_THAT(text, ContainsSubstring("simulated data: participant and device are SIMULATED"));
-    CHECK_THAT(text, ContainsSubstring("S1      off       3     3  1.000  0.439 to 1.000") &&
-                         ContainsSubstring("R1      off       1     3  0.333  0.061 to 0.792") &&
-                         ContainsSubstring("one person: how people differ is not known"));
+    CHECK_THAT(text, Has("simulated data: participant and device are SIMULATED",
+                         "S1      off       3     3  1.000  0.439 to 1.000",
+                         "R1      off       1     3  0.333  0.061 to 0.792",
+                         "one person: how people differ is not known"));
     CHECK(text.find("real data") < text.find("simulated data"));
-    CHECK_THAT(text, ContainsSubstring("straight         .         .         2"));
+    CHECK_THAT(text, Has("straight         .         .         2"));
 }
 
 TEST_CASE(
@@ -104,7 +103,7 @@ TEST_CASE(
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     int answers = 0;
     for (const auto& planned : spec.plan.trials) {
-        const auto object = static_cast<std::size_t>(random.below(3));
+        const auto object = random.index(3);
         recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned),
                            tests::answered(object, object == planned.condition.object));
         ++answers;

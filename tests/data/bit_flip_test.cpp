@@ -77,8 +77,7 @@ TEST_CASE(
     for (std::uint64_t seed = 0; seed < tests::cases(300U); ++seed) {
         tests::Random random(seed);
         std::string damaged = bytes;
-        auto& byte =
-            damaged[static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())))];
+        auto& byte = damaged[random.index(bytes.size())];
         byte = static_cast<char>(byte ^ (1 << random.below(8)));
         const std::string copy = folder.file("copy.sqlite");
         std::ofstream(copy, std::ios::binary) << damaged;
@@ -126,7 +125,7 @@ TEST_CASE(
         "0.1"};
     const auto say = [&](const std::string& of, std::size_t i) {
         tests::Opened database(of);
-        return tests::rows_of(database, queries[i]);
+        return tests::sql_rows(database, queries[i]);
     };
     std::vector<std::vector<tests::SampleRow>> before;
     for (std::size_t i = 0; i < std::size(queries); ++i) {

@@ -70,10 +70,9 @@ bool same_contact(const TickRecord& a, const TickRecord& b) {
 
 /// The same ticks again in chunks of other sizes, 1 to `max` ticks each.
 struct Cut {
-    Cut(std::span<const TickRecord> ticks, int max, tests::Random& random) {
+    Cut(std::span<const TickRecord> ticks, std::size_t max, tests::Random& random) {
         for (std::size_t first = 0; first < ticks.size();) {
-            const std::size_t count =
-                std::min(ticks.size() - first, 1 + static_cast<std::size_t>(random.below(max)));
+            const std::size_t count = std::min(ticks.size() - first, 1 + random.index(max));
             const auto part = std::span(ticks).subspan(first, count);
             const std::uint8_t parts = data::part_command;  // after a safety chain
             bytes.push_back(data::encode_chunk(part, part.front().tick, 1'000'000, parts));
@@ -107,8 +106,7 @@ TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded st
         std::vector<std::size_t> order(replay.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
         for (std::size_t i = order.size(); i > 1; --i) {
-            std::swap(order[i - 1],
-                      order[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+            std::swap(order[i - 1], order[random.index(i)]);
         }
         for (const std::size_t i : order) {
             const auto again = replay.chunk(i);
@@ -136,7 +134,7 @@ TEST_CASE(
     data::ChunkReplay replay(recorded.machine, recorded.scene.get(), cut.views);
     const int questions = 1 + random.below(static_cast<int>(2 * cut.views.size()));
     for (int k = 0; k < questions; ++k) {  // then it ends, whatever is under way
-        const auto i = static_cast<std::size_t>(random.below(static_cast<int>(cut.views.size())));
+        const auto i = random.index(cut.views.size());
         const auto again = replay.chunk(i);
         REQUIRE(again.as_recorded);
         REQUIRE(again.ticks.size() == cut.views[i].ticks);
@@ -153,7 +151,7 @@ TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is 
     const data::Ticks ticks =
         data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;
     Cut cut(ticks, 600, random);
-    const auto damaged = static_cast<std::size_t>(random.below(static_cast<int>(cut.views.size())));
+    const auto damaged = random.index(cut.views.size());
     cut.views[damaged].crc32 ^= 1U;
     data::ChunkReplay replay(recorded.machine, recorded.scene.get(), cut.views);
     for (std::size_t i = 0; i < cut.views.size(); ++i) {

@@ -33,8 +33,7 @@ data::ChunkView view_of(const data::EncodedChunk& chunk,
 TEST_CASE("a chunk that holds all parts comes back to the bit, every field and every NaN",
           "[trace][law]") {
     SEEDED(random, std::uint64_t{40});
-    auto ticks =
-        random_ticks(seed, 1 + static_cast<std::size_t>(random.below(2048)), 7 * random.below(9));
+    auto ticks = random_ticks(seed, 1 + random.index(2048), 7 * random.below(9));
     for (engine::TickRecord& tick : ticks) {  // anything that fits
         tick.time_ns += random.coin() ? random.below(1 << 30) : 0;
         tick.counts[1] =

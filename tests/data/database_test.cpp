@@ -36,16 +36,14 @@ TEST_CASE("a file that is no palpate database is refused and stays as it is", "[
     const std::string text = folder.file("notes.txt");
     std::ofstream(text) << std::string(5000, 'x');
     const std::string before = tests::slurp(text);
-    CHECK_THROWS_WITH(
-        Database(text, Access::write),
-        ContainsSubstring("notes.txt") && ContainsSubstring("choose another file name"));
+    CHECK_THROWS_WITH(Database(text, Access::write), Has("notes.txt", "choose another file name"));
     CHECK(tests::slurp(text) == before);
 
     const std::string other = folder.file("other.sqlite");
     tests::Process({"sqlite3", other, "CREATE TABLE theirs (x); INSERT INTO theirs VALUES (1);"})
         .wait();
     const std::string theirs = tests::slurp(other);
-    CHECK_THROWS_WITH(Database(other, Access::write), ContainsSubstring("not a palpate database"));
+    CHECK_THROWS_WITH(Database(other, Access::write), Has("not a palpate database"));
     CHECK(tests::slurp(other) == theirs);
 }
 
@@ -62,7 +60,7 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
     const std::string before = tests::slurp(file);
     const std::string why =
         version == 0 ? "not a palpate database" : fmt::format("schema {}", version);
-    CHECK_THROWS_WITH(Database(file, Access::write), ContainsSubstring(why));
+    CHECK_THROWS_WITH(Database(file, Access::write), Has(why));
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"run", "shape_friction", "--participant", "P1", "--db", file,
                                    "--headless"},
@@ -74,7 +72,7 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
           {"export", file, "--format", "csv", "-o", folder.file("out")}}) {
         CAPTURE(words.front());
         const tests::Finished refused = ran(words, 2);
-        CHECK_THAT(refused.error, ContainsSubstring(why));
+        CHECK_THAT(refused.error, Has(why));
     }
     CHECK(tests::slurp(file) == before);
     for (const std::string& name : folder.names()) {
@@ -83,12 +81,11 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
 }
 
 TEST_CASE("a place that cannot be written is named, with the remedy", "[store]") {
-    CHECK_THROWS_WITH(
-        Database("/nowhere/at/all.sqlite", Access::write),
-        ContainsSubstring("/nowhere/at/all.sqlite") && ContainsSubstring("folder exists"));
+    CHECK_THROWS_WITH(Database("/nowhere/at/all.sqlite", Access::write),
+                      Has("/nowhere/at/all.sqlite", "folder exists"));
     const TemporaryFolder folder;
     CHECK_THROWS_WITH(Database(folder.file("absent.sqlite"), Access::read),
-                      ContainsSubstring("absent.sqlite: there is no such file"));
+                      Has("absent.sqlite: there is no such file"));
     CHECK(folder.names().empty());
 }
 

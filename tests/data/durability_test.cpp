@@ -17,7 +17,6 @@
 
 using namespace palpate;
 using namespace palpate::data;
-using Catch::Matchers::ContainsSubstring;
 using tests::TemporaryFolder;
 using namespace std::chrono_literals;
 
@@ -223,7 +222,7 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
                                      (protocol.timing.explore_timeout * 1000.0 * 40.0) +
                                  2.0);
     CHECK_THROWS_WITH(data::require_space(file, protocol, many),
-                      ContainsSubstring("a.sqlite") && ContainsSubstring("free some space"));
+                      Has("a.sqlite", "free some space"));
 }
 
 TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",

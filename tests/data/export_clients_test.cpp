@@ -14,9 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 void replace(std::string& text, std::string_view from, std::string_view to) {
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    text.replace(at, from.size(), to);
+    text = replaced(std::move(text), from, to);
 }
 
 /// Two studies, one whose rule chooses, with three people: words that tables find hard, confidence,
@@ -158,7 +156,7 @@ TEST_CASE("bids-validator finds no error in an export", "[export]") {
     const Finished done = Process({validator, out.string(), "--json"}).wait();
     CAPTURE(done.out.substr(0, 2000), done.error);
     CHECK(done.code == 0);
-    CHECK_THAT(done.out, ContainsSubstring("\"errors\":[]"));
+    CHECK_THAT(done.out, Has("\"errors\":[]"));
     const std::string warned = done.out.substr(0, done.out.find("\"ignored\":"));
     // 38: not everybody did everything. 82: motion.tsv has no head line, as the standard has it.
     // 113: no authors.

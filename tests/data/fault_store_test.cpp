@@ -184,7 +184,7 @@ TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothi
     TrialResult result = tests::answered(0, true);
     result.fault =
         Fault{.cause = engine::Trip::late, .text = {}, .last = tests::random_ticks(1, 5)};
-    CHECK_THROWS_WITH(recorder.end_trial(id, result), ContainsSubstring("with a fault"));
+    CHECK_THROWS_WITH(recorder.end_trial(id, result), Has("with a fault"));
     CHECK(lines(database, "SELECT count(*) FROM fault_tick") == "0 \n");
     CHECK_NOTHROW(recorder.end_trial(id, tests::answered(0, true)));
     CHECK(lines(database, "SELECT count(*) FROM fault") == "0 \n");

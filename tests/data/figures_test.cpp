@@ -20,20 +20,9 @@ using Columns = std::map<std::string, std::vector<double>>;
 
 /// A CSV text of ours as columns; empty fields are NaN.
 Columns read_columns(const std::string& text) {
-    std::istringstream lines(text);
-    std::string line;
-    std::getline(lines, line);
-    std::vector<std::string> names;
-    std::istringstream head(line);
-    for (std::string name; std::getline(head, name, ',');) {
-        names.push_back(name);
-    }
     Columns columns;
-    while (std::getline(lines, line)) {
-        std::istringstream fields(line + ",");
-        for (const std::string& name : names) {
-            std::string field;
-            std::getline(fields, field, ',');
+    for (const auto& row : palpate::tests::csv_records(text)) {
+        for (const auto& [name, field] : row) {
             columns[name].push_back(field.empty() ? std::numeric_limits<double>::quiet_NaN()
                                                   : std::strtod(field.c_str(), nullptr));
         }

@@ -8,7 +8,6 @@
 
 using namespace palpate;
 using namespace palpate::data;
-using Catch::Matchers::ContainsSubstring;
 using tests::TemporaryFolder;
 
 namespace {
@@ -73,8 +72,7 @@ TEST_CASE("somebody's database with a log beside it is refused, and both stay by
     const std::string log = tests::slurp(file + "-wal");
     REQUIRE_FALSE(log.empty());
 
-    CHECK_THROWS_WITH(Database(file, access), ContainsSubstring("theirs.sqlite") &&
-                                                  ContainsSubstring("not a palpate database"));
+    CHECK_THROWS_WITH(Database(file, access), Has("theirs.sqlite", "not a palpate database"));
 
     CHECK(tests::slurp(file) == data);
     CHECK(tests::slurp(file + "-wal") == log);
@@ -88,8 +86,7 @@ TEST_CASE("a file of somebody's is refused and stays, however small it is", "[st
         CAPTURE(size);
         const std::string text(size, 'x');
         std::ofstream(file, std::ios::trunc) << text;
-        CHECK_THROWS_WITH(Database(file, Access::write),
-                          ContainsSubstring("not a palpate database"));
+        CHECK_THROWS_WITH(Database(file, Access::write), Has("not a palpate database"));
         CHECK(tests::slurp(file) == text);
     }
     CHECK(folder.names() == std::vector<std::string>{"note"});
@@ -119,12 +116,12 @@ TEST_CASE("a database without a name is refused with a sentence, and leaves noth
     const Access access = GENERATE(Access::write, Access::read);
     const TemporaryFolder folder;
     const WorkingFolder here(folder.path());
-    CHECK_THROWS_WITH(Database("", access), ContainsSubstring("give a file name"));
+    CHECK_THROWS_WITH(Database("", access), Has("give a file name"));
     CHECK(folder.names().empty());
 }
 
 TEST_CASE("a folder in place of a database is called a folder", "[store]") {
     const Access access = GENERATE(Access::write, Access::read);
     const TemporaryFolder folder;
-    CHECK_THROWS_WITH(Database(folder.path().string(), access), ContainsSubstring("is a folder"));
+    CHECK_THROWS_WITH(Database(folder.path().string(), access), Has("is a folder"));
 }

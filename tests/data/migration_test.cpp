@@ -7,7 +7,6 @@
 
 using namespace palpate;
 using namespace palpate::data;
-using Catch::Matchers::ContainsSubstring;
 using tests::TemporaryFolder;
 
 namespace {
@@ -61,8 +60,7 @@ TEST_CASE("a step that fails leaves the file as it was, and its copy", "[store][
           "0");
     CHECK(answer(database, "SELECT count(*) FROM analysis_trial") == "0");
     CHECK(std::filesystem::exists(file + ".schema-1.sqlite"));
-    CHECK_THROWS_WITH(data::migrate(database.connection(), steps),
-                      ContainsSubstring("move it away"));
+    CHECK_THROWS_WITH(data::migrate(database.connection(), steps), Has("move it away"));
 }
 
 TEST_CASE("no file is led over a gap, and nothing was released yet", "[store][migration]") {
@@ -70,7 +68,7 @@ TEST_CASE("no file is led over a gap, and nothing was released yet", "[store][mi
     Database database(old_file(folder), Access::write);
     const MigrationStep steps[] = {{3, ""}};
     CHECK_THROWS_WITH(data::migrate(database.connection(), steps),
-                      ContainsSubstring("no step leads on from schema 1"));
+                      Has("no step leads on from schema 1"));
     CHECK(data::migration_steps().empty());
     CHECK(data::kSchemaVersion == 1);
 }
@@ -79,7 +77,7 @@ TEST_CASE("a row is written by the names of its columns, and no other name", "[s
     const TemporaryFolder folder;
     Database database(old_file(folder), Access::write);
     CHECK_THROWS_WITH(data::Row("participant").set("mood", "calm"),
-                      ContainsSubstring("no column participant.mood"));
+                      Has("no column participant.mood"));
     CHECK(data::Row("participant")
               .set("participant_code", "P1")
               .set("consent", true)

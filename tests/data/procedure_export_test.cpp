@@ -25,7 +25,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         }
         const Finished shown = ran(
             {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
-        CHECK_THAT(tests::slurp(run.path() / "CONFIG.toml"), !ContainsSubstring("P0"));
+        CHECK_THAT(tests::slurp(run.path() / "CONFIG.toml"), !Has("P0"));
         data::Statement person = database.prepare(
             "SELECT participant_code FROM participant WHERE instr(?1, printf('subject-%010d_', "
             "subject))");
@@ -36,18 +36,16 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
             "run_trial_number IS NOT NULL AND participant_code = ?1 AND run_number = ?2 ORDER BY "
             "run_trial_number",
             who, name.back() - '0');
-        std::istringstream lines(shown.out);
-        std::string line;
-        REQUIRE(std::getline(lines, line));
-        CHECK_THAT(line, ContainsSubstring("state_sha256"));
+        const auto lines = tests::lines_in(shown.out);
+        REQUIRE(lines.size() == 8);
+        CHECK_THAT(lines[0], Has("state_sha256"));
         std::size_t n = 0;
         for (; row.step(); ++n) {
-            REQUIRE(std::getline(lines, line));
+            const std::string& line = lines.at(n + 1);
             CAPTURE(line);
             REQUIRE(line.starts_with(fmt::format("{},{},{},", n + 1, row.real(0), row.integer(1))));
             REQUIRE(line.ends_with("," + row.text(2)));
         }
-        CHECK_FALSE(std::getline(lines, line));
         CHECK(n == 7);
         ++replayed;
     }
@@ -64,6 +62,6 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
     }
     const Finished refused = ran(
         {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")}, 2);
-    CHECK_THAT(refused.error, ContainsSubstring("no session"));
+    CHECK_THAT(refused.error, Has("no session"));
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));
 }

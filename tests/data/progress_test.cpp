@@ -26,8 +26,7 @@ public:
     }
     Choice choose(const TrialView& /*trial*/, const Question& question) override {
         maybe();
-        return {.place =
-                    static_cast<std::size_t>(random_.below(static_cast<int>(question.answers)))};
+        return {.place = random_.index(question.answers)};
     }
     Signal gap(double /*seconds*/) override {
         maybe();
@@ -208,8 +207,7 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
             // Between two sittings somebody marks an answer, perhaps one of long ago.
             if (const auto ids = moments.back().known.counting(1);
                 !ids.empty() && sitting % 2 == 0) {
-                const TrialId trial =
-                    ids[static_cast<std::size_t>(random.below(static_cast<int>(ids.size())))];
+                const TrialId trial = ids[random.index(ids.size())];
                 if (count(database,
                           fmt::format("trial WHERE trial_id = {} AND invalid_reason IS NULL",
                                       trial)) == 1) {

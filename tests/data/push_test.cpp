@@ -95,7 +95,7 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
                                      "datname = 'cut{}'",
                                      seed));
             }
-            CHECK_THAT(push.wait().error, !ContainsSubstring(PostgresServer::kPassword));
+            CHECK_THAT(push.wait().error, !Has(PostgresServer::kPassword));
             Postgres now(url);
             if (now.rows("SELECT 1 FROM pg_tables WHERE schemaname = 'palpate' AND tablename = "
                          "'trace_chunk'")
@@ -175,8 +175,7 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
             database.execute(change);
             chain_again(database);
         }
-        const Finished push = ran({"push", other, "--to", server->url()}, 1);
-        CHECK_THAT(push.error, ContainsSubstring("conflict: "));
+        CHECK_THAT(ran({"push", other, "--to", server->url()}, 1).error, Has("conflict: "));
         CHECK(content(server->url()) == before);
         std::filesystem::remove(other + "-wal");
         std::filesystem::remove(other + "-shm");
@@ -216,14 +215,13 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
 
     const std::string empty = new_database(*server, "empty");
     std::string nobody = server->url("empty", "reader");
-    const Finished refused = ran({"push", file, "--to", nobody}, 1);
-    CHECK_THAT(refused.error, ContainsSubstring("--roles"));
+    CHECK_THAT(ran({"push", file, "--to", nobody}, 1).error, Has("--roles"));
     nobody.replace(nobody.find("reader:") + 7, 3, "NOT");
     for (const std::string& url :
          {nobody, "postgresql://u:%zz" + std::string(PostgresServer::kPassword) + "@h/d",
           "host=h password=" + std::string(PostgresServer::kPassword)}) {
         const Finished wrong = palpate_command({"push", file, "--to", url});
         CHECK(wrong.code != 0);
-        CHECK_THAT(wrong.error, !ContainsSubstring("to-be-said"));
+        CHECK_THAT(wrong.error, !Has("to-be-said"));
     }
 }

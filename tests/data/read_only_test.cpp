@@ -12,7 +12,6 @@
 
 using namespace palpate;
 using namespace palpate::data;
-using Catch::Matchers::ContainsSubstring;
 using tests::TemporaryFolder;
 
 namespace {
@@ -182,7 +181,7 @@ TEST_CASE("a link to a database in a locked folder is read, too", "[store][law]"
         return;
     }
     CHECK_THAT(without_rights([&] { return contents(links.file("b.sqlite")); }),
-               ContainsSubstring("Study small"));
+               Has("Study small"));
 }
 
 TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
@@ -196,5 +195,5 @@ TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
                    Database database(folder.file("a.sqlite"), Access::write);
                    return std::string("opened");
                }),
-               ContainsSubstring("a.sqlite") && ContainsSubstring("read-only"));
+               Has("a.sqlite", "read-only"));
 }

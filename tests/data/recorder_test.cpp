@@ -7,7 +7,6 @@
 
 using namespace palpate;
 using namespace palpate::data;
-using Catch::Matchers::ContainsSubstring;
 using tests::TemporaryFolder;
 
 namespace {
@@ -137,7 +136,7 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     } catch (const data::StoreError& e) {
         said = e.what();
     }
-    CHECK_THAT(said, ContainsSubstring("a.sqlite") && ContainsSubstring("free some space"));
+    CHECK_THAT(said, Has("a.sqlite", "free some space"));
     CHECK(stored > 0);
     Database again(folder.file("a.sqlite"), Access::read);
     check_same(data::read_trace(again, first), ticks);
@@ -161,9 +160,9 @@ TEST_CASE(
     }
     rig.recorder.append(id, std::span(ticks).subspan(4500));
     CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)),
-                      ContainsSubstring("a.sqlite: it was moved or deleted"));
+                      Has("a.sqlite: it was moved or deleted"));
     CHECK_THROWS_WITH(tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[1]),
-                      ContainsSubstring("put it back"));
+                      Has("put it back"));
     if (moved) {
         Database there(folder.file("b.sqlite"), Access::read);
         check_same(data::read_trace(there, id), ticks);
@@ -177,8 +176,7 @@ TEST_CASE("what fails on the writing thread is heard of, and nothing is stored a
     const auto id = recorder.begin_trial({});
     const auto ticks = tests::random_ticks(1, 10);
     recorder.append(id, ticks);
-    CHECK_THROWS_WITH(recorder.end_trial(id, tests::answered(0, true)),
-                      ContainsSubstring("disk is full"));
+    CHECK_THROWS_WITH(recorder.end_trial(id, tests::answered(0, true)), Has("disk is full"));
     CHECK(disk.ended == 0);
 }
 
@@ -188,10 +186,9 @@ TEST_CASE("a damaged or missing chunk is reported, never averaged", "[store][law
     const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
     rig.recorder.append(id, tests::random_ticks(1, 9000));
     rig.recorder.end_trial(id, tests::answered(0, true));
-    CHECK_THROWS_WITH(data::read_trace(rig.database, 99), ContainsSubstring("no trial 99"));
+    CHECK_THROWS_WITH(data::read_trace(rig.database, 99), Has("no trial 99"));
     rig.database.execute("UPDATE trace_chunk SET crc32 = crc32 + 1 WHERE first_tick = 4096");
-    CHECK_THROWS_WITH(data::read_trace(rig.database, id), ContainsSubstring("checksum"));
+    CHECK_THROWS_WITH(data::read_trace(rig.database, id), Has("checksum"));
     rig.database.execute("DELETE FROM trace_chunk WHERE first_tick = 4096");
-    CHECK_THROWS_WITH(data::read_trace(rig.database, id),
-                      ContainsSubstring("ticks 4096 to 6143 are missing"));
+    CHECK_THROWS_WITH(data::read_trace(rig.database, id), Has("ticks 4096 to 6143 are missing"));
 }

@@ -52,13 +52,13 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
     data::Database database(file, data::Access::read);
     REQUIRE(data::add_extension(database.handle()) == 0);
     // What the rule chose is what the intervals differ by, and nothing that the protocol has.
-    CHECK(rows_of(database,
-                  study == "curvature_2afc"  ? "SELECT DISTINCT curvature_per_m FROM presentation"
-                  : study == "softness_2afc" ? "SELECT DISTINCT stimulus FROM presentation"
-                                             : "SELECT DISTINCT mu_s FROM presentation")
+    CHECK(sql_rows(database,
+                   study == "curvature_2afc"  ? "SELECT DISTINCT curvature_per_m FROM presentation"
+                   : study == "softness_2afc" ? "SELECT DISTINCT stimulus FROM presentation"
+                                              : "SELECT DISTINCT mu_s FROM presentation")
               .size() > 3);
     std::size_t ticks = 0;
-    const auto trials = rows_of(database, "SELECT trial_id FROM trial ORDER BY trial_id");
+    const auto trials = sql_rows(database, "SELECT trial_id FROM trial ORDER BY trial_id");
     REQUIRE(trials.size() == 9);
     for (const SampleRow& one : trials) {
         const std::int64_t trial = std::stoll(one[0]);
@@ -68,17 +68,17 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
             const auto expected = tests::expected_rows(database, trial, interval);
             REQUIRE(expected.size() > 100);
             require_same(
-                rows_of(database,
-                        fmt::format("SELECT * FROM sample WHERE trial_id = {} AND interval = {}",
-                                    trial, interval)),
+                sql_rows(database,
+                         fmt::format("SELECT * FROM sample WHERE trial_id = {} AND interval = {}",
+                                     trial, interval)),
                 expected);
             both.insert(both.end(), expected.begin(), expected.end());
         }
         CAPTURE(trial);
         require_same(
-            rows_of(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial)),
+            sql_rows(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial)),
             both);
         ticks += both.size();
     }
-    CHECK(rows_of(database, "SELECT count(*) FROM sample")[0][0] == std::to_string(ticks));
+    CHECK(sql_rows(database, "SELECT count(*) FROM sample")[0][0] == std::to_string(ticks));
 }

@@ -79,8 +79,8 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
         return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, time_s",
                            columns[seed % 6], where);
     };
-    const auto a = rows_of(database, sql(indexed));
-    const auto b = rows_of(database, sql(plain));
+    const auto a = sql_rows(database, sql(indexed));
+    const auto b = sql_rows(database, sql(plain));
     REQUIRE(a.size() == b.size());
     CHECK((a == b));
 }
@@ -96,13 +96,13 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
           "SELECT trial.trial_id, avg(rendered_normal_n) FROM trial JOIN sample USING (trial_id) "
           "GROUP BY trial.trial_id"}) {
         CAPTURE(sql, plan_of(database, sql));
-        CHECK_THAT(plan_of(database, sql), !ContainsSubstring("TEMP B-TREE"));
+        CHECK_THAT(plan_of(database, sql), !Has("TEMP B-TREE"));
     }
     for (const char* sql :
          {"SELECT * FROM sample ORDER BY trial_id DESC", "SELECT * FROM sample ORDER BY time_s",
           "SELECT * FROM sample ORDER BY trial_id, hip_x_m"}) {
         CAPTURE(sql);
-        CHECK_THAT(plan_of(database, sql), ContainsSubstring("TEMP B-TREE"));
+        CHECK_THAT(plan_of(database, sql), Has("TEMP B-TREE"));
     }
     // A join asks for one trial after the other, whichever is named first.
     for (const char* sql :
@@ -120,9 +120,9 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
         CAPTURE(sql, plan_of(database, sql));
         const std::string plan = plan_of(database, sql);
         CHECK(plan.find("sample VIRTUAL TABLE") > plan.find('\n'));
-        CHECK_THAT(plan, ContainsSubstring("sample VIRTUAL TABLE"));
+        CHECK_THAT(plan, Has("sample VIRTUAL TABLE"));
     }
-    CHECK(rows_of(database, "SELECT DISTINCT trial_id FROM sample ORDER BY 1").size() == 10);
+    CHECK(sql_rows(database, "SELECT DISTINCT trial_id FROM sample ORDER BY 1").size() == 10);
 }
 
 TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[sample][law]") {
@@ -134,7 +134,7 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
     Opened damaged(file, data::Access::write);
     damaged.execute("UPDATE trace_chunk SET data = zeroblob(9) WHERE trial_id = 6");
     const auto says = [](data::Database& of, const std::string& where) {
-        return rows_of(
+        return sql_rows(
             of, "SELECT count(*), sum(rendered_normal_n), sum(hip_x_m) FROM sample WHERE " + where);
     };
     for (const std::string where :
@@ -152,7 +152,7 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
         CAPTURE(where);
         CHECK_THAT(
             tests::error_of(damaged, "SELECT sum(rendered_normal_n) FROM sample WHERE " + where),
-            ContainsSubstring("trial 6"));
+            Has("trial 6"));
     }
 }
 
@@ -165,13 +165,13 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
     tests::add_interval(database);
     const std::string what = GENERATE("hip_x_m", "rendered_normal_n", "count_1");
     const std::string range = "BETWEEN 4000 AND 4200";  // across the border of two chunks
-    const auto joined =
-        rows_of(database,
-                fmt::format("SELECT a.interval, a.tick, a.{0}, b.{0} FROM sample AS a JOIN sample "
-                            "AS b ON b.trial_id = a.trial_id AND b.interval = a.interval AND "
-                            "b.tick = a.tick - 1 WHERE a.trial_id = 3 AND a.tick {1} ORDER BY 1, 2",
-                            what, range));
-    const auto lagged = rows_of(
+    const auto joined = sql_rows(
+        database,
+        fmt::format("SELECT a.interval, a.tick, a.{0}, b.{0} FROM sample AS a JOIN sample "
+                    "AS b ON b.trial_id = a.trial_id AND b.interval = a.interval AND "
+                    "b.tick = a.tick - 1 WHERE a.trial_id = 3 AND a.tick {1} ORDER BY 1, 2",
+                    what, range));
+    const auto lagged = sql_rows(
         database,
         fmt::format(
             "SELECT * FROM (SELECT interval, tick, {0}, lag({0}) OVER (PARTITION BY interval "
@@ -204,8 +204,7 @@ TEST_CASE(
         CAPTURE(what, edit);
         database.execute("BEGIN");
         database.execute(edit.c_str());
-        CHECK_THAT(tests::error_of(database, query + "< 6"),
-                   ContainsSubstring("trial 4, interval 1: "));
+        CHECK_THAT(tests::error_of(database, query + "< 6"), Has("trial 4, interval 1: "));
         CHECK(tests::error_of(database, query + "<> 4 AND trial_id IN (1, 5)").empty());
         database.execute("ROLLBACK");
     }
@@ -228,11 +227,10 @@ TEST_CASE("sample is never of another database than the one that was named", "[s
     database.execute("ATTACH ':memory:' AS mine; CREATE TABLE mine.means (x)");
     CHECK(count().empty());
     database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS b").c_str());
-    CHECK_THAT(count(), ContainsSubstring("DETACH b"));
-    CHECK_THAT(tests::error_of(database, "SELECT count(*) FROM b.sample"),
-               ContainsSubstring("DETACH b"));
+    CHECK_THAT(count(), Has("DETACH b"));
+    CHECK_THAT(tests::error_of(database, "SELECT count(*) FROM b.sample"), Has("DETACH b"));
     database.execute("DETACH b");
     CHECK(count().empty());
     database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS \"b\"\"c\"").c_str());
-    CHECK_THAT(count(), ContainsSubstring("DETACH b\"c"));
+    CHECK_THAT(count(), Has("DETACH b\"c"));
 }

@@ -36,7 +36,7 @@ TEST_CASE("every value of sample is the reader's tick to the bit", "[sample][law
     for (std::int64_t trial = 1; trial <= 10; ++trial) {
         const auto expected = tests::expected_rows(database, trial);
         const auto rows =
-            rows_of(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial));
+            sql_rows(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial));
         REQUIRE(rows.size() == expected.size());
         for (std::size_t i = 0; i < rows.size(); ++i) {
             if (rows[i] != expected[i]) {
@@ -54,7 +54,7 @@ TEST_CASE("so it is where every bit was arbitrary", "[sample][law]") {
     for (const std::int64_t id : wild.ids) {
         const auto expected = tests::expected_rows(wild.database, id);
         const auto rows =
-            rows_of(wild.database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", id));
+            sql_rows(wild.database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", id));
         REQUIRE(rows.size() == expected.size());
         for (std::size_t i = 0; i < rows.size(); ++i) {
             if (rows[i] != expected[i]) {
@@ -70,11 +70,12 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
     static Wild wild({700, 5000});
     Opened demo(demo_file());
     data::Database& database = is_wild ? static_cast<data::Database&>(wild.database) : demo;
-    const auto all = rows_of(database, "SELECT * FROM sample WHERE trial_id = 2");
+    const auto all = sql_rows(database, "SELECT * FROM sample WHERE trial_id = 2");
     for (std::size_t c = 0; c < tests::sample_columns().size(); ++c) {
         CAPTURE(tests::sample_columns()[c]);
-        const auto alone = rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 2",
-                                                         tests::sample_columns()[c]));
+        const auto alone = sql_rows(
+            database,
+            fmt::format("SELECT {} FROM sample WHERE trial_id = 2", tests::sample_columns()[c]));
         REQUIRE(alone.size() == all.size());
         bool same = true;
         for (std::size_t i = 0; i < all.size(); ++i) {
@@ -85,37 +86,37 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
     const auto first = [](const auto& row) {
         return row.front();
     };
-    const auto numbered = rows_of(database, "SELECT rowid, tick FROM sample WHERE trial_id = 2");
-    const auto alone = rows_of(database, "SELECT rowid FROM sample WHERE trial_id = 2");
+    const auto numbered = sql_rows(database, "SELECT rowid, tick FROM sample WHERE trial_id = 2");
+    const auto alone = sql_rows(database, "SELECT rowid FROM sample WHERE trial_id = 2");
     CHECK(std::ranges::equal(alone, numbered, {}, first, first));
 }
 
 TEST_CASE("no row is lost where a range begins or ends beside a chunk's border", "[sample][law]") {
     Opened database(demo_file());
-    const auto all = rows_of(
+    const auto all = sql_rows(
         database,
         "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1");
     const auto count = static_cast<std::int64_t>(all.size());
     for (const std::int64_t border :
          {0, 256, 1900, 2046, 2047, 2048, 2049, 2050, 4095, 4096, 4097, 8193}) {
         CAPTURE(border);
-        const auto from =
-            rows_of(database, fmt::format("SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM "
-                                          "sample WHERE trial_id = 1 AND tick >= {}",
-                                          border));
+        const auto from = sql_rows(
+            database, fmt::format("SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM "
+                                  "sample WHERE trial_id = 1 AND tick >= {}",
+                                  border));
         REQUIRE(static_cast<std::int64_t>(from.size()) ==
                 std::max<std::int64_t>(0, count - border));
         CHECK((from.empty() || from[0] == all[static_cast<std::size_t>(border)]));
-        const auto by_time = rows_of(
+        const auto by_time = sql_rows(
             database, fmt::format("SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample "
                                   "WHERE trial_id = 1 AND time_s >= {} * 1e-3 - 1e-6",
                                   border));
         CHECK((by_time == from));
         CHECK(static_cast<std::int64_t>(
-                  rows_of(database,
-                          fmt::format(
-                              "SELECT commanded_x_n FROM sample WHERE trial_id = 1 AND tick < {}",
-                              border))
+                  sql_rows(database,
+                           fmt::format(
+                               "SELECT commanded_x_n FROM sample WHERE trial_id = 1 AND tick < {}",
+                               border))
                       .size()) == std::min(count, border));
     }
 }
@@ -128,22 +129,20 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     const auto seed = GENERATE(palpate::tests::seeds(40U));
     tests::Random random(seed);
     const auto chunk =
-        rows_of(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial_id = 4");
-    const auto& one = chunk[static_cast<std::size_t>(random.below(static_cast<int>(chunk.size())))];
+        sql_rows(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial_id = 4");
+    const auto& one = chunk[random.index(chunk.size())];
     data::Statement read = database.prepare("SELECT data FROM trace_chunk WHERE rowid = " + one[0]);
     REQUIRE(read.step());
     std::vector<std::byte> bytes(read.blob(0).begin(), read.blob(0).end());
     read.reset();
-    bytes[static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())))] ^=
-        std::byte(1U << static_cast<unsigned>(random.below(8)));
+    bytes[random.index(bytes.size())] ^= std::byte(1U << static_cast<unsigned>(random.below(8)));
     database.run("UPDATE trace_chunk SET data = ?1 WHERE rowid = " + one[0],
                  std::span<const std::byte>(bytes));
     const std::string what = GENERATE("rendered_normal_n", "hip_x_m", "count_1");
     CAPTURE(seed, what);
     CHECK_THAT(
         error_of(database, fmt::format("SELECT sum({}) FROM sample WHERE trial_id = 4", what)),
-        ContainsSubstring("trial 4") && ContainsSubstring("damaged") &&
-            ContainsSubstring("palpate verify"));
+        Has("trial 4", "damaged", "palpate verify"));
     CHECK_FALSE(error_of(database, fmt::format("SELECT sum({}) FROM sample", what)).empty());
     CHECK(error_of(database, fmt::format("SELECT sum({}) FROM sample WHERE trial_id = 5", what))
               .empty());
@@ -156,7 +155,7 @@ TEST_CASE(
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
-    const auto before = rows_of(
+    const auto before = sql_rows(
         database,
         "SELECT sum(count_1), sum(commanded_x_n), sum(hip_x_m) FROM sample WHERE trial_id = 6");
     const std::string edit = GENERATE(
@@ -166,18 +165,17 @@ TEST_CASE(
     database.execute("PRAGMA foreign_keys = OFF");
     database.execute(edit.c_str());
     CAPTURE(edit);
-    const auto friction = rows_of(database,
-                                  "SELECT friction FROM plan JOIN trial USING (session_id, "
-                                  "plan_position) WHERE trial.trial_id = 6");
+    const auto friction = sql_rows(database,
+                                   "SELECT friction FROM plan JOIN trial USING (session_id, "
+                                   "plan_position) WHERE trial.trial_id = 6");
     if (edit.find("decay") == std::string::npos || friction[0][0] != "off") {
         CHECK_THAT(
             error_of(database, "SELECT sum(rendered_normal_n) FROM sample WHERE trial_id = 6"),
-            ContainsSubstring("trial 6") && ContainsSubstring("replay") &&
-                ContainsSubstring("the palpate that recorded it"));
+            Has("trial 6", "replay", "the palpate that recorded it"));
     }
-    CHECK((rows_of(database,
-                   "SELECT sum(count_1), sum(commanded_x_n), sum(hip_x_m) FROM sample WHERE "
-                   "trial_id = 6") == before));
+    CHECK((sql_rows(database,
+                    "SELECT sum(count_1), sum(commanded_x_n), sum(hip_x_m) FROM sample WHERE "
+                    "trial_id = 6") == before));
 }
 
 TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone", "[sample][law]") {
@@ -187,7 +185,7 @@ TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone", 
     Opened database(file, data::Access::write);
     database.execute("DELETE FROM session_provenance WHERE key = 'calibration'");
     CHECK_THAT(error_of(database, "SELECT sum(hip_x_m) FROM sample WHERE trial_id = 6"),
-               ContainsSubstring("calibration"));
+               Has("calibration"));
 }
 
 TEST_CASE("two intervals of a trial come one after the other, or merged by time", "[sample][law]") {
@@ -198,10 +196,10 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
     const std::string what = GENERATE("trial_id, interval, tick, hip_vx_m_per_s, rendered_normal_n",
                                       "trial_id, interval, time_s, hip_vy_m_per_s, commanded_x_n");
     const auto once =
-        rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
+        sql_rows(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
     tests::add_interval(database);
     const auto both =
-        rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
+        sql_rows(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
     REQUIRE(both.size() == 2 * once.size());
     for (std::size_t i = 0; i < once.size(); ++i) {
         REQUIRE((both[i] == once[i]));
@@ -210,19 +208,18 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
         REQUIRE((both[once.size() + i] == second));
     }
     const auto ordered = [&](const std::string& source, const std::string& by) {
-        return rows_of(database, fmt::format("SELECT {} FROM {} ORDER BY {}", what, source, by));
+        return sql_rows(database, fmt::format("SELECT {} FROM {} ORDER BY {}", what, source, by));
     };
     for (const std::string by :
          {"trial_id, time_s", "trial_id, tick", "trial_id, interval, time_s"}) {
         CAPTURE(by, plan_of(database, "SELECT * FROM sample ORDER BY " + by));
-        CHECK_THAT(plan_of(database, "SELECT * FROM sample ORDER BY " + by),
-                   !ContainsSubstring("TEMP B-TREE"));
+        CHECK_THAT(plan_of(database, "SELECT * FROM sample ORDER BY " + by), !Has("TEMP B-TREE"));
         // SQLite's own sort keeps equal rows in the order they come in.
         const bool same =
             ordered("sample WHERE trial_id = 3", by) ==
             ordered("(SELECT * FROM sample WHERE trial_id = 3 LIMIT -1)", "+" + by + ", +interval");
         CHECK(same);
     }
-    CHECK(rows_of(database, "SELECT * FROM sample WHERE trial_id = 3 AND interval = 2").size() ==
+    CHECK(sql_rows(database, "SELECT * FROM sample WHERE trial_id = 3 AND interval = 2").size() ==
           once.size());
 }

@@ -62,17 +62,7 @@ struct FeltRun {
                             .pause = [](double) {
                             }});
     }
-    std::string lines(const std::string& sql) {
-        auto row = database.prepare(sql);
-        std::string text;
-        while (row.step()) {
-            for (int i = 0; i < row.columns(); ++i) {
-                text += row.text(i) + ' ';
-            }
-            text += '\n';
-        }
-        return text;
-    }
+    std::string lines(const std::string& sql) { return tests::lines(database, sql); }
 
     TemporaryFolder folder;
     data::SessionSpec spec;

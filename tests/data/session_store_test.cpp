@@ -97,17 +97,16 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     auto changed = small_protocol();
     changed.apparatus.stiffness = 500.0;
     CHECK_THROWS_WITH(data::open_session(database, session_spec(changed)),
-                      ContainsSubstring("another version of the protocol (apparatus "
-                                        "stiffness_n_per_m 1000 there, 500 here); ") &&
-                          ContainsSubstring("--session"));
+                      Has("another version of the protocol (apparatus "
+                          "stiffness_n_per_m 1000 there, 500 here); ",
+                          "--session"));
     auto seeded = spec;
     seeded.seed = 8;
     seeded.plan = protocols::make_plan(seeded.protocol, seeded.protocol_hash, seeded.key, 8);
-    CHECK_THROWS_WITH(data::open_session(database, seeded),
-                      ContainsSubstring("another plan") && ContainsSubstring("--seed"));
+    CHECK_THROWS_WITH(data::open_session(database, seeded), Has("another plan", "--seed"));
     auto real = spec;
     real.kind = data::RunKind::real;
-    CHECK_THROWS_WITH(data::open_session(database, real), ContainsSubstring("simulated session"));
+    CHECK_THROWS_WITH(data::open_session(database, real), Has("simulated session"));
     auto elsewhere = spec;
     elsewhere.device = "another";
     CHECK_THROWS_AS(data::open_session(database, elsewhere), data::OtherDevice);
@@ -137,7 +136,7 @@ TEST_CASE("a session that is being run is refused to a second program, and free 
     const Database database(folder.file("a.sqlite"), Access::write);
     {
         const data::SessionLock lock(database, 1);
-        CHECK_THROWS_WITH(data::SessionLock(database, 1), ContainsSubstring("another palpate"));
+        CHECK_THROWS_WITH(data::SessionLock(database, 1), Has("another palpate"));
         CHECK_NOTHROW(data::SessionLock(database, 2));
     }
     CHECK_NOTHROW(data::SessionLock(database, 1));

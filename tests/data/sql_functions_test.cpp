@@ -7,7 +7,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -135,19 +134,18 @@ TEST_CASE("d' gives back the share that it came from, by closed forms for two an
 
 TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[sql][functions]") {
     Asked asked;
-    CHECK_THAT(asked.error("SELECT wilson_low(5, 3)"), ContainsSubstring("0 <= k <= n"));
-    CHECK_THAT(asked.error("SELECT clopper_pearson_high(1, 2.5)"), ContainsSubstring("whole"));
-    CHECK_THAT(asked.error("SELECT wilson_high(1, 3, 95)"), ContainsSubstring("0.95"));
-    CHECK_THAT(asked.error("SELECT d_prime(1, 3, 1)"), ContainsSubstring("2 to 1000"));
-    CHECK_THAT(asked.error("SELECT probit(1.5)"), ContainsSubstring("1.5"));
-    CHECK_THAT(asked.error("SELECT probit('often')"), ContainsSubstring("give a number"));
-    CHECK_THAT(asked.error("SELECT normal_cdf(x'31')"), ContainsSubstring("give a number"));
-    CHECK_THAT(asked.error("SELECT geometric_mean(0)"), ContainsSubstring("above 0"));
-    CHECK_THAT(asked.error("SELECT median('abc')"), ContainsSubstring("abc"));
+    CHECK_THAT(asked.error("SELECT wilson_low(5, 3)"), Has("0 <= k <= n"));
+    CHECK_THAT(asked.error("SELECT clopper_pearson_high(1, 2.5)"), Has("whole"));
+    CHECK_THAT(asked.error("SELECT wilson_high(1, 3, 95)"), Has("0.95"));
+    CHECK_THAT(asked.error("SELECT d_prime(1, 3, 1)"), Has("2 to 1000"));
+    CHECK_THAT(asked.error("SELECT probit(1.5)"), Has("1.5"));
+    CHECK_THAT(asked.error("SELECT probit('often')"), Has("give a number"));
+    CHECK_THAT(asked.error("SELECT normal_cdf(x'31')"), Has("give a number"));
+    CHECK_THAT(asked.error("SELECT geometric_mean(0)"), Has("above 0"));
+    CHECK_THAT(asked.error("SELECT median('abc')"), Has("abc"));
     CHECK_THAT(asked.error("SELECT quantile(column1, column2) FROM (VALUES (1, 0.2), (2, 0.3))"),
-               ContainsSubstring("one share"));
-    CHECK_THAT(asked.error("SELECT mutual_information('a', 'b', -1)"),
-               ContainsSubstring("n is -1"));
+               Has("one share"));
+    CHECK_THAT(asked.error("SELECT mutual_information('a', 'b', -1)"), Has("n is -1"));
     for (const char* sql : {"SELECT wilson_low(NULL, 3)", "SELECT d_prime(0, 0, 2)",
                             "SELECT probit(NULL)", "SELECT median(NULL)", "SELECT stddev_samp(1)",
                             "SELECT share(column1) FROM (VALUES (NULL))"}) {
@@ -279,5 +277,5 @@ TEST_CASE("a file without ticks' table has no samples, and says so", "[sample]")
     const auto ask = [&] {
         return database.prepare("SELECT * FROM sample").step();
     };
-    CHECK_THROWS_WITH(ask(), ContainsSubstring("trace_chunk"));
+    CHECK_THROWS_WITH(ask(), Has("trace_chunk"));
 }

@@ -1,6 +1,7 @@
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
@@ -29,17 +30,16 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
             .wait();
     CAPTURE(python.error);
     REQUIRE(python.code == 0);
-    std::istringstream lines(python.out);
-    std::string line;
-    std::getline(lines, line);
-    CHECK(line ==
+    const auto lines = tests::lines_in(python.out);
+    REQUIRE(lines.size() == ticks.size() + 1);
+    CHECK(lines[0] ==
           "tick,time_ns,count_1,count_2,code_1,code_2,lateness_ns,flags,hip_x_100nm,hip_y_100nm,"
           "commanded_x_100un,commanded_y_100un,count_3,code_3,hip_z_100nm,commanded_z_100un");
-    for (const engine::TickRecord& tick : ticks) {
-        REQUIRE(std::getline(lines, line));
-        std::istringstream words(line);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const engine::TickRecord& tick = ticks[i];
+        const std::string& line = lines[i + 1];
         std::vector<std::int64_t> number;
-        for (std::string word; std::getline(words, word, ',');) {
+        for (const std::string& word : tests::split(line)) {
             number.push_back(std::stoll(word));
         }
         CAPTURE(line);
@@ -60,7 +60,6 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
                     tick.codes[2], static_cast<std::int64_t>(steps(tick.hip.z, 1e7)),
                     static_cast<std::int64_t>(steps(tick.command.z, 1e4))});
     }
-    CHECK_FALSE(std::getline(lines, line));
 
     CHECK(tests::palpate_command({"trace", folder.file("a.sqlite"), std::to_string(id)}).out ==
           python.out);

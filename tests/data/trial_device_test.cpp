@@ -21,7 +21,7 @@ TEST_CASE("a trial's device is the last one that was meant before it, or the ses
             Event{.kind = EventKind::reconnect, .value = word},
             Event{.kind = EventKind::note, .text = word, .value = word},
             Event{.kind = random.below(4) == 0 ? EventKind::planned_again : EventKind::rest}};
-        events.push_back(choice[static_cast<std::size_t>(random.below(6))]);
+        events.push_back(choice[random.index(6)]);
         device = apply(std::move(device), events.back());
         // The law, said backwards: what the newest event said, unless all was planned again since.
         TrialDevice expected;

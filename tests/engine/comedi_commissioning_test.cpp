@@ -89,7 +89,7 @@ TEST_CASE("a rig on a card is commissioned, and every miswiring of it is found a
         CAPTURE(wrong.swapped, wrong.factor[0], wrong.factor[1]);
         RigOnCard encoders(wrong, {.swapped = true, .factor = {-2.0, 0.5}});
         if (!(wrong == Connection{})) {
-            CHECK_THAT(commissioned_on_card(encoders).refused, ContainsSubstring("encoder"));
+            CHECK_THAT(commissioned_on_card(encoders).refused, Has("encoder"));
             CHECK(encoders.strongest < 1e-4);  // half a code
         }
         RigOnCard motors({}, wrong);

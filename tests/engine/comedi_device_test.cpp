@@ -164,7 +164,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
     const std::array<std::uint32_t, 2> start = bench.counter;
     bench.failing_call = bench.calls + random.below(60);
     constexpr std::array kErrors{ENODEV, EIO, ETIMEDOUT, EAGAIN, EINVAL};
-    bench.error = kErrors[static_cast<std::size_t>(random.below(5))];
+    bench.error = kErrors[random.index(5)];
     const bool silent = bench.error == ETIMEDOUT || bench.error == EAGAIN;
     DeviceFault seen = DeviceFault::none;
     for (int i = 0; i < 30; ++i) {
@@ -183,8 +183,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
     const bool met = bench.failing_call < bench.calls;
     if (met && seen != DeviceFault::none) {
         CHECK(seen == (silent ? DeviceFault::silent : DeviceFault::lost));
-        CHECK_THAT(device->trouble(), ContainsSubstring("/dev/comedi7") &&
-                                          ContainsSubstring("bring the handle to its rest pose"));
+        CHECK_THAT(device->trouble(), Has("/dev/comedi7", "bring the handle to its rest pose"));
         bench.counter = start;
         CHECK(device->reconnect());
         CHECK(device->trouble().empty());
@@ -219,7 +218,7 @@ TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops 
         bench.counter[1] = value;
         CHECK(device->read().fault == DeviceFault::garbage);
         CHECK(at_zero(bench));
-        CHECK_THAT(device->trouble(), ContainsSubstring("a counter jumped"));
+        CHECK_THAT(device->trouble(), Has("a counter jumped"));
     }
 }
 
@@ -255,7 +254,7 @@ TEST_CASE("a card that stays away is asked again, and says each time what is wro
         bench.open_error = i == 1 ? EBUSY : ENODEV;
         CHECK_FALSE(device->reconnect());
         CHECK_THAT(device->trouble(),
-                   ContainsSubstring(i == 1 ? "another program uses it" : "its driver loaded"));
+                   Has(i == 1 ? "another program uses it" : "its driver loaded"));
         CHECK(device->read().fault == DeviceFault::lost);
         device->write({1.0, 1.0, 0.0});
     }
@@ -283,32 +282,30 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
     Calibration how = daq_calibration();
     DaqBench bench;
     bench.open_error = EACCES;
-    CHECK_THAT(said(bench, how), ContainsSubstring("join the group"));
+    CHECK_THAT(said(bench, how), Has("join the group"));
     bench.open_error = 0;
     bench.output.min = 0.0;
-    CHECK_THAT(said(bench, how), ContainsSubstring("range 3 of output 2 goes from 0 V to 10 V") &&
-                                     ContainsSubstring("both signs"));
+    CHECK_THAT(said(bench, how), Has("range 3 of output 2 goes from 0 V to 10 V", "both signs"));
     bench.output.min = -10.0;
     bench.counter_top = 255;
-    CHECK_THAT(said(bench, how), ContainsSubstring("16 to 32 bits"));
+    CHECK_THAT(said(bench, how), Has("16 to 32 bits"));
     CHECK(bench.code[0] == 32768);  // the output was reached: zero
     bench.counter_top = 0xFFFFFF;
     how.comedi->counter = {0, 5};
-    CHECK_THAT(said(bench, how), ContainsSubstring("check subdevices, channels and range"));
+    CHECK_THAT(said(bench, how), Has("check subdevices, channels and range"));
     CHECK(at_zero(bench));
     how = daq_calibration();
     how.comedi->volts_per_newton_metre[1] = 0.0;
-    CHECK_THAT(said(bench, how), ContainsSubstring("volts_per_newton_metre is 0"));
+    CHECK_THAT(said(bench, how), Has("volts_per_newton_metre is 0"));
     how = daq_calibration();
     how.home = Vec2{0.0, 1.0};
-    CHECK_THAT(said(bench, how), ContainsSubstring("calibrate again"));
+    CHECK_THAT(said(bench, how), Has("calibrate again"));
     how.comedi.reset();
-    CHECK_THAT(said(bench, how), ContainsSubstring("[comedi]"));
+    CHECK_THAT(said(bench, how), Has("[comedi]"));
 }
 
 TEST_CASE("a card that is not there is a sentence, also in a build without Comedi",
           "[device][comedi]") {
     CHECK_THROWS_WITH(open_comedi("/nowhere/comedi0", daq_calibration()),
-                      ContainsSubstring("/nowhere/comedi0: ") ||
-                          ContainsSubstring("install libcomedi-dev and build again"));
+                      Has("/nowhere/comedi0: ") || Has("install libcomedi-dev and build again"));
 }

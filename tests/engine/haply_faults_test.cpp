@@ -172,8 +172,7 @@ TEST_CASE("unplugged and plugged in again it asks for the handle at home, then g
     bench.cable.plug(true);
     bench.plant.lead({0.02, 0.03});
     CHECK_FALSE(bench.device->reconnect());
-    CHECK_THAT(bench.device->trouble(),
-               ContainsSubstring("put the handle at its home pose (0, 60) mm"));
+    CHECK_THAT(bench.device->trouble(), Has("put the handle at its home pose (0, 60) mm"));
     CHECK(bench.tick({0.3, 0.3}).fault == DeviceFault::lost);  // still latched
     CHECK(bench.board.torque() == Vec3{});
 
@@ -224,9 +223,8 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
         CHECK(bench.board.torque() == Vec3{});
     }
     CHECK(bench.ticks({0.3, 0.3}, 3).fault == expected);
-    CHECK_THAT(
-        bench.device->trouble(),  // at once, not only after a reconnection in vain
-        ContainsSubstring(expected == DeviceFault::silent ? "stopped answering" : "guard process"));
+    CHECK_THAT(bench.device->trouble(),  // at once, not only after a reconnection in vain
+               Has(expected == DeviceFault::silent ? "stopped answering" : "guard process"));
     CHECK(bench.board.torque() == Vec3{});
     CHECK_FALSE(bench.guard.force);
     CHECK(bench.device->reconnect());
@@ -234,14 +232,12 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
     CHECK_FALSE(bench.board.torque() == Vec3{});
     bench.guard.there = false;
     bench.device.reset();
-    CHECK_THROWS_WITH(bench.open(), ContainsSubstring("no guard process"));
+    CHECK_THROWS_WITH(bench.open(), Has("no guard process"));
 }
 
 TEST_CASE("in a thousand seconds of random faults the driver never sends what it must not",
           "[haply][law]") {
-    const auto seed = static_cast<std::uint64_t>(GENERATE(palpate::tests::seeds(100)));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{100});
     HaplyBench bench;
     bench.open({.still = 0.05});
     int faults = 0;
@@ -309,14 +305,12 @@ TEST_CASE("in a thousand seconds of random faults the driver never sends what it
 }
 
 TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", "[haply][law]") {
-    const auto seed = static_cast<std::uint64_t>(GENERATE(palpate::tests::seeds(200)));
-    CAPTURE(seed);
-    Random random(seed);
+    SEEDED(random, std::uint64_t{200});
     HaplyBench bench;
     bench.open({.still = 0.05});
     for (int i = 0; i < 20; ++i) {
         bench.ticks(random.point(-3.0, 3.0), 1 + random.below(20));
-        bench.cable.cut_next(static_cast<std::size_t>(random.below(26)));
+        bench.cable.cut_next(random.index(26));
         if (random.coin()) {
             bench.ticks(random.point(-3.0, 3.0), 1 + random.below(3));
         }
@@ -349,6 +343,6 @@ TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
 TEST_CASE("what answers but is no Haply board is refused as that", "[haply]") {
     HaplyBench bench;
     bench.board.set_faults({.wrong_id = true});
-    CHECK_THROWS_WITH(bench.open(), ContainsSubstring("not as a Haply board with id 5"));
+    CHECK_THROWS_WITH(bench.open(), Has("not as a Haply board with id 5"));
     CHECK(bench.board.torque() == Vec3{});
 }

@@ -90,7 +90,7 @@ TEST_CASE("a board unplugged and plugged in again over a real port reads right a
     }));
     CHECK(reading.fault == DeviceFault::lost);
     CHECK_FALSE(device->reconnect());
-    CHECK_THAT(device->trouble(), ContainsSubstring("there is no device at "));
+    CHECK_THAT(device->trouble(), Has("there is no device at "));
     board.plug(true);
     // Back, but where is the handle? A busy machine opens the port at a second try.
     CHECK(eventually([&] {
@@ -109,12 +109,12 @@ TEST_CASE("a board unplugged and plugged in again over a real port reads right a
 TEST_CASE("a port that is absent, taken, or no port gives a sentence with the remedy", "[haply]") {
     SerialLink absent("/dev/palpate-no-such-port");
     CHECK_FALSE(absent.reopen());
-    CHECK_THAT(absent.trouble(), ContainsSubstring("is the board plugged in and switched on?"));
+    CHECK_THAT(absent.trouble(), Has("is the board plugged in and switched on?"));
     SerialLink null("/dev/null");
     CHECK_FALSE(null.reopen());
-    CHECK_THAT(null.trouble(), ContainsSubstring("is not a serial port"));
+    CHECK_THAT(null.trouble(), Has("is not a serial port"));
     CHECK_THROWS_WITH(open_haply("/dev/palpate-no-such-port", haply_machine()),
-                      ContainsSubstring("there is no device at /dev/palpate-no-such-port"));
+                      Has("there is no device at /dev/palpate-no-such-port"));
 
     EmulatedBoard board(haply_machine(), guided_hand());
     SerialLink first(board.path());
@@ -122,21 +122,21 @@ TEST_CASE("a port that is absent, taken, or no port gives a sentence with the re
     REQUIRE(first.reopen());
     CHECK(first.trouble().empty());
     CHECK_FALSE(second.reopen());
-    CHECK_THAT(second.trouble(), ContainsSubstring("is in use by another program"));
+    CHECK_THAT(second.trouble(), Has("is in use by another program"));
     CHECK(first.send(std::array<std::uint8_t, 2>{0, 5}));  // the first one is none the worse
     first.close();
     CHECK(second.reopen());
     CHECK_FALSE(first.send(std::array<std::uint8_t, 2>{0, 5}));
 
-    CHECK_THAT(port_trouble("/dev/ttyACM0", EACCES), ContainsSubstring("usermod -aG dialout"));
-    CHECK_THAT(port_trouble("/dev/ttyACM0", EBUSY), ContainsSubstring("fuser -v /dev/ttyACM0"));
+    CHECK_THAT(port_trouble("/dev/ttyACM0", EACCES), Has("usermod -aG dialout"));
+    CHECK_THAT(port_trouble("/dev/ttyACM0", EBUSY), Has("fuser -v /dev/ttyACM0"));
 }
 
 TEST_CASE("a board that does not answer over a real port is refused, and the port is free again",
           "[haply]") {
     EmulatedBoard board(haply_machine(), guided_hand());
     board.hush(true);
-    CHECK_THROWS_WITH(patient(board.path()), ContainsSubstring("does not answer"));
+    CHECK_THROWS_WITH(patient(board.path()), Has("does not answer"));
     board.hush(false);
     CHECK(patient(board.path())->read().ok());
 }

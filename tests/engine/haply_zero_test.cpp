@@ -61,12 +61,12 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
         CHECK_FALSE(bench.device->prove_zero());
         CHECK(bench.board.torque() == Vec3{});
         CHECK(bench.device->read().fault == DeviceFault::silent);
-        CHECK_THAT(bench.device->trouble(), ContainsSubstring("the motors are off: hands off"));
+        CHECK_THAT(bench.device->trouble(), Has("the motors are off: hands off"));
         CHECK_FALSE(bench.device->reconnect());
-        CHECK_THAT(bench.device->trouble(), ContainsSubstring("the motors are off: hands off"));
+        CHECK_THAT(bench.device->trouble(), Has("the motors are off: hands off"));
         bench.board.set_faults({});
         for (int i = 0; i < 5 && !bench.device->reconnect(); ++i) {
-            CHECK_THAT(bench.device->trouble(), !ContainsSubstring("hands off"));  // set up: proved
+            CHECK_THAT(bench.device->trouble(), !Has("hands off"));  // set up: proved
         }
         CHECK(bench.device->trouble().empty());
     }
@@ -74,7 +74,7 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
         bench.cable.plug(false);
         CHECK_FALSE(bench.device->prove_zero());
         CHECK(bench.device->read().fault != DeviceFault::none);
-        CHECK_THAT(bench.device->trouble(), ContainsSubstring("switch off the motors' supply"));
+        CHECK_THAT(bench.device->trouble(), Has("switch off the motors' supply"));
     }
 }
 

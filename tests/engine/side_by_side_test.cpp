@@ -19,7 +19,7 @@ TEST_CASE("each task is done once before anybody has waited for it, with any num
             REQUIRE(work.add([&done, next] { ++done[next]; }) == next);
             ++next;
         }
-        const auto number = static_cast<std::size_t>(random.below(static_cast<int>(next)));
+        const auto number = random.index(next);
         work.wait_for(number);
         REQUIRE(done[number] == 1);
     }

@@ -2,7 +2,6 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate::engine;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -78,8 +77,7 @@ TEST_CASE("HIP is what the counts say", "[device][law]") {
 
 TEST_CASE("a start out of reach is refused with the place and the remedy", "[device]") {
     SimulatedPantograph device({}, 1e-3);
-    CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}),
-                      ContainsSubstring("0.5") && ContainsSubstring("move the start"));
+    CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}), Has("0.5", "move the start"));
 }
 
 TEST_CASE("a tick of delay moves the answer to a force by one tick and changes nothing else",
@@ -146,9 +144,9 @@ TEST_CASE("the same forces make the same path, to the last bit", "[device][law]"
 }
 
 TEST_CASE("a simulated machine that cannot be is refused with its number", "[device]") {
-    CHECK_THROWS_WITH(SimulatedPantograph({}, 0.0), ContainsSubstring("period is 0 s"));
+    CHECK_THROWS_WITH(SimulatedPantograph({}, 0.0), Has("period is 0 s"));
     CHECK_THROWS_WITH(SimulatedPantograph({.plant = {}, .delay_ticks = 2}, 1e-3),
-                      ContainsSubstring("delay is 2 ticks"));
+                      Has("delay is 2 ticks"));
 }
 
 TEST_CASE("from 1 to 10 kHz the hand explores and presses alike", "[device][law]") {

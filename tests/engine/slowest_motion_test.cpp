@@ -7,9 +7,7 @@ using palpate::tests::Random;
 
 TEST_CASE("the slowest motion of a bow is the one that its closed form says",
           "[deformation][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed + 2908U);
+    SEEDED(random, 20U, 2908U);
     DnurbsSpec spec{.degree = 3,
                     .knots = {0, 0, 0, 0, 1, 1, 1, 1},
                     .points = {{0.0, 0.0}, {0.03, 0.05}, {0.07, 0.05}, {0.1, 0.0}},

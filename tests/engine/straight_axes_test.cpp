@@ -58,13 +58,11 @@ CommissioningResult commissioned(
 Cables drawn(Random& random, bool dead) {
     Cables cables;
     for (std::size_t i = 0; i < 3; ++i) {
-        std::swap(cables.axis[i],
-                  cables.axis[i + static_cast<std::size_t>(random.below(3 - static_cast<int>(i)))]);
-        cables.factor[i] = std::array{1.0, -1.0, 0.5, -0.5, 2.0, -2.0}.at(
-            static_cast<std::size_t>(random.below(6)));
+        std::swap(cables.axis[i], cables.axis[i + random.index(3 - i)]);
+        cables.factor[i] = std::array{1.0, -1.0, 0.5, -0.5, 2.0, -2.0}.at(random.index(6));
     }
     if (dead && random.coin()) {
-        cables.factor[static_cast<std::size_t>(random.below(3))] = 0.0;
+        cables.factor[random.index(3)] = 0.0;
     }
     return cables;
 }
@@ -199,9 +197,8 @@ TEST_CASE("an encoder that dies before the pulses is found, and its axis ends wi
     const CommissioningResult done =
         commissioned(device, mass_of(axes), [&] { device.encoders.factor[dead] = 0.0; });
     CHECK_THAT(done.refused,
-               ContainsSubstring(std::string("nothing counts when motor ") + kAxisName[dead] +
-                                 " pushes by 1 N") &&
-                   ContainsSubstring(std::string("the cable of encoder ") + kAxisName[dead]));
+               Has(std::string("nothing counts when motor ") + kAxisName[dead] + " pushes by 1 N",
+                   std::string("the cable of encoder ") + kAxisName[dead]));
     CHECK(device.furthest < 0.040);
     CHECK(device.last == Vec3{});
 }
@@ -214,7 +211,7 @@ TEST_CASE("a pulse is reversed once the handle has gone 3 mm, however strong the
     for (unsigned seed = 0; seed < 60; ++seed) {
         CAPTURE(seed);
         Random random(seed);
-        const auto axis = static_cast<std::size_t>(random.below(3));
+        const auto axis = random.index(3);
         Cables motors;
         motors.factor[axis] = (random.coin() ? 1.0 : -1.0) * random.decade(0.0, 1.5);
         MiswiredGantry device(machine, right_axes(), {}, motors);
@@ -314,8 +311,7 @@ TEST_CASE("the short form of three axes passes the rig that was commissioned, an
     Axes held = right_axes();
     held[2].mass += 0.3;  // a hand rests on it
     CHECK_THAT(opened(held, {}, {}).refused,
-               ContainsSubstring("not explained by mass, damping and friction") &&
-                   ContainsSubstring("does somebody hold it"));
+               Has("not explained by mass, damping and friction", "does somebody hold it"));
 }
 
 TEST_CASE("answers of three axes that are 5 ms late are found, and hide no stronger motor",
@@ -352,15 +348,13 @@ TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are r
     axes[2].pull = 0.08;  // 0.06 N of friction do not hold it
     MiswiredGantry device(gantry_machine(), axes, {}, {});
     const CommissioningResult done = commissioned(device, mass_of(axes));
-    CHECK_THAT(done.refused, ContainsSubstring("the handle did not rest at (0, 0, 40) mm") &&
-                                 ContainsSubstring("counterweight"));
+    CHECK_THAT(done.refused, Has("the handle did not rest at (0, 0, 40) mm", "counterweight"));
     CHECK(device.strongest == 0.0);
 
     Calibration machine = gantry_machine();
     const auto refused = [&](const std::vector<Vec3>& places) {
-        CHECK_THROWS_WITH(
-            commission(device, machine, places, Vec3(0.1), {}),
-            ContainsSubstring("marks of three axes are home and a place along each axis"));
+        CHECK_THROWS_WITH(commission(device, machine, places, Vec3(0.1), {}),
+                          Has("marks of three axes are home and a place along each axis"));
     };
     auto places = places_to_commission(machine, {});
     places[1].y += 0.001;
@@ -372,5 +366,5 @@ TEST_CASE("a handle that sinks, a home at an end and marks beside the axes are r
     refused(places);
     machine.gantry->axes[2].home = 0.055;
     CHECK_THROWS_WITH(places_to_commission(machine, {}),
-                      ContainsSubstring("home of axis z is less than 10 mm from its end"));
+                      Has("home of axis z is less than 10 mm from its end"));
 }

@@ -229,6 +229,5 @@ TEST_CASE("closest points allocate nothing, and a null surface is refused", "[co
     CHECK_FALSE(nowhere.proven);
     const Vec3 next{0.01};
     CHECK(std::fabs(feet.track(kept, next).distance - feet.closest(next).distance) < 1e-16);
-    CHECK_THROWS_WITH(SurfaceFeet(std::shared_ptr<const NurbsSurface>()),
-                      ContainsSubstring("give a surface"));
+    CHECK_THROWS_WITH(SurfaceFeet(std::shared_ptr<const NurbsSurface>()), Has("give a surface"));
 }

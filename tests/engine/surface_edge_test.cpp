@@ -86,9 +86,7 @@ TEST_CASE(
 
 TEST_CASE("a convex edge is felt alike at 1 and at 10 kHz with vertex slew",
           "[scene][surface][edge][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
-    CAPTURE(seed);
-    Random random(seed + 60U);
+    SEEDED(random, std::uint64_t{10}, 60U);
     const Ridge ridge = some_ridge(random);
     const Swing swing(random);
     const auto forces = [&](double rate, const Slew& slew) {

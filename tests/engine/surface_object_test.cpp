@@ -16,8 +16,7 @@ SurfaceScene scene_of(const std::vector<SurfaceData>& pieces, const Friction& fr
 /// The middle of a knot interval, or a knot.
 double somewhere(const std::vector<double>& knots, int degree, Random& random) {
     const auto p = static_cast<std::size_t>(degree);
-    const std::size_t k =
-        p + static_cast<std::size_t>(random.below(static_cast<int>(knots.size() - 2 * p) - 1));
+    const std::size_t k = p + random.index(knots.size() - 2 * p - 1);
     return random.coin() && knots[k] > knots.front() ? knots[k] : 0.5 * (knots[k] + knots[k + 1]);
 }
 
@@ -25,9 +24,7 @@ double somewhere(const std::vector<double>& knots, int degree, Random& random) {
 
 TEST_CASE("a surface that is cut into four is felt as if it were whole",
           "[scene][surface][object][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
-    CAPTURE(seed);
-    Random random(seed + 900U);
+    SEEDED(random, std::uint64_t{20}, 900U);
     const SurfaceData whole = seed % 2U == 0U ? bicubic_8x8(random, 0.7) : bicubic_8x8(random, 0.0);
     const double u = somewhere(whole.knots_u, 3, random);
     const double v = somewhere(whole.knots_v, 3, random);
@@ -57,9 +54,7 @@ TEST_CASE("a surface that is cut into four is felt as if it were whole",
 
 TEST_CASE("the closest point of several surfaces is the nearest of all of theirs",
           "[surface][object][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
-    CAPTURE(seed);
-    Random random(seed + 40U);
+    SEEDED(random, std::uint64_t{12}, 40U);
     const SurfaceData whole = seed % 3U == 0U ? torus(0.06, 0.02)
                             : seed % 3U == 1U ? bicubic_8x8(random, 0.7, 0.03)
                                               : sphere(0.05);

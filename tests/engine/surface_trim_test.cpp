@@ -33,9 +33,7 @@ SurfaceData cell(const SurfaceData& d, double lo_u, double hi_u, double lo_v, do
 
 TEST_CASE("what trims leave is felt as the same pieces cut by hand",
           "[scene][surface][trim][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
-    CAPTURE(seed);
-    Random random(seed + 300U);
+    SEEDED(random, std::uint64_t{12}, 300U);
     const SurfaceData whole = bicubic_8x8(random, seed % 2U == 0U ? 0.7 : 0.0);
     const std::array<double, 4> u{0.0, random.in(0.5, 2.2), random.in(2.6, 4.5), 5.0};
     const std::array<double, 4> v{0.0, 1.0, random.in(2.6, 4.5), 5.0};

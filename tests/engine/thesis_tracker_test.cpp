@@ -64,14 +64,11 @@ TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[the
     const auto make = [&](const TrackerSpec& spec) {
         return CurveTracker(curve, spec);
     };
-    CHECK_THROWS_WITH(make({.gain = -2.5}),
-                      ContainsSubstring("-2.5") && ContainsSubstring("1/(m^2 s)"));
-    CHECK_THROWS_WITH(make({.gain = NAN}), ContainsSubstring("nan"));
-    CHECK_THROWS_WITH(make({.sub_steps = 0}), ContainsSubstring("sub-steps is 0"));
-    CHECK_THROWS_WITH(make({.kind = TrackerKind::tangent_plane, .rate_hz = 0.0}),
-                      ContainsSubstring("Hz"));
-    CHECK_THROWS_WITH(make({.kind = TrackerKind::newton, .iterations = 101}),
-                      ContainsSubstring("101"));
+    CHECK_THROWS_WITH(make({.gain = -2.5}), Has("-2.5", "1/(m^2 s)"));
+    CHECK_THROWS_WITH(make({.gain = NAN}), Has("nan"));
+    CHECK_THROWS_WITH(make({.sub_steps = 0}), Has("sub-steps is 0"));
+    CHECK_THROWS_WITH(make({.kind = TrackerKind::tangent_plane, .rate_hz = 0.0}), Has("Hz"));
+    CHECK_THROWS_WITH(make({.kind = TrackerKind::newton, .iterations = 101}), Has("101"));
     CHECK_NOTHROW(make({.kind = TrackerKind::newton, .gain = -1.0}));  // newton reads no gain
     CHECK_THROWS_AS(feedback_gain(curve, 0.0, kTrackerPeriod), std::invalid_argument);
     CHECK_THROWS_AS(theorem_gain(0.05, 0.5, 0.0), std::invalid_argument);

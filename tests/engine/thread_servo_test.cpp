@@ -390,7 +390,5 @@ TEST_CASE("a share of spinning outside 0 to 0.5 is refused with the value", "[se
     Stroking device;
     ServoSpec spec = modest();
     spec.spin_share = 0.75;
-    CHECK_THROWS_WITH(ThreadServo(device, spec),
-                      Catch::Matchers::ContainsSubstring("0.75") &&
-                          Catch::Matchers::ContainsSubstring("0 to 0.5"));
+    CHECK_THROWS_WITH(ThreadServo(device, spec), Has("0.75") && Has("0 to 0.5"));
 }

@@ -131,9 +131,7 @@ TEST_CASE("starting inside the object begins a contact at the closest point", "[
 }
 
 TEST_CASE("mu does not heal while a sliding contact turns round a vertex", "[vertex][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
-    Random random(seed + 2909U);
+    SEEDED(random, 20U, 2909U);
     const double slope = random.in(0.2, 1.8);  // steeper, it sticks before
     const Scene scene(
         corner({-0.1, 0.0}, {0.1, -0.1 * slope}),

@@ -220,8 +220,7 @@ TEST_CASE("each right that was refused comes with its reason and a remedy, the o
         CHECK(remedy(right, rights).empty());
         rights.of(right) = {.grant = Grant::refused, .error = 1};
         CHECK_FALSE(rights.complete());
-        CHECK_THAT(describe(right, rights), Catch::Matchers::ContainsSubstring("refused") ||
-                                                Catch::Matchers::ContainsSubstring("not locked"));
+        CHECK_THAT(describe(right, rights), Has("refused") || Has("not locked"));
         CHECK_FALSE(remedy(right, rights).empty());
     }
     CHECK(provenance(RealtimeRights{}).size() == kRights);

@@ -116,7 +116,7 @@ TEMPLATE_TEST_CASE("torques come out as asked, and never beyond the limit",
         0, -1, 1, 80000, -80001, 2147483647, -2147483647 - 1, 100000};
     for (int i = 0; i < 60; ++i) {
         const auto pick = [&] {
-            return i < 16 ? kEnds[static_cast<std::size_t>(random.below(8))]
+            return i < 16 ? kEnds[random.index(8)]
                           : static_cast<std::int32_t>(random.in(-120000.0, 120000.0));
         };
         const std::array<std::int32_t, 2> asked{pick(), pick()};
@@ -258,7 +258,7 @@ TEMPLATE_TEST_CASE("a spoilt frame is never obeyed, and the next one always",
         const OpenBytes frame = open_frame(open_torque(++talk.seq, {90000, 90000}));
         std::vector<std::uint8_t> spoilt(frame.bytes.begin() + 1,
                                          frame.bytes.begin() + static_cast<int>(frame.size) - 1);
-        const auto at = static_cast<std::size_t>(random.below(static_cast<int>(spoilt.size())));
+        const auto at = random.index(spoilt.size());
         const auto place = spoilt.begin() + static_cast<std::ptrdiff_t>(at);
         switch (i % 5) {
             case 0:

@@ -51,7 +51,7 @@ TEST_CASE("the shipped program takes the chip itself on a port", "[open][doctor]
     }
     CAPTURE(said);
     CHECK(said.find("ok    device") == 0);
-    CHECK_THAT(said, ContainsSubstring("own watchdog stops it"));
+    CHECK_THAT(said, Has("own watchdog stops it"));
     CHECK(port.board.motors().off());
 }
 

@@ -252,7 +252,7 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
                        : kind == 5 ? open_bare(OpenType::peek, seq)
                                    : open_torque(seq, {random.below(200'000), -5});
         if (seq > 1 && random.below(5) == 0) {
-            body.bytes[static_cast<std::size_t>(random.below(static_cast<int>(body.size)))] ^= 4U;
+            body.bytes[random.index(body.size)] ^= 4U;
         }
         const auto was = by_frame.state();
         by_frame.receive(open_frame(body).view());

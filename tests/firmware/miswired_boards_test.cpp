@@ -89,7 +89,7 @@ void find_all(bool open, bool all) {
         CAPTURE(open, wrong.swapped, wrong.factor[0], wrong.factor[1]);
         const CommissioningResult encoders =
             commissioned_on_board(open, wrong, {.swapped = true, .factor = {-2.0, 0.5}}, asked);
-        CHECK_THAT(encoders.refused, ContainsSubstring("encoder"));
+        CHECK_THAT(encoders.refused, Has("encoder"));
         CHECK(asked == 0.0);
         const CommissioningResult motors = commissioned_on_board(open, {}, wrong, asked);
         CHECK_FALSE(motors.refused.empty());

@@ -105,7 +105,7 @@ TEST_CASE("a body comes out of its frame as it went in, behind any noise", "[ope
     Random random(3);
     for (int i = 0; i < 2000; ++i) {
         OpenBytes body;
-        body.size = 1 + static_cast<std::size_t>(random.below(static_cast<int>(kOpenBody)));
+        body.size = 1 + random.index(kOpenBody);
         for (std::size_t at = 0; at < body.size; ++at) {
             body.bytes[at] =
                 static_cast<std::uint8_t>(random.below(4) == 0 ? 0 : random.below(256));

@@ -64,7 +64,7 @@ TEMPLATE_TEST_CASE(
     Random random(7);
     for (int i = 0; i < 80; ++i) {
         const auto pick = [&] {
-            return i < 30 ? kEnds[static_cast<std::size_t>(random.below(8))]
+            return i < 30 ? kEnds[random.index(8)]
                           : static_cast<std::int32_t>(random.in(-100000.0, 100000.0));
         };
         const OpenAxes asked{pick(), pick(), pick()};
@@ -197,9 +197,9 @@ TEST_CASE("a board of another number of axes is refused with the remedy", "[open
     GuidedHand hand(two);
     LedGantry gantry(three);
     CHECK_THAT(refusal(two, hand, three),
-               ContainsSubstring("has 2 axes, and the calibration is of a machine with 3"));
+               Has("has 2 axes, and the calibration is of a machine with 3"));
     CHECK_THAT(refusal(three, gantry, two),
-               ContainsSubstring("has 3 axes, and the calibration is of a machine with 2"));
+               Has("has 3 axes, and the calibration is of a machine with 2"));
 }
 
 #if defined(PALPATE_FIRMWARE_328P)

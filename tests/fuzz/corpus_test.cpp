@@ -33,14 +33,14 @@ std::vector<std::uint8_t> nonsense(std::uint64_t seed, const std::vector<std::ui
     std::string text;
     while (text.size() < size) {
         if (random.below(4) == 0 && !good.empty()) {
-            const auto from = static_cast<std::size_t>(random.below(static_cast<int>(good.size())));
+            const auto from = random.index(good.size());
             const auto length = static_cast<std::size_t>(random.decade(0.0, 3.0));
             text.append(
                 good.begin() + static_cast<std::ptrdiff_t>(from),
                 good.begin() + static_cast<std::ptrdiff_t>(std::min(from + length, good.size())));
             continue;
         }
-        const auto which = static_cast<std::size_t>(random.below(static_cast<int>(parts.size())));
+        const auto which = random.index(parts.size());
         for (int n = random.below(5) == 0 ? static_cast<int>(random.decade(0.0, 5.0)) : 1; n > 0;
              --n) {
             text += parts[which];

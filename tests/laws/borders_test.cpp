@@ -92,12 +92,11 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
     for (const auto& file : std::filesystem::directory_iterator(out)) {
         all += tests::slurp(file.path());
     }
-    CHECK_THAT(all, ContainsSubstring("\"'=HYPERLINK(") && ContainsSubstring("'@SUM(A1)") &&
-                        ContainsSubstring("'+1+1") && ContainsSubstring(",-3"));
+    CHECK_THAT(all, Has("\"'=HYPERLINK(", "'@SUM(A1)", "'+1+1", ",-3"));
     CHECK(all.find("'-") == std::string::npos);
     const std::string csv =
         sql_csv(db, "SELECT text, -1 AS n FROM event WHERE event_kind = 'note'");
-    CHECK_THAT(csv, ContainsSubstring("\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\",-1\n"));
+    CHECK_THAT(csv, Has("\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\",-1\n"));
 
     {
         data::Database database(db, data::Access::write);

@@ -162,7 +162,7 @@ struct Change {
 
 Connection another(Random& random) {
     const auto all = all_connections();
-    return all[static_cast<std::size_t>(random.below(static_cast<int>(all.size())))];
+    return all[random.index(all.size())];
 }
 
 Change random_change(Random& random) {
@@ -172,12 +172,12 @@ Change random_change(Random& random) {
     constexpr std::array kCauses{Trip::device_lost, Trip::late,   Trip::delayed,
                                  Trip::focus_lost,  Trip::let_go, Trip::stopped,
                                  Trip::overheated,  Trip::jump};
-    change.cause = to_string(kCauses[static_cast<std::size_t>(random.below(8))]);
+    change.cause = to_string(kCauses[random.index(8)]);
     change.motors = random.below(3) == 0 ? another(random) : Connection{};
     change.encoders = change.replugged && random.below(4) == 0 ? another(random) : Connection{};
     if (!change.replugged && random.below(3) == 0) {  // at a set-up they count from 0 again
         const double angle = 2.0 * std::numbers::pi / 4880.0 * random.in(60.0, 400.0);
-        change.slip[static_cast<std::size_t>(random.below(2))] = random.coin() ? angle : -angle;
+        change.slip[random.index(2)] = random.coin() ? angle : -angle;
     }
     change.lag = random.below(6) == 0 ? random.in(0.006, 0.040) : 0.0;
     if (random.coin()) {

@@ -20,12 +20,10 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
         const TemporaryFolder folder;
         const std::string file = folder.file("Mine.toml");
         ran({"new", file, "--from", from});
-        const Finished check = ran({"check", file});
-        CHECK_THAT(check.out, StartsWith("mine: Mine\nprotocol "));
+        CHECK_THAT(ran({"check", file}).out, StartsWith("mine: Mine\nprotocol "));
 
         const std::string before = tests::slurp(file);
-        const Finished again = ran({"new", file}, 2);
-        CHECK_THAT(again.error, ContainsSubstring("is there already"));
+        CHECK_THAT(ran({"new", file}, 2).error, Has("is there already"));
         CHECK(tests::slurp(file) == before);
         CHECK(folder.names() == std::vector<std::string>{"Mine.toml"});
     }
@@ -33,15 +31,12 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
 
 TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
     const TemporaryFolder folder;
-    const Finished unknown = ran({"new", folder.file("a.toml"), "--from", "shape"}, 2);
-    CHECK_THAT(unknown.error, ContainsSubstring("give one of curvature_2afc, "));
-    const Finished nowhere = ran({"new", folder.file("no/a.toml")}, 2);
-    CHECK_THAT(nowhere.error, ContainsSubstring("check the path"));
+    CHECK_THAT(ran({"new", folder.file("a.toml"), "--from", "shape"}, 2).error,
+               Has("give one of curvature_2afc, "));
+    CHECK_THAT(ran({"new", folder.file("no/a.toml")}, 2).error, Has("check the path"));
     ran({"new"}, 2);
     CHECK(folder.names().empty());
-    const Finished keys = ran({"new", "--keys"});
-    CHECK_THAT(keys.out,
-               ContainsSubstring("damping_n_s_per_m") && ContainsSubstring("first_order"));
+    CHECK_THAT(ran({"new", "--keys"}).out, Has("damping_n_s_per_m", "first_order"));
 }
 
 TEST_CASE("check says how many trials, which limits and how long, and draws the objects",
@@ -50,12 +45,11 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
     const Finished check =
         ran({"check", "shape_friction", "--long", "--svg", folder.file("objects.svg")});
     // 114 trials at 36.9 s and 6 breaks of 30 s: 73.1 min, see the test of the duration.
-    CHECK_THAT(check.out,
-               ContainsSubstring("114 trials: 10 practice, 100 main in 1 block, 4 catch\n") &&
-                   ContainsSubstring("object 2 (limit 2), friction 3 (limit 3)\n") &&
-                   ContainsSubstring("\nduration 74 min if every trial is felt until the prompt") &&
-                   ContainsSubstring("nothing stands against it"));
-    CHECK_THAT(tests::slurp(folder.file("objects.svg")), ContainsSubstring("convex_20"));
+    CHECK_THAT(check.out, Has("114 trials: 10 practice, 100 main in 1 block, 4 catch\n",
+                              "object 2 (limit 2), friction 3 (limit 3)\n",
+                              "\nduration 74 min if every trial is felt until the prompt",
+                              "nothing stands against it"));
+    CHECK_THAT(tests::slurp(folder.file("objects.svg")), Has("convex_20"));
     CHECK(folder.names() == std::vector<std::string>{"objects.svg"});
 }
 
@@ -65,9 +59,7 @@ TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot
     const std::string file = folder.file("p.toml");
     ran({"new", file});
     replace(file, "damping_n_s_per_m = 0 ", "damping_n_s_per_m = 50 ");
-    const Finished damped = ran({"check", file}, 1);
-    CHECK_THAT(damped.out, ContainsSubstring("it cannot be run") &&
-                               ContainsSubstring("with a damper of 50 N s/m"));
+    CHECK_THAT(ran({"check", file}, 1).out, Has("it cannot be run", "with a damper of 50 N s/m"));
     ran({"check", file, "--device", "mouse"});  // gives no force
     // What check refuses, run refuses as well.
     CHECK(palpate_command(
@@ -77,7 +69,7 @@ TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot
     replace(file, "blocks = 1 ", "blocks = 3 ");
     const Finished wrong = ran({"check", file}, 2);
     CHECK(wrong.out.empty());
-    CHECK_THAT(wrong.error, ContainsSubstring("blocks is 3"));
+    CHECK_THAT(wrong.error, Has("blocks is 3"));
     ran({"check", folder.file("none.toml")}, 2);
     ran({"check", "shape_friction", "--device", "toaster"}, 2);
 }
@@ -88,15 +80,14 @@ TEST_CASE("blocks and the first-order order of a file reach the plan that is run
     ran({"new", file});
     replace(file, "blocks = 1 ", "blocks = 5 ");
     const Finished blocks = ran({"sequence", file, "--participant", "P1", "--csv"});
-    CHECK_THAT(blocks.out, ContainsSubstring(",main,4,"));
-    CHECK_THAT(palpate_command({"check", file}).out, ContainsSubstring("main in 5 blocks"));
+    CHECK_THAT(blocks.out, Has(",main,4,"));
+    CHECK_THAT(palpate_command({"check", file}).out, Has("main in 5 blocks"));
 
     replace(file, "blocks = 5 ", "blocks = 1 ");
     replace(file, "catch_trials = 4", "catch_trials = 0");
     replace(file, "order = \"random\"", "order = \"first_order\"");
-    const Finished check = ran({"check", file, "--long"});
-    CHECK_THAT(check.out, ContainsSubstring("first-order balanced") &&
-                              ContainsSubstring("111 trials: 11 practice, 100 main"));
+    CHECK_THAT(ran({"check", file, "--long"}).out,
+               Has("first-order balanced", "111 trials: 11 practice, 100 main"));
 }
 
 TEST_CASE("check says first how long it takes, where the breaks are and what to think of",
@@ -105,10 +96,9 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
     const std::string file = folder.file("p.toml");
     ran({"new", file});
     const Finished before = palpate_command({"check", file});
-    CHECK_THAT(before.out, ContainsSubstring("rest: positions are read to within "));
-    CHECK_THAT(before.out, !ContainsSubstring("without a break: give") &&
-                               !ContainsSubstring("there is no practice") &&
-                               ContainsSubstring("friction is compared without masking noise"));
+    CHECK_THAT(before.out, Has("rest: positions are read to within "));
+    CHECK_THAT(before.out, !Has("without a break: give") && !Has("there is no practice") &&
+                               Has("friction is compared without masking noise"));
     replace(file, "break_every = 20", "break_every = 0");
     replace(file, "practice_repetitions = 1", "practice_repetitions = 0");
     replace(file, "catch_trials = 4", "catch_trials = 0");
@@ -129,10 +119,9 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
     }
     CHECK(std::count(check.out.begin(), check.out.end(), '\n') < 30);
     CHECK_THAT(palpate_command({"check", file, "--long"}).out,
-               ContainsSubstring("trials of each condition") &&
-                   ContainsSubstring("from one main trial to the next"));
+               Has("trials of each condition", "from one main trial to the next"));
     std::ofstream(file, std::ios::app) << "\n[masking]\nnoise = \"pink\"\nlevel_db = -20\n";
-    CHECK_THAT(palpate_command({"check", file}).out, !ContainsSubstring("without masking noise"));
+    CHECK_THAT(palpate_command({"check", file}).out, !Has("without masking noise"));
 }
 
 TEST_CASE("a rule beside a design is answered at its place, with which to keep", "[cli][law]") {
@@ -148,10 +137,9 @@ TEST_CASE("a rule beside a design is answered at its place, with which to keep",
                    '\n') +
         1;
     const Finished check = ran({"check", file}, 2);
-    CHECK_THAT(check.error,
-               ContainsSubstring("p.toml:" + std::to_string(line) +
-                                 ":2: [design] says repetitions, catch_trials, and the rule of "
-                                 "[procedure] in line ") &&
-                   ContainsSubstring("keep [procedure]") && ContainsSubstring("or keep [design]"));
+    CHECK_THAT(check.error, Has("p.toml:" + std::to_string(line) +
+                                    ":2: [design] says repetitions, catch_trials, and the rule of "
+                                    "[procedure] in line ",
+                                "keep [procedure]", "or keep [design]"));
     CHECK(std::count(check.error.begin(), check.error.end(), '\n') == 1);
 }

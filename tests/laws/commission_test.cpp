@@ -20,8 +20,7 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
     const TemporaryFolder folder;
     const std::string file = folder.file("rig.toml");
     const Finished sim = ran({"commission", "-o", file});
-    CHECK_THAT(sim.out,
-               ContainsSubstring("usable stiffness at 1 kHz") && ContainsSubstring("dry friction"));
+    CHECK_THAT(sim.out, Has("usable stiffness at 1 kHz", "dry friction"));
     const protocols::RigFile rig = protocols::load_rig(file);
     REQUIRE(rig.record);
     CHECK(rig.record->device == "sim");
@@ -34,19 +33,18 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
 
     // It is another rig's no more by accident.
     const Finished another = ran({"commission", "--device", "haply-emulator", "-o", file}, 2);
-    CHECK_THAT(another.error, ContainsSubstring("is the record of sim, and this is haply-emulator: "
-                                                "give another file to write"));
+    CHECK_THAT(another.error, Has("is the record of sim, and this is haply-emulator: "
+                                  "give another file to write"));
     CHECK(protocols::load_rig(file).record->device == "sim");
 
     const std::string other = replaced(tests::slurp(file), "handle_g = ", "handle_g = 1");
     std::ofstream(file) << other;
     const Finished changed = ran({"check", "pilot", "--calibration", file}, 2);
-    CHECK_THAT(changed.error, ContainsSubstring("changed after the rig was commissioned"));
+    CHECK_THAT(changed.error, Has("changed after the rig was commissioned"));
 
     ran({"commission", "--device", "mouse", "-o", file}, 2);
-    const Finished heavy = ran({"commission", "--handle-g", "120", "-o", file}, 1);
-    CHECK_THAT(heavy.error, ContainsSubstring("motor 1 is too strong") &&
-                                ContainsSubstring("weigh the handle and give --handle-g"));
+    CHECK_THAT(ran({"commission", "--handle-g", "120", "-o", file}, 1).error,
+               Has("motor 1 is too strong", "weigh the handle and give --handle-g"));
 }
 
 TEST_CASE(
@@ -66,19 +64,17 @@ TEST_CASE(
     };
     const std::string rig = commissioned_rig(folder, "haply:/dev/one");
     CHECK_THAT(run("haply:/dev/one", ""),
-               ContainsSubstring("no real session: nobody proved") &&
-                   ContainsSubstring("palpate commission --device haply:/dev/one -o rig.toml"));
-    CHECK_THAT(run("haply:/dev/two", rig),
-               ContainsSubstring("was commissioned for --device haply:/dev/one"));
+               Has("no real session: nobody proved",
+                   "palpate commission --device haply:/dev/one -o rig.toml"));
+    CHECK_THAT(run("haply:/dev/two", rig), Has("was commissioned for --device haply:/dev/one"));
     protocols::RigFile file = protocols::load_rig(rig);
     file.calibration.pantograph.origin.x += 0.001;
     std::ofstream(rig) << protocols::to_toml(file.calibration, *file.record);
-    CHECK_THAT(run("haply:/dev/one", rig),
-               ContainsSubstring("the calibration in") && ContainsSubstring("was changed after"));
+    CHECK_THAT(run("haply:/dev/one", rig), Has("the calibration in", "was changed after"));
     file.record->calibration = protocols::calibration_id(file.calibration);
     file.record->program = "0.0.1";
     std::ofstream(rig) << protocols::to_toml(file.calibration, *file.record);
-    CHECK_THAT(run("haply:/dev/one", rig), ContainsSubstring("was commissioned by palpate 0.0.1"));
+    CHECK_THAT(run("haply:/dev/one", rig), Has("was commissioned by palpate 0.0.1"));
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
@@ -136,8 +132,7 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
         folder, device,
         ran_words(folder, device.word()) + " --calibration '" + calibration + "' --handle-free",
         "0,0");
-    CHECK(moved.code == 2);
-    CHECK_THAT(moved.error, ContainsSubstring("nobody proved how --device board:udp:"));
+    check_end(moved, 2, Has("nobody proved how --device board:udp:"));
 }
 
 TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file",
@@ -150,8 +145,7 @@ TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file"
                  "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
     CAPTURE(end.out);
     CHECK(end.code == 1);
-    CHECK_THAT(end.error, ContainsSubstring("does somebody hold") ||
-                              ContainsSubstring("did not rest"));  // a hand trembles
+    CHECK_THAT(end.error, Has("does somebody hold") || Has("did not rest"));  // a hand trembles
     CHECK(board.motors() == "0, 0");
     CHECK_FALSE(std::filesystem::exists(folder.file("new.toml")));
 }
@@ -166,10 +160,7 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
     const Finished end =
         operated(folder, board,
                  "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
-    CAPTURE(end.out);
-    CHECK(end.code == 1);
-    CHECK_THAT(end.error, ContainsSubstring("motor 1 is reversed: correct the wiring") &&
-                              ContainsSubstring("nothing was written"));
+    check_end(end, 1, Has("motor 1 is reversed: correct the wiring", "nothing was written"));
     CHECK_FALSE(std::filesystem::exists(folder.file("new.toml")));
 
     board.bring("0,89.3");  // home, as somebody says beforehand
@@ -177,10 +168,7 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
     const Finished refused =
         operated(folder, board,
                  ran_words(folder, board.word()) + " --calibration '" + rig + "' --handle-free");
-    CAPTURE(refused.out);
-    CHECK(refused.code == 1);
-    CHECK_THAT(refused.error,
-               ContainsSubstring("the handle") && ContainsSubstring("No session was begun"));
+    check_end(refused, 1, Has("the handle", "No session was begun"));
 }
 
 TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, before any session",
@@ -194,9 +182,8 @@ TEST_CASE("a handle that rests 4 to 12 mm off home is found at the second mark, 
         folder, board, ran_words(folder, board.word()) + " --calibration '" + rig + "'", at);
     CAPTURE(end.out, end.error);
     CHECK(end.code == 1);
-    CHECK_THAT(end.error, ContainsSubstring("it did not rest at home") ||
-                              ContainsSubstring("the handle was not at home") ||
-                              ContainsSubstring("of what it should"));
+    CHECK_THAT(end.error, Has("it did not rest at home") || Has("the handle was not at home") ||
+                              Has("of what it should"));
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
@@ -216,8 +203,8 @@ TEST_CASE("a handle that was not brought to a mark is refused there, with no tor
     program.type("");  // it stands at home
     const Finished end = program.program().wait();
     CHECK(end.code == 1);
-    CHECK_THAT(end.error, ContainsSubstring("the handle stands where it stood before") ||
-                              ContainsSubstring("stopped answering"));  // a busy machine
+    CHECK_THAT(end.error, Has("the handle stands where it stood before") ||
+                              Has("stopped answering"));  // a busy machine
     CHECK(times(end.out, "Bring the handle to") == 1);
     CHECK(board.motors() == "0, 0");
     CHECK_FALSE(std::filesystem::exists(folder.file("rig.toml")));
@@ -241,10 +228,8 @@ TEST_CASE(
                      folder.file("d.sqlite") + "' --windowed --kind pilot --device " +
                      board.word() + " --calibration '" + folder.file("damped.toml") + "'");
     CAPTURE(slow, end.out, end.error);
-    CHECK(end.code == 2);
-    CHECK_THAT(end.error, ContainsSubstring("the device damps 0.8 N s/m") &&
-                              ContainsSubstring("of delay needs ") &&
-                              ContainsSubstring("lower stiffness_n_per_m to "));
+    check_end(end, 2,
+              Has("the device damps 0.8 N s/m", "of delay needs ", "lower stiffness_n_per_m to "));
     CHECK((end.error.find(" ticks of delay") != std::string::npos) >= slow);
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
@@ -260,8 +245,8 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
         return eventually([&] { return times(program.program().out(), "Type yes:") == n; });
     };
     REQUIRE(asked(1));
-    CHECK_THAT(program.program().out(), ContainsSubstring("It has to rest at home, (0, 89.") &&
-                                            ContainsSubstring("Nobody may hold the handle"));
+    CHECK_THAT(program.program().out(),
+               Has("It has to rest at home, (0, 89.", "Nobody may hold the handle"));
     int questions = 1;
     for (const char* answer : {"", "no", "yes please"}) {
         CAPTURE(answer);
@@ -270,7 +255,7 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
         CHECK(program.program().running());
         CHECK(board.motors() == "0, 0");
     }
-    CHECK_THAT(program.program().out(), !ContainsSubstring("the handle is free\n"));
+    CHECK_THAT(program.program().out(), !Has("the handle is free\n"));
     program.type("yes");
     CHECK(eventually([&] {
         return program.program().out().find("the handle is free\n") != std::string::npos ||
@@ -292,7 +277,6 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     tests::pause(0.3);
     board.signal(SIGCONT);
     const Finished end = program.program().wait();
-    CHECK_THAT(end.error, ContainsSubstring("was opened anew while the handle was at (") ||
-                              ContainsSubstring("did not rest") ||
-                              ContainsSubstring("stopped answering"));
+    CHECK_THAT(end.error, Has("was opened anew while the handle was at (") || Has("did not rest") ||
+                              Has("stopped answering"));
 }

@@ -7,7 +7,6 @@
 #include "tests/support/dev_tools.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using tests::eventually;
 

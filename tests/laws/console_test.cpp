@@ -8,7 +8,6 @@
 // time.
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using tests::Browser;
 using tests::Console;
@@ -42,12 +41,10 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
                                     std::to_string(browser.port) + "=" + browser.token + "\r\n"));
 
     const std::string traded = browser.trade();
-    CHECK_THAT(traded,
-               StartsWith("HTTP/1.1 303") && ContainsSubstring("; HttpOnly; SameSite=Strict"));
+    CHECK_THAT(traded, StartsWith("HTTP/1.1 303") && Has("; HttpOnly; SameSite=Strict"));
     CHECK(traded.find(browser.token) == std::string::npos);
     const std::string page = browser.get("/", browser.cookie);
-    CHECK_THAT(page, StartsWith("HTTP/1.1 200") && ContainsSubstring("default-src 'none'") &&
-                         ContainsSubstring("<!DOCTYPE html>"));
+    CHECK_THAT(page, StartsWith("HTTP/1.1 200") && Has("default-src 'none'", "<!DOCTYPE html>"));
     for (const char* file : {"/console.js", "/console.css", "/uplot.js", "/uplot.css"}) {
         CHECK_THAT(browser.get(file, browser.cookie), StartsWith("HTTP/1.1 200"));
         CHECK(page.find(file) != std::string::npos);
@@ -70,17 +67,15 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
     refused(browser.ask("POST /do HTTP/1.1\r\nHost: " + browser.host + "\r\n" + cookie +
                             browser.origin() + "Content-Type: text/plain\r\nContent-Length: 14\r\n",
                         kPause));
-    CHECK_THAT(browser.act("[" + kPause + "]", cookie + browser.origin()),
-               ContainsSubstring("\"ok\":false"));
+    CHECK_THAT(browser.act("[" + kPause + "]", cookie + browser.origin()), Has("\"ok\":false"));
     CHECK(session.kept(kPauses) == "0");
 
-    CHECK_THAT(browser.act(kPause, cookie + browser.origin()), ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(browser.act(kPause, cookie + browser.origin()), Has("\"ok\":true"));
     CHECK(session.comes_to("pause"));
     CHECK_THAT(browser.act(R"({"do":"go on"})", cookie + browser.origin()),
-               ContainsSubstring("\"ok\":true"));  // from the pause
+               Has("\"ok\":true"));  // from the pause
     CHECK(session.keeps(kPauses, "1"));
-    CHECK_THAT(browser.act(R"({"do":"stop"})", cookie + browser.origin()),
-               ContainsSubstring("\"ok\":true"));
+    CHECK_THAT(browser.act(R"({"do":"stop"})", cookie + browser.origin()), Has("\"ok\":true"));
     CHECK(
         session.keeps("SELECT value FROM event WHERE event_kind = 'stop'", "experimenter's page"));
     session.program.signal(SIGTERM);
@@ -95,8 +90,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     tests::HttpLine stream(console.browser->port);
     stream.say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
                console.browser->cookie + "\r\n");
-    CHECK_THAT(stream.hear_until("\"alive\":true"),
-               ContainsSubstring("text/event-stream") && ContainsSubstring("\"act\":true"));
+    CHECK_THAT(stream.hear_until("\"alive\":true"), Has("text/event-stream", "\"act\":true"));
     CHECK(eventually([&] {
         stream.forget();
         return stream.hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
@@ -110,7 +104,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     }
     stream.forget();
     session.program.signal(SIGKILL);
-    CHECK_THAT(stream.hear_until("\"alive\":false"), ContainsSubstring("\"ended\":\"killed\""));
+    CHECK_THAT(stream.hear_until("\"alive\":false"), Has("\"ended\":\"killed\""));
     CHECK(stream.hear_until("\r\n0\r\n\r\n").ends_with("\r\n0\r\n\r\n"));  // nothing more comes
 }
 
@@ -127,14 +121,13 @@ TEST_CASE("a preview shows what a protocol shows, and each problem at its line o
     tests::HttpLine stream(browser.port);
     stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
     CHECK_THAT(stream.hear_until("\"objects\":\"objects.svg\"}"),
-               ContainsSubstring("\"right\":true") && ContainsSubstring("\"welcome.png\""));
-    CHECK_THAT(browser.get("/choose.png", browser.cookie), ContainsSubstring("image/png"));
-    CHECK_THAT(browser.get("/objects.svg", browser.cookie), ContainsSubstring("<svg"));
+               Has("\"right\":true", "\"welcome.png\""));
+    CHECK_THAT(browser.get("/choose.png", browser.cookie), Has("image/png"));
+    CHECK_THAT(browser.get("/objects.svg", browser.cookie), Has("<svg"));
     CHECK_THAT(browser.get("/said.txt", browser.cookie), StartsWith("HTTP/1.1 404"));
     stream.forget();
     tests::write(file, tests::replaced(good, "rate_hz = 1000", "rate_hz = 1"));
-    CHECK_THAT(stream.hear_until("\"objects\":null}"),
-               ContainsSubstring("mine.toml:11:11: rate_hz is 1"));
+    CHECK_THAT(stream.hear_until("\"objects\":null}"), Has("mine.toml:11:11: rate_hz is 1"));
     CHECK_THAT(browser.get("/choose.png", browser.cookie), StartsWith("HTTP/1.1 404"));
     preview.signal(SIGTERM);
     CHECK(preview.wait().code == 0);

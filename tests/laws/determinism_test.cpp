@@ -37,7 +37,7 @@ TEST_CASE("a wall clock that jumps by days while a session runs changes nothing 
                                         .wait();
         CAPTURE(run.error);
         REQUIRE(run.code == 0);
-        CHECK(palpate_command({"verify", file}).code == 0);
+        ran({"verify", file});
         data::Database database(file, data::Access::read);
         auto days = database.prepare("SELECT count(DISTINCT date(started_utc)) FROM trial");
         REQUIRE(days.step());

@@ -68,22 +68,18 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
     for (const auto& arguments :
          {words(folder), sim, std::vector<std::string>{"demo", "--db", folder.file("d.sqlite")}}) {
         const Finished run = without_display(arguments);
-        CAPTURE(run.out, run.error);
-        CHECK(run.code == 2);
-        CHECK_THAT(run.error, ContainsSubstring("DISPLAY is :999, and no display can be opened") &&
-                                  ContainsSubstring("--headless"));
+        check_end(run, 2, Has("DISPLAY is :999, and no display can be opened", "--headless"));
         CHECK(folder.names().empty());
     }
     const Finished doctor =
         without_display({"doctor", "--seconds", "0.05", "--db", folder.file("d.sqlite")});
-    CHECK_THAT(doctor.out, ContainsSubstring("fail  display"));
+    CHECK_THAT(doctor.out, Has("fail  display"));
     CHECK(doctor.code == 1);
     sim.insert(sim.begin(), tests::palpate_program());  // an empty driver is none, and not any
     const Finished unseen = tests::Process(sim, {"DISPLAY=:999", "WAYLAND_DISPLAY",
                                                  "SDL_VIDEODRIVER=", "ASAN_OPTIONS=detect_leaks=0"})
                                 .wait();
-    CHECK(unseen.code == 2);
-    CHECK_THAT(unseen.error, ContainsSubstring("DISPLAY is :999, and no display can be opened"));
+    check_end(unseen, 2, Has("DISPLAY is :999, and no display can be opened"));
     CHECK(folder.names().empty());
     sim.erase(sim.begin());
     sim.emplace_back("--headless");
@@ -103,9 +99,7 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
             tests::Process(run, {"DISPLAY=" + screen.display(), "WAYLAND_DISPLAY",
                                  "SDL_VIDEODRIVER=x11", "ASAN_OPTIONS=detect_leaks=0"})
                 .wait();
-        CAPTURE(end.out, end.error);
-        CHECK(end.code == 2);
-        CHECK_THAT(end.error, ContainsSubstring(why) && ContainsSubstring("800 x 600 at (0, 0)"));
+        check_end(end, 2, Has(why, "800 x 600 at (0, 0)"));
     }
     CHECK(folder.names().empty());
 }
@@ -156,9 +150,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     const std::string where = GENERATE("explore", "question", "break");
     CAPTURE(where);
     const TemporaryFolder folder;
-    std::string text = tests::slurp(kShortStudy);
-    const std::string none = "break_every = 0";
-    text.replace(text.find(none), none.size(), "break_every = 1");
+    std::string text = replaced(tests::slurp(kShortStudy), "break_every = 0", "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
     std::vector<std::string> run = words(folder, folder.file("p.toml"));
     run.insert(run.end(), {"--kind", "pilot"});
@@ -183,10 +175,9 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
         session.wait_for_screen(where);
         session.screen().server().signal(SIGKILL);
         const Finished end = session.finish();
-        CAPTURE(end.out, end.error);
-        CHECK(end.code == 1);
-        CHECK_THAT(end.error, ContainsSubstring("the display is gone. The force is off") &&
-                                  ContainsSubstring("the same command goes on at trial"));
+        check_end(
+            end, 1,
+            Has("the display is gone. The force is off", "the same command goes on at trial"));
         CHECK(session.ask("SELECT outcome FROM trial") ==
               (where == "break" ? "complete" : "aborted"));
         CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'display lost'") == "1");
@@ -227,7 +218,5 @@ TEST_CASE(
     session.hand().chord("q");
     session.press_at("trouble", "y");
     const Finished end = session.finish();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 1);
-    CHECK_THAT(end.error, ContainsSubstring("what was recorded is kept"));
+    check_end(end, 1, Has("what was recorded is kept"));
 }

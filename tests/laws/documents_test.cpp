@@ -14,12 +14,7 @@ namespace {
 const fs::path kRoot = PALPATE_SOURCE_DIR;
 
 std::vector<std::string> lines_of(const fs::path& file) {
-    std::ifstream stream(file);
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(stream, line);) {
-        lines.push_back(line);
-    }
-    return lines;
+    return tests::lines_in(tests::slurp(file));
 }
 
 std::vector<fs::path> pages() {
@@ -280,7 +275,7 @@ TEST_CASE("docs/devices.md names each limit and maker the group is trusted with"
     const std::regex what(R"(idVendor\}=="(\w+)\|?(\w*)|@palpate - (\w+ \w+))");
     for (std::sregex_iterator at(given.begin(), given.end(), what), end; at != end; ++at) {
         for (std::size_t part = 1; part < 4; ++part) {
-            CHECK_THAT(said, ContainsSubstring(at->str(part)));
+            CHECK_THAT(said, Has(at->str(part)));
         }
     }
 }
@@ -375,8 +370,7 @@ TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents]
         by_hand +
         "\nMade from the tables by which palpate itself reads, checks and writes these files.\n" +
         keys_of_the_program();
-    CHECK_THAT(whole, ContainsSubstring("| `mu_s` |  |") &&
-                          ContainsSubstring("| `damping_1_mn_m_s` | mN m s |"));
+    CHECK_THAT(whole, Has("| `mu_s` |  |", "| `damping_1_mn_m_s` | mN m s |"));
     if (std::getenv("PALPATE_WRITE_DOCS") != nullptr) {
         std::ofstream(page) << whole;
     } else {

@@ -261,7 +261,7 @@ Fault random_fault(Random& random, double period) {
     const std::array<DeviceFault, 6> reports{DeviceFault::lost,        DeviceFault::silent,
                                              DeviceFault::garbage,     DeviceFault::ended,
                                              DeviceFault::unreachable, DeviceFault::unguarded};
-    fault.report = reports[static_cast<std::size_t>(random.below(6))];
+    fault.report = reports[random.index(6)];
     const double angle = random.in(0.0, 6.283);
     fault.way = {std::cos(angle), std::sin(angle), 0.0};
     return fault;

@@ -23,7 +23,7 @@ public:
                                      DeviceFault::garbage,     DeviceFault::ended,
                                      DeviceFault::unreachable, DeviceFault::unguarded,
                                      DeviceFault::none};
-        fault_ = kFaults[static_cast<std::size_t>(random_.below(7))];
+        fault_ = kFaults[random_.index(7)];
     }
 
     void begin(const Exploration& plan) {

@@ -12,29 +12,6 @@ namespace {
 
 using Row = std::map<std::string, std::string>;
 
-std::vector<Row> rows_of(std::istream& in) {
-    const auto fields_of = [](const std::string& line) {
-        std::istringstream text(line);
-        std::vector<std::string> fields;
-        for (std::string field; std::getline(text, field, ',');) {
-            fields.push_back(field);
-        }
-        return fields;
-    };
-    std::string line;
-    std::getline(in, line);
-    const std::vector<std::string> names = fields_of(line);
-    std::vector<Row> rows;
-    while (std::getline(in, line)) {
-        const std::vector<std::string> fields = fields_of(line);
-        Row& row = rows.emplace_back();
-        for (std::size_t i = 0; i < names.size(); ++i) {
-            row[names[i]] = fields.at(i);
-        }
-    }
-    return rows;
-}
-
 double number(const Row& row, const std::string& name) {
     return std::stod(row.at(name));
 }
@@ -43,8 +20,7 @@ double number(const Row& row, const std::string& name) {
 engine::Contact felt(const std::string& file, std::size_t tick) {
     const protocols::SceneFile scene = protocols::parse_scene(
         tests::slurp(file + ".toml"), file + ".toml", protocols::Crossings::taken);
-    std::ifstream in(file + ".csv");
-    const std::vector<Row> path = rows_of(in);
+    const std::vector<Row> path = tests::csv_records(tests::slurp(file + ".csv"));
     const double period = path.size() > 1 ? number(path[1], "t_s") - number(path[0], "t_s") : 0.001;
     const engine::Scene felt(std::make_shared<const engine::Outline>(protocols::outline_of(scene)),
                              protocols::spec_of(scene, period));
@@ -61,8 +37,7 @@ engine::Contact felt(const std::string& file, std::size_t tick) {
 TEST_CASE("the god-object stops at the first place in its cone, in the scenes that were hardest",
           "[friction][law]") {
     const std::string folder = PALPATE_SOURCE_DIR "/tests/golden/first_root/";
-    std::ifstream table(folder + "expected.csv");
-    const std::vector<Row> cases = rows_of(table);
+    const std::vector<Row> cases = tests::csv_records(tests::slurp(folder + "expected.csv"));
     REQUIRE(cases.size() >= 18);
     for (const Row& expected : cases) {
         const std::string& scene = expected.at("scene");

@@ -126,8 +126,8 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
     const Json all = fitted({words.begin() + 1, words.end()});
     CHECK(all["curves"].size() == 2);
     for (const Json& curve : all["curves"]) {
-        CHECK_THAT(text.out, ContainsSubstring("P1, " + curve["condition"].get<std::string>() +
-                                               ": 7 levels, 280 answers; deviance "));
+        CHECK_THAT(text.out, Has("P1, " + curve["condition"].get<std::string>() +
+                                 ": 7 levels, 280 answers; deviance "));
         for (const char* quantity :
              {"threshold", "stimulus_at", "jnd", "weber_fraction", "slope"}) {
             const Json& estimate = curve[quantity];
@@ -135,7 +135,7 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
                  {estimate["estimate"], estimate["profile_95"][0], estimate["profile_95"][1],
                   estimate["bootstrap_95"][0], estimate["bootstrap_95"][1]}) {
                 CAPTURE(quantity);
-                CHECK_THAT(text.out, ContainsSubstring(fmt::format("{:.4g}", one.get<double>())));
+                CHECK_THAT(text.out, Has(fmt::format("{:.4g}", one.get<double>())));
             }
             CHECK(estimate["profile_95"][0] < estimate["estimate"]);
             CHECK(estimate["estimate"] < estimate["profile_95"][1]);
@@ -149,10 +149,8 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
     CHECK(all["differences"][0]["difference"].get<double>() == Approx(difference));
     CHECK(difference > 0.0);
     CHECK(all["differences"][0]["p"].get<double>() < 0.05);
-    CHECK_THAT(text.out, ContainsSubstring("on - off    threshold") &&
-                             ContainsSubstring("agree on 2 of 2 curves"));
-    CHECK_THAT(tests::slurp(folder.file("d.svg")),
-               ContainsSubstring("<svg") && ContainsSubstring("P1"));
+    CHECK_THAT(text.out, Has("on - off    threshold", "agree on 2 of 2 curves"));
+    CHECK_THAT(tests::slurp(folder.file("d.svg")), Has("<svg", "P1"));
     const Finished other =
         palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200", "--seed", "2"});
     CHECK(other.out != palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200"}).out);
@@ -162,19 +160,17 @@ TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[f
     const TemporaryFolder folder;
     write(folder.file("steep.csv"), "stimulus,n,k\n1,10,0\n2,10,0\n3,10,10\n");
     const Finished steep = ran({"fit", folder.file("steep.csv"), "--lapse", "0"});
-    CHECK_THAT(steep.out, ContainsSubstring("slope b") && ContainsSubstring("unbounded: ") &&
-                              ContainsSubstring("no level lies on the rise") &&
-                              ContainsSubstring("maximum likelihood, no priors"));
+    CHECK_THAT(steep.out, Has("slope b", "unbounded: ", "no level lies on the rise",
+                              "maximum likelihood, no priors"));
     const Finished bounded =
         palpate_command({"fit", folder.file("steep.csv"), "--lapse", "free", "--prior",
                          "lapse=2,50", "--prior", "slope=2,0.7", "--bootstrap", "50"});
-    CHECK_THAT(bounded.out, ContainsSubstring("MAP with priors slope b ~ lognormal: median, sd of "
-                                              "ln (2, 0.7), lapse ~ beta(2, 50)") &&
-                                !ContainsSubstring("unbounded"));
+    CHECK_THAT(bounded.out, Has("MAP with priors slope b ~ lognormal: median, sd of "
+                                "ln (2, 0.7), lapse ~ beta(2, 50)") &&
+                                !Has("unbounded"));
     write(folder.file("falls.csv"), "stimulus,n,k\n1,10,9\n2,10,5\n3,10,1\n");
     CHECK_THAT(palpate_command({"fit", folder.file("falls.csv")}).out,
-               ContainsSubstring("the share of 1 does not grow with the stimulus") &&
-                   ContainsSubstring("unbounded: "));
+               Has("the share of 1 does not grow with the stimulus", "unbounded: "));
 }
 
 TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy", "[fit]") {

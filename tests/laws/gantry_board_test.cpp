@@ -6,6 +6,7 @@
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -21,20 +22,18 @@ constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
 /// Two patches of the shipped study: a hand that strokes across one is pressed somewhere on every
 /// stroke.
 std::string two_patches(int repetitions) {
-    std::string text;
-    for (const auto& shipped : protocols::shipped_protocols()) {
-        text = shipped.name == "patch_friction" ? std::string(shipped.text) : text;
-    }
+    std::string text = tests::short_text("patch_friction", {});
     const std::size_t concave = text.find("[[object]]\nname = \"concave\"");
     text.erase(concave, text.find("[[friction]]\nname = \"on\"") - concave);
-    text = tests::replaced(text, "repetitions = 5", "repetitions = " + std::to_string(repetitions));
-    text = tests::replaced(text, "max_run_friction = 3", "max_run_friction = 0");
-    text = tests::replaced(text, "practice_repetitions = 1", "practice_repetitions = 0");
-    text = tests::replaced(text, "explore_min_s = 2", "explore_min_s = 0.5");
-    text = tests::replaced(text, "gap_s = 1.5", "gap_s = 0");
-    text = tests::replaced(text, "start_mm = [0, 0]",
-                           "start_mm = [0, 0]\nstart_radius_mm = 0");  // its hand is elsewhere
-    return tests::replaced(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n");
+    return tests::edited(
+        text,
+        {{"repetitions = 5", "repetitions = " + std::to_string(repetitions)},
+         {"max_run_friction = 3", "max_run_friction = 0"},
+         {"practice_repetitions = 1", "practice_repetitions = 0"},
+         {"explore_min_s = 2", "explore_min_s = 0.5"},
+         {"gap_s = 1.5", "gap_s = 0"},
+         {"start_mm = [0, 0]", "start_mm = [0, 0]\nstart_radius_mm = 0"},  // its hand is elsewhere
+         {"[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"}});
 }
 
 /// The emulated board, typed to, and a session in a window on it.
@@ -158,7 +157,7 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
         return csv.substr(head, csv.find_first_of("\r\n", head) - head);
     };
     const tests::Finished verify = ran({"verify", file});
-    CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
+    CHECK_THAT(verify.out, Has("Nothing differs"));
     // HIP is computed again from the counts: with another drum they say another place.
     const std::string other = desk.folder.file("other.sqlite");
     std::filesystem::copy_file(file, other);
@@ -167,7 +166,7 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
             "UPDATE session_provenance SET value = replace(value, '[gantry.axis_z]\nradius_mm = "
             "10', '[gantry.axis_z]\nradius_mm = 10.1') WHERE key = 'calibration'");
     const tests::Finished differs = ran({"verify", other}, 1);
-    CHECK_THAT(differs.out, ContainsSubstring("trace.hip"));
+    CHECK_THAT(differs.out, Has("trace.hip"));
     CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
               "'%[gantry.axis_z]%'") == "1");
@@ -258,20 +257,19 @@ TEST_CASE(
     };
     const std::string db = folder.file("d.sqlite");
     const std::string out = folder.file("rig.toml");
-    CHECK_THAT(
-        refused({"run", "shape_friction", "--participant", "P1", "--db", db, "--device",
-                 "board:/dev/null", "--calibration", kGantry}),
-        ContainsSubstring("curves in a plane, and the machine of that calibration has three axes"));
+    CHECK_THAT(refused({"run", "shape_friction", "--participant", "P1", "--db", db, "--device",
+                        "board:/dev/null", "--calibration", kGantry}),
+               Has("curves in a plane, and the machine of that calibration has three axes"));
     CHECK_THAT(refused({"run", "patch_friction", "--participant", "P1", "--db", db, "--device",
                         "board:/dev/null"}),
-               ContainsSubstring("board:PORT with the --calibration of a machine of three axes"));
+               Has("board:PORT with the --calibration of a machine of three axes"));
     CHECK_THAT(refused({"check", "patch_friction", "--device", "haply:/dev/null", "--calibration",
                         kGantry}),
-               ContainsSubstring("which an open board alone drives"));
+               Has("which an open board alone drives"));
     CHECK_THAT(refused({"calibrate", "--preset", kGantry, "-o", out}),
-               ContainsSubstring("straight axes have no zeros to be found"));
+               Has("straight axes have no zeros to be found"));
     CHECK_THAT(refused({"haply-emulator", "--preset", kGantry}),
-               ContainsSubstring("this machine has no Haply board"));
+               Has("this machine has no Haply board"));
     CHECK(folder.names().empty());
     // A workspace that does not hold the patch.
     tests::write(folder.file("narrow.toml"),
@@ -288,6 +286,5 @@ TEST_CASE(
                              "--calibration", folder.file("narrow.toml")})
                 .out;  // a busy machine may leave the board without its turn
     }
-    CHECK_THAT(said,
-               ContainsSubstring("the handle cannot reach the start pose (0.0, 0.0, 30.0) mm"));
+    CHECK_THAT(said, Has("the handle cannot reach the start pose (0.0, 0.0, 30.0) mm"));
 }

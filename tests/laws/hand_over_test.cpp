@@ -6,15 +6,6 @@ using namespace palpate::tests;
 
 namespace {
 
-std::vector<std::string> lines_of_text(const std::string& text) {
-    std::vector<std::string> lines;
-    std::istringstream stream(text);
-    for (std::string line; std::getline(stream, line);) {
-        lines.push_back(line);
-    }
-    return lines;
-}
-
 /// What SQL says, without its head.
 std::string by_sql(const std::string& file, const std::string& query) {
     const std::string out = sql_csv(file, query);
@@ -24,10 +15,10 @@ std::string by_sql(const std::string& file, const std::string& query) {
 /// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
 /// their friction does.
 std::string identified(const TemporaryFolder& folder) {
-    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 2");
-    protocol.replace(protocol.find("name = \"off\""), 12, "name = \"smooth\"");
-    protocol.replace(protocol.find("name = \"on\""), 11, "name = \"rough\"");
+    std::string protocol = edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                                  {{"repetitions = 1", "repetitions = 2"},
+                                   {"name = \"off\"", "name = \"smooth\""},
+                                   {"name = \"on\"", "name = \"rough\""}});
     write(folder.file("p.toml"), protocol);
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
@@ -55,8 +46,7 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
     const std::string file = identified(folder);
     const std::string out = folder.file("shared");
     ran({"export", file, "--kind", "all", "-o", out});
-    const Finished made = ran({"analysis", "init", out});
-    CHECK_THAT(made.out, ContainsSubstring("analysis.R\n") && ContainsSubstring("analysis.py\n"));
+    CHECK_THAT(ran({"analysis", "init", out}).out, Has("analysis.R\n", "analysis.py\n"));
     const std::string wanted =
         "smooth rough|concave convex|real pilot simulated|16|" +
         by_sql(file,
@@ -72,8 +62,8 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
                          "cat(sum(main\\$correct), '\\n', sep = '')\""})
                 .wait();
         r.code == 0) {
-        CHECK(lines_of_text(r.out).back() + '\n' == wanted);
-        CHECK_THAT(r.out, ContainsSubstring("smooth rough\n"));
+        CHECK(lines_in(r.out).back() + '\n' == wanted);
+        CHECK_THAT(r.out, Has("smooth rough\n"));
     } else {
         CHECK(Process({"Rscript", "-e", "1"}).wait().code != 0);  // else the script is wrong
         WARN("R is not installed: skipped");
@@ -94,23 +84,23 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
                 .wait();
         CAPTURE(py.error);
         REQUIRE(py.code == 0);
-        CHECK(lines_of_text(py.out).back() + '\n' == wanted);
+        CHECK(lines_in(py.out).back() + '\n' == wanted);
     }
     if (!pandas) {
         WARN("pandas is not installed: skipped");
     }
-    const Finished again = ran({"analysis", "init", out}, 2);
-    CHECK_THAT(again.error, ContainsSubstring("analysis.R is there already, and stays as it is"));
-    const Finished none = ran({"analysis", "init", folder.path().string()}, 2);
-    CHECK_THAT(none.error, ContainsSubstring("is no export: it has no columns.csv"));
+    CHECK_THAT(ran({"analysis", "init", out}, 2).error,
+               Has("analysis.R is there already, and stays as it is"));
+    CHECK_THAT(ran({"analysis", "init", folder.path().string()}, 2).error,
+               Has("is no export: it has no columns.csv"));
 }
 
 TEST_CASE("scripts to begin with keep studies apart, and say where nothing is right or wrong",
           "[export][stats]") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
-    std::string asked = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    asked.replace(asked.find("id = \"four_trials\""), 18, "id = \"asked\"");
+    std::string asked = replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                                 "id = \"four_trials\"", "id = \"asked\"");
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
     write(folder.file("asked.toml"), asked);
     ran({"run", folder.file("asked.toml"), "--participant", "Cem", "--db", file, "--device",
@@ -131,12 +121,11 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
         CAPTURE(ran.out, ran.error);
         REQUIRE(ran.code == 0);
         CHECK_THAT(ran.out,
-                   ContainsSubstring("fourtrials, simulated:\n") &&
-                       ContainsSubstring("asked, simulated: no answer is right or wrong") &&
-                       ContainsSubstring("mean answer_code") && ContainsSubstring("concave") &&
-                       !ContainsSubstring("NA") && !ContainsSubstring("NaN"));
+                   Has("fourtrials, simulated:\n", "asked, simulated: no answer is right or wrong",
+                       "mean answer_code", "concave") &&
+                       !Has("NA") && !Has("NaN"));
         const std::string first = ran.out.substr(ran.out.find("fourtrials"));
-        CHECK(lines_of_text(first.substr(0, first.find("asked"))).size() == (r ? 4 : 5));
+        CHECK(lines_in(first.substr(0, first.find("asked"))).size() == (r ? 4 : 5));
     }
 }
 
@@ -151,29 +140,21 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         "(participant_code) WHERE counts AND phase = 'main' GROUP BY 1, 3, 4, 5 ORDER BY 1, 3, 4, "
         "5");
     ran({"export", file, "--as", "quickpsy", "--kind", "all", "-o", folder.file("q")});
-    const auto ours = lines_of_text(tests::slurp(folder.file("q/quickpsy.csv")));
-    const auto theirs = lines_of_text(wanted);
+    const auto ours = lines_in(tests::slurp(folder.file("q/quickpsy.csv")));
+    const auto theirs = lines_in(wanted);
     REQUIRE(ours.size() == theirs.size() + 1);
     CHECK(ours[0] == "participant,study,kind,condition,x,k,n");
     CHECK_THAT(tests::slurp(folder.file("q/README.txt")),
-               ContainsSubstring("grouping = c('participant', 'study', 'kind', 'condition')"));
+               Has("grouping = c('participant', 'study', 'kind', 'condition')"));
     ran({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
     std::map<std::string, std::string> files;  // by whose they are
-    for (const std::string& line : lines_of_text(tests::slurp(folder.file("p/index.csv")))) {
+    for (const std::string& line : lines_in(tests::slurp(folder.file("p/index.csv")))) {
         files[line.substr(line.find(',') + 1)] = line.substr(0, line.find(','));
     }
     std::map<std::string, std::string> counts;
     for (std::size_t i = 0; i < theirs.size(); ++i) {
-        std::vector<std::string> fields;
-        std::istringstream stream(theirs[i]);
-        for (std::string field; std::getline(stream, field, ',');) {
-            fields.push_back(field);
-        }
-        std::istringstream mine(ours[i + 1]);
-        std::vector<std::string> printed;
-        for (std::string field; std::getline(mine, field, ',');) {
-            printed.push_back(field);
-        }
+        const auto fields = split(theirs[i]);
+        const auto printed = split(ours[i + 1]);
         REQUIRE(printed.size() == 7);
         for (const std::size_t same : {0U, 2U, 3U, 5U, 6U}) {
             CHECK(printed[same] == fields[same]);
@@ -189,13 +170,13 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         CHECK(tests::slurp(folder.file("p/" + files[whose])) == text);
     }
     for (const char* named : {"q/quickpsy.csv", "p/index.csv", "q/README.txt", "p/README.txt"}) {
-        CHECK_THAT(tests::slurp(folder.file(named)), !ContainsSubstring("Ada"));
+        CHECK_THAT(tests::slurp(folder.file(named)), !Has("Ada"));
     }
     const TemporaryFolder other;
     const Finished none = ran(
         {"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o", other.file("q")},
         2);
-    CHECK_THAT(none.error, ContainsSubstring("no session has two-interval or yes-no answers"));
+    CHECK_THAT(none.error, Has("no session has two-interval or yes-no answers"));
     CHECK_FALSE(std::filesystem::exists(other.file("q")));
 }
 
@@ -212,8 +193,8 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
         ++files;
         CAPTURE(name);
         const std::string subject = name.substr(0, name.find('_'));
-        const auto rows = lines_of_text(tests::slurp(entry.path()));
-        const auto wanted = lines_of_text(by_sql(
+        const auto rows = lines_in(tests::slurp(entry.path()));
+        const auto wanted = lines_in(by_sql(
             file,
             "SELECT row_number() OVER (ORDER BY trial_number) - 1, attempt - 1, plan_position, "
             "phase, planned_object, friction, CAST(curvature_per_m AS INTEGER), '', '', "
@@ -228,13 +209,12 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
                  at = plain.find("\"\"")) {
                 plain.erase(at, 2);
             }
-            CHECK_THAT(rows[i + 1], ContainsSubstring(plain + ','));
-            CHECK_THAT(rows[i + 1], ContainsSubstring("," + subject + ",1,four_trials"));
+            CHECK_THAT(rows[i + 1], Has(plain + ',', "," + subject + ",1,four_trials"));
         }
     }
     CHECK(files == 2);
     const Finished more = ran({"export", file, "--as", "psychopy", "--keep-codes", "--kind", "all",
                                "-o", folder.file("x")},
                               2);
-    CHECK_THAT(more.error, ContainsSubstring("psychopy holds no more than answers"));
+    CHECK_THAT(more.error, Has("psychopy holds no more than answers"));
 }

@@ -67,7 +67,7 @@ TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how lo
         const Finished doctor = palpate_command({"doctor", "--device", "haply:" + link, "--seconds",
                                                  "0.05", "--db", folder.file("d.sqlite")});
         CAPTURE(doctor.out);
-        REQUIRE_THAT(doctor.out, !ContainsSubstring("sent what cannot be"));
+        REQUIRE_THAT(doctor.out, !Has("sent what cannot be"));
         well = doctor.out.find("ok    device ") == 0;
         const std::string out = on_one_line(doctor.out);
         const auto said = out.find("answers after ");
@@ -85,28 +85,25 @@ TEST_CASE("the doctor looks at the emulated board, and refuses answers that come
                                             "--db", folder.file("d.sqlite")})
                                .out);
     };
-    CHECK_THAT(look("haply-emulator"),
-               StartsWith("ok device ") && ContainsSubstring("answers after "));
+    CHECK_THAT(look("haply-emulator"), StartsWith("ok device ") && Has("answers after "));
     const std::string link = folder.file("board");
     const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
                             "2diy_gen3", "--delay-ms", "40"});
     REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
-    CHECK_THAT(look("haply:" + link),
-               StartsWith("fail device ") && !ContainsSubstring("sent what cannot be"));
+    CHECK_THAT(look("haply:" + link), StartsWith("fail device ") && !Has("sent what cannot be"));
 }
 
 TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {
     const Finished preset = ran({"haply-emulator", "--preset", "gen9"}, 2);
-    CHECK_THAT(preset.error, ContainsSubstring("one of haplet, 2diy_gen2, 2diy_gen3"));
-    const Finished other = ran({"haply-emulator", "--preset", "mk2"}, 2);
-    CHECK_THAT(other.error, ContainsSubstring("no Haply board"));
+    CHECK_THAT(preset.error, Has("one of haplet, 2diy_gen2, 2diy_gen3"));
+    CHECK_THAT(ran({"haply-emulator", "--preset", "mk2"}, 2).error, Has("no Haply board"));
     const TemporaryFolder folder;
     std::ofstream(folder.file("notes")) << "mine";
-    const Finished taken = ran({"haply-emulator", "--link", folder.file("notes")}, 1);
-    CHECK_THAT(taken.error, ContainsSubstring("give a name that is free"));
+    CHECK_THAT(ran({"haply-emulator", "--link", folder.file("notes")}, 1).error,
+               Has("give a name that is free"));
     CHECK(std::filesystem::file_size(folder.file("notes")) == 4);
-    const Finished link = ran({"haply-emulator", "--link", "/proc/no/such/place"}, 1);
-    CHECK_THAT(link.error, ContainsSubstring("name a file in a folder that you may write"));
+    CHECK_THAT(ran({"haply-emulator", "--link", "/proc/no/such/place"}, 1).error,
+               Has("name a file in a folder that you may write"));
 }
 
 TEST_CASE("who had the port open before is named, and no session or check begins beside it",
@@ -125,7 +122,7 @@ TEST_CASE("who had the port open before is named, and no session or check begins
     for (int i = 0; i < 20 && out.find(", sleep (process ") == std::string::npos; ++i) {
         out = said();  // the shell may not have come to its sleep
     }
-    CHECK_THAT(out, ContainsSubstring("is in use by another program, sleep (process "));
+    CHECK_THAT(out, Has("is in use by another program, sleep (process "));
     for (std::vector<std::string> begins :
          {std::vector<std::string>{"run", "pilot", "--participant", "P1", "--db",
                                    folder.file("d.sqlite"), "--windowed", "--kind", "pilot"},
@@ -135,13 +132,12 @@ TEST_CASE("who had the port open before is named, and no session or check begins
         const Finished beside = Process(begins, {"SDL_VIDEODRIVER=dummy"}).wait();
         CAPTURE(begins, beside.out, beside.error);
         CHECK(beside.code == 1);
-        CHECK_THAT(on_one_line(beside.error),
-                   ContainsSubstring("in use by another program, sleep"));
+        CHECK_THAT(on_one_line(beside.error), Has("in use by another program, sleep"));
     }
     CHECK(folder.names().size() == 1);  // the board's
     stranger.signal(SIGKILL);
     CHECK(stranger.wait().code != 0);
-    CHECK_THAT(said(), !ContainsSubstring("in use by another program"));
+    CHECK_THAT(said(), !Has("in use by another program"));
     emulator.signal(SIGINT);
     CHECK(emulator.wait().code == 0);
 }
@@ -166,11 +162,11 @@ TEST_CASE("the guard goes into a control group of its own where systemd grants o
                 .out;
         return on_one_line(out);
     };
-    CHECK_THAT(said("exit 1"), ContainsSubstring("its guard shares palpate's control group"));
+    CHECK_THAT(said("exit 1"), Has("its guard shares palpate's control group"));
     std::error_code error;
     if (std::filesystem::create_directory(group, error)) {
         CHECK_THAT(said("echo $1 > " + group + "/cgroup.procs"),
-                   ContainsSubstring("its guard has a control group of its own"));
+                   Has("its guard has a control group of its own"));
         CHECK(eventually([&] { return std::filesystem::remove(group, error); }));
     }
     emulator.signal(SIGINT);
@@ -208,8 +204,7 @@ TEST_CASE("a session on an emulated board is simulated unless --kind says otherw
         return finished.error;
     };
     const std::string simulated = refused({});
-    CHECK_THAT(simulated, ContainsSubstring("the session is recorded as simulated"));
-    CHECK_THAT(simulated, ContainsSubstring("--other-device"));
-    CHECK_THAT(refused({"--kind", "pilot"}), ContainsSubstring("cannot go on as pilot"));
-    CHECK_THAT(refused({"--kind", "real"}), ContainsSubstring("no real session"));
+    CHECK_THAT(simulated, Has("the session is recorded as simulated", "--other-device"));
+    CHECK_THAT(refused({"--kind", "pilot"}), Has("cannot go on as pilot"));
+    CHECK_THAT(refused({"--kind", "real"}), Has("no real session"));
 }

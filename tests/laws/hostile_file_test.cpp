@@ -52,9 +52,7 @@ TEST_CASE("nothing is written beside what a file's schema would do", "[store][la
                                    {"participant", file, "P09", "--new"},
                                    {"merge", file, files.clean}}) {
             CAPTURE(at.sql, words.front());
-            const Finished done = ran(words, 2);
-            CHECK_THAT(done.error, ContainsSubstring(at.name) &&
-                                       ContainsSubstring("nothing is written into it"));
+            CHECK_THAT(ran(words, 2).error, Has(at.name, "nothing is written into it"));
         }
         CHECK(lab_sqlite(file, ".dump") == before);
     }
@@ -77,7 +75,7 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
         }
         CHECK(done.out == right.out);
         CHECK(right.error.empty());
-        CHECK_THAT(done.error, StartsWith("palpate: ") && ContainsSubstring("view analysis_trial"));
+        CHECK_THAT(done.error, StartsWith("palpate: ") && Has("view analysis_trial"));
     }
     const Finished shared =
         ran({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
@@ -87,18 +85,18 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
         "PRAGMA ignore_check_constraints = 1;UPDATE participant SET participant_code = 'a b'");
     const std::string merged = files.folder.file("odd_merged.sqlite");
     CHECK_THAT(palpate_command({"merge", merged, odd}).error,
-               ContainsSubstring("none that its table takes, and no palpate made it"));
+               Has("none that its table takes, and no palpate made it"));
     CHECK(!std::filesystem::exists(merged));
     const std::string loop = files.folder.file("loop.sqlite");
     std::filesystem::create_symlink("loop.sqlite", loop);
     CHECK_THAT(palpate_command({"summary", loop}).error,
-               ContainsSubstring("it is a link that leads back to itself"));
+               Has("it is a link that leads back to itself"));
     // Of a file whose tables are others palpate's own views are asked, and no other.
     const std::string added = files.with("ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5");
     CHECK(palpate_command({"sql", added, "-c", "SELECT sum(correct) FROM main_trial"}).out ==
           palpate_command({"sql", files.clean, "-c", "SELECT sum(correct) FROM main_trial"}).out);
     CHECK_THAT(ran({"sql", added, "-c", "SELECT 1 FROM main.confusion"}, 1).error,
-               ContainsSubstring("palpate's own go by their names without main"));
+               Has("palpate's own go by their names without main"));
     const std::string endless = files.with(kEndless);
     for (const Words& words :
          std::vector<Words>{{"summary", endless},
@@ -116,7 +114,7 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
         const Finished done = tests::Process(all).wait(std::chrono::seconds(60));
         CAPTURE(words.front(), done.out, done.error);
         CHECK((done.code == 1 || done.code == 2));
-        CHECK_THAT(done.out + done.error, ContainsSubstring("table trial"));
+        CHECK_THAT(done.out + done.error, Has("table trial"));
     }
     // One that is planted while palpate is at work, on a table of the lab that follows ours.
     const std::string file = files.with(
@@ -171,14 +169,12 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
     const LabFiles files;
     const std::string file =
         files.with("INSERT INTO secret VALUES ('00000000000000000000000000000000')");
-    const Finished verified = ran({"verify", file}, 1);
-    CHECK_THAT(verified.out,
-               ContainsSubstring("differs  secret: stored 2 rows with which nothing"));
+    CHECK_THAT(ran({"verify", file}, 1).out,
+               Has("differs  secret: stored 2 rows with which nothing"));
     for (const Words& words :
          {files.run(file, "P02"), Words{"participant", file, "P02", "--new"}}) {
         CAPTURE(words.front());
-        const Finished done = ran(words, 1);
-        CHECK_THAT(done.error, ContainsSubstring("a second secret"));
+        CHECK_THAT(ran(words, 1).error, Has("a second secret"));
     }
     const std::string cured =
         files.folder.file("cured.sqlite");  // a merge takes those that were used
@@ -193,10 +189,9 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
     const std::string merged = files.folder.file("merged.sqlite");
     ran({"merge", merged, other, files.clean});
     ran({"participant", merged, "P03", "--new"});
-    const Finished whole = ran({"verify", merged});
-    CHECK_THAT(whole.out,
-               ContainsSubstring("Not checked, since nothing else in the file says it:") &&
-                   ContainsSubstring("when consent was noted"));
+    CHECK_THAT(
+        ran({"verify", merged}).out,
+        Has("Not checked, since nothing else in the file says it:", "when consent was noted"));
 }
 
 TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge][law]") {
@@ -265,8 +260,7 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
         Words words{"sql", files.clean, "-c"};
         words.insert(words.end(), at.words.begin(), at.words.end());
         CAPTURE(at.words.front());
-        const Finished done = ran(words, 1);
-        CHECK_THAT(done.error, ContainsSubstring(at.said));
+        CHECK_THAT(ran(words, 1).error, Has(at.said));
     }
     const Finished both =
         palpate_command({"sql", files.clean, "--attach", "--csv", "-c",
@@ -302,8 +296,8 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
     tests::write(left + "/trials.csv", "subject");
     const std::string near = shared + ".palpate-part-another";
     tests::write(near, "");
-    const Finished plain = ran({"export", files.clean, "--kind", "all", "-o", shared});
-    CHECK_THAT(plain.error, ContainsSubstring("aBcD12") && ContainsSubstring("it is removed"));
+    CHECK_THAT(ran({"export", files.clean, "--kind", "all", "-o", shared}).error,
+               Has("aBcD12", "it is removed"));
     CHECK(!std::filesystem::exists(left));
     CHECK(std::filesystem::exists(near));
     CHECK((rights(shared + "/trials.csv") & 0044U) != 0);
@@ -332,6 +326,6 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
             ran({"run", "shape_friction_demo", std::string("--participant=") + code, "--db",
                  files.folder.file("new.sqlite"), "--headless", "--speed", "0"},
                 2);
-        CHECK_THAT(refused.error, ContainsSubstring("the first a letter or digit"));
+        CHECK_THAT(refused.error, Has("the first a letter or digit"));
     }
 }

@@ -8,7 +8,7 @@ using palpate::tests::Random;
 namespace {
 
 std::vector<Event> random_events(Random& random) {
-    std::vector<Event> events(static_cast<std::size_t>(random.below(4)));
+    std::vector<Event> events(random.index(4));
     for (Event& event : events) {
         event = {.cause = static_cast<Cause>(random.below(static_cast<int>(Cause::count))),
                  .at = 1 + random.below(130),

@@ -55,7 +55,7 @@ TEST_CASE("no table, order or reference of a lab's is in the way of a command", 
             palpate_command({"participant", file, "demo", "--destroy", "everything", "--yes"});
         CAPTURE(at.sql, done.out, done.error);
         CHECK(done.code != 0);
-        CHECK_THAT(done.error, ContainsSubstring(at.said));
+        CHECK_THAT(done.error, Has(at.said));
         CHECK(lab_sqlite(file, ".dump") == before);
     }
 }

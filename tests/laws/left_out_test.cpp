@@ -26,8 +26,7 @@ void edit(const std::string& file, const char* sql) {
 std::string mixed_study(const TemporaryFolder& folder) {
     const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
                              "\n[exclusion]\nsessions_finished = true\n";
-    std::string other = text;
-    other.replace(other.find("mu_d = 0.5"), 10, "mu_d = 0.1");
+    std::string other = replaced(text, "mu_d = 0.5", "mu_d = 0.1");
     std::ofstream(folder.file("one.toml")) << text;
     std::ofstream(folder.file("two.toml")) << other;
     const std::string file = folder.file("s.sqlite");
@@ -124,14 +123,12 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
           std::pair{"audit", with("audit").out}, std::pair{"report", tests::slurp(page)}}) {
         CAPTURE(command, text);
         CHECK(account_in(text) == wanted);
-        CHECK_THAT(text, ContainsSubstring(name + ", real sessions: 1 person") &&
-                             ContainsSubstring("sessions_finished: 1 is not") &&
-                             ContainsSubstring(std::string(command) == "report" ? "file says why"
-                                                                                : "was asleep"));
+        CHECK_THAT(text, Has(name + ", real sessions: 1 person", "sessions_finished: 1 is not",
+                             std::string(command) == "report" ? "file says why" : "was asleep"));
         CHECK((std::string(command) != "report" || text.find("asleep") == std::string::npos));
     }
-    CHECK_THAT(stats.out, !ContainsSubstring("Nothing is excluded") &&
-                              ContainsSubstring("Exclusions applied: 2 people, 7 answers"));
+    CHECK_THAT(stats.out,
+               !Has("Nothing is excluded") && Has("Exclusions applied: 2 people, 7 answers"));
     // Of a whole file that account is among the others.
     const Finished exported =
         ran({"export", file, "--kind", "simulated", "-o", folder.file("out")});
@@ -211,8 +208,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         CAPTURE(format, text);
         const std::set<std::string> all = account_in(text);
         CHECK(std::ranges::includes(all, wanted));
-        CHECK_THAT(
-            text, ContainsSubstring("sessions_finished: 1 is not") && !ContainsSubstring("asleep"));
+        CHECK_THAT(text, Has("sessions_finished: 1 is not") && !Has("asleep"));
     }
     ran({"analysis", "init", folder.file("csv")});
     static_cast<void>(with(
@@ -223,26 +219,25 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         CAPTURE(script, text);
         const std::set<std::string> all = account_in(text);
         CHECK(std::ranges::includes(all, wanted));
-        CHECK_THAT(text, ContainsSubstring("\n#     people: ") && !ContainsSubstring("asleep"));
+        CHECK_THAT(text, Has("\n#     people: ") && !Has("asleep"));
     }
     // The audit's and the fit's people are those of stats; who refuses has no page of a trial.
-    CHECK_THAT(with("audit").out,
-               ContainsSubstring("start, to the right             rig   on - off         2 "));
+    CHECK_THAT(with("audit").out, Has("start, to the right             rig   on - off         2 "));
     const std::string theirs =
         ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'D'");
     CHECK_THAT(
         palpate_command({"report", file, "--trial", theirs, "-o", folder.file("t.html")}).error,
-        ContainsSubstring("withdrawn (was asleep)"));
+        Has("withdrawn (was asleep)"));
     CHECK_THAT(ran({"trace", file, theirs}, 2).error,
-               ContainsSubstring("of a session that was withdrawn: its ticks are not shown"));
+               Has("of a session that was withdrawn: its ticks are not shown"));
     const std::string refused =
         ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'A'");
-    CHECK_THAT(ran({"trace", file, refused}, 2).error, ContainsSubstring("not consenting"));
+    CHECK_THAT(ran({"trace", file, refused}, 2).error, Has("not consenting"));
     // The command that lists what is invalid gives as many as are said: none of who refuses.
     ran({"mark", file, refused, "--invalid", "moved"});
     const std::string summary = ran({"summary", file}).out;
     const std::string said = "1 answered trial is invalid and left out:\n    palpate ";
-    REQUIRE_THAT(summary, ContainsSubstring(said));
+    REQUIRE_THAT(summary, Has(said));
     const std::size_t from = summary.find(said) + said.size();
     const std::string command = tests::palpate_program() + ' ' +
                                 summary.substr(from, summary.find('\n', from) - from) + " --csv";
@@ -254,9 +249,8 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"stats", file}, {"report", file, "-o", folder.file("f.html")}}) {
         CAPTURE(words.front());
-        const Finished none = ran(words, 2);
-        CHECK_THAT(none.error, ContainsSubstring("people: 1 in the file; left out: 1 does not "
-                                                 "consent; analysed: 0"));
+        CHECK_THAT(ran(words, 2).error, Has("people: 1 in the file; left out: 1 does not "
+                                            "consent; analysed: 0"));
     }
     CHECK(!std::filesystem::exists(folder.file("f.html")));
 }
@@ -285,36 +279,18 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     CHECK(palpate_command({"verify", file}).out.find("correct") == std::string::npos);
     ran({"export", file, "--kind", "all", "-o", folder.file("out")});
     // The same places since the last break in the export as in the view.
-    const std::string exported = tests::slurp(folder.file("out") + "/trials.csv");
-    std::multiset<std::string> places;
-    std::istringstream lines(exported);
-    std::string line;
-    std::getline(lines, line);
-    const auto column = [](const std::string& from, std::size_t n) {
-        std::istringstream cells(from);
-        std::string cell;
-        for (std::size_t i = 0; i <= n; ++i) {
-            std::getline(cells, cell, ',');
+    const auto places_in = [](const std::string& csv) {
+        std::multiset<std::string> places;
+        for (const auto& row : csv_records(csv)) {
+            places.insert(row.at("trials_since_break"));
         }
-        return cell;
+        return places;
     };
-    std::size_t at = 0;
-    while (column(line, at) != "trials_since_break") {
-        ++at;
-    }
-    while (std::getline(lines, line)) {
-        places.insert(column(line, at));
-    }
-    std::multiset<std::string> seen;
-    std::istringstream listed(sql_csv(file,
+    const auto places = places_in(tests::slurp(folder.file("out") + "/trials.csv"));
+    CHECK(places == places_in(sql_csv(file,
                                       "SELECT trials_since_break FROM analysis_trial JOIN "
                                       "participant USING (participant_code) WHERE consent IS NOT "
-                                      "0 AND exclusion IS NOT 'withdrawn'"));
-    std::getline(listed, line);
-    while (std::getline(listed, line)) {
-        seen.insert(line);
-    }
-    CHECK(places == seen);
+                                      "0 AND exclusion IS NOT 'withdrawn'")));
     CHECK(places.size() > 20);
 }
 
@@ -332,8 +308,7 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
                     tests::palpate_program(), of})
             .wait();
     };
-    CHECK_THAT(piped(file).out,
-               ContainsSubstring("people: 1 in the file") && ContainsSubstring("code 0"));
+    CHECK_THAT(piped(file).out, Has("people: 1 in the file", "code 0"));
     // A log that was left by a crash, without its index.
     {
         data::Database open(file, data::Access::write);
@@ -343,7 +318,6 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
         }
     }
     CHECK_THAT(piped(folder.file("b.sqlite")).out,
-               ContainsSubstring("the disk is full, and reading needs 32 kB"));
-    CHECK_THAT(ran({"summary", folder.file("b.sqlite")}).out,
-               ContainsSubstring("people: 1 in the file"));
+               Has("the disk is full, and reading needs 32 kB"));
+    CHECK_THAT(ran({"summary", folder.file("b.sqlite")}).out, Has("people: 1 in the file"));
 }

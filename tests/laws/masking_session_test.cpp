@@ -49,10 +49,7 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
     command.insert(command.begin(), tests::palpate_program());
     tests::Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
     const tests::Finished end = program.wait(std::chrono::seconds(60));
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 1);
-    CHECK_THAT(end.error, ContainsSubstring("masking noise cannot be played"));
-    CHECK_THAT(end.error, ContainsSubstring("--no-sound"));
+    check_end(end, 1, Has("masking noise cannot be played", "--no-sound"));
     CHECK(text_of(folder, "SELECT count(*) FROM session") == "0\n");
 }
 
@@ -60,9 +57,8 @@ TEST_CASE("check says how loud the noise is and what the chosen language lacks",
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     const tests::Finished said = ran({"check", folder.file("p.toml")});
-    CHECK_THAT(said.out, ContainsSubstring("masking noise: pink at -40 dB re full scale"));
-    CHECK_THAT(said.out,
-               ContainsSubstring("[instructions.en] has no ready, [instructions.tr] has"));
+    CHECK_THAT(said.out, Has("masking noise: pink at -40 dB re full scale",
+                             "[instructions.en] has no ready, [instructions.tr] has"));
 }
 
 TEST_CASE("in a real window a trial with noise is recorded, answered and verified",
@@ -85,8 +81,7 @@ TEST_CASE("in a real window a trial with noise is recorded, answered and verifie
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
     CHECK_THAT(text_of(folder, "SELECT text FROM event WHERE event_kind = 'masking'"),
-               ContainsSubstring(declined ? "none: --no-sound was given"
-                                          : "pink noise at -40 dB re full scale"));
+               Has(declined ? "none: --no-sound was given" : "pink noise at -40 dB re full scale"));
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     CHECK(data::verify(database).count(data::FindingKind::differs) == 0);
 }

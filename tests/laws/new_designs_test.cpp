@@ -24,8 +24,7 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
     REQUIRE(
         palpate_command({"run", kForms, "--participant", "P1", "--db", file, "--headless"}).code ==
         0);
-    const Finished verified = ran({"verify", file});
-    CHECK_THAT(verified.out, ContainsSubstring("Nothing differs"));
+    CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
     CHECK(one(file,
               "SELECT sum(correct) || ' of ' || count(*) FROM analysis_trial WHERE counts AND "
@@ -39,8 +38,7 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
     CHECK(one(file,
               "SELECT count(DISTINCT value) FROM session_provenance WHERE key LIKE 'object sha256 "
               "%'") == "6");
-    CHECK_THAT(palpate_command({"summary", file}).out,
-               ContainsSubstring("[exclusion] leave out none of 1"));
+    CHECK_THAT(palpate_command({"summary", file}).out, Has("[exclusion] leave out none of 1"));
 }
 
 TEST_CASE("whoever is counted, the order of friction blocks is verified as it was",
@@ -62,7 +60,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
               "AND block = 0 GROUP BY friction)") == "12,12");
     const Finished verified = palpate_command({"verify", file});
     CAPTURE(verified.out);
-    CHECK_THAT(verified.out, !ContainsSubstring("plan_sha256"));
+    CHECK_THAT(verified.out, !Has("plan_sha256"));
 }
 
 TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
@@ -76,28 +74,23 @@ TEST_CASE("another outline under the same name is found by its hash", "[free_for
         database.run(
             "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'");
     }
-    const Finished verified = ran({"verify", file}, 1);
-    CHECK_THAT(verified.out, ContainsSubstring("dome"));
+    CHECK_THAT(ran({"verify", file}, 1).out, Has("dome"));
 }
 
 TEST_CASE("sequence and check show friction blocks and free forms",
           "[free_forms][friction_blocks]") {
     const TemporaryFolder folder;
     const std::string sheet = folder.file("o.svg");
-    const Finished check = ran({"check", kForms, "--svg", sheet, "--long"});
-    CHECK_THAT(check.out, ContainsSubstring("16 main in 4 blocks") &&
-                              ContainsSubstring("(one a block)") &&
-                              ContainsSubstring("frictions of the blocks: "));
+    CHECK_THAT(ran({"check", kForms, "--svg", sheet, "--long"}).out,
+               Has("16 main in 4 blocks", "(one a block)", "frictions of the blocks: "));
     const std::string drawn = tests::slurp(sheet);
-    CHECK_THAT(drawn, ContainsSubstring("free form, 80") && ContainsSubstring("dome"));
+    CHECK_THAT(drawn, Has("free form, 80", "dome"));
     const Finished sequence = ran({"sequence", kForms, "--participant", "P1"});
-    CHECK_THAT(sequence.out,
-               ContainsSubstring("friction blocks: row") && ContainsSubstring("of 2 of the"));
+    CHECK_THAT(sequence.out, Has("friction blocks: row", "of 2 of the"));
     const Finished csv = palpate_command({"sequence", kForms, "--participant", "P1", "--csv"});
-    CHECK_THAT(csv.out, ContainsSubstring(",dome,,o"));
+    CHECK_THAT(csv.out, Has(",dome,,o"));
     CHECK_THAT(palpate_command({"new", "--keys"}).out,
-               ContainsSubstring("[[object.segment]]") && ContainsSubstring("five_shapes") &&
-                   ContainsSubstring("friction_blocks") && ContainsSubstring("catch_correct_min"));
+               Has("[[object.segment]]", "five_shapes", "friction_blocks", "catch_correct_min"));
 }
 
 TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded",
@@ -111,8 +104,6 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
                  tests::commissioned_rig(folder, "haply:/nonexistent")},
                 {"SDL_VIDEODRIVER=dummy"})
             .wait();
-    CHECK(run.code == 2);
-    CHECK_THAT(run.error, ContainsSubstring("asks for handedness \"right\"") &&
-                              ContainsSubstring("a score of -60") && ContainsSubstring("pilot"));
+    check_end(run, 2, Has("asks for handedness \"right\"", "a score of -60", "pilot"));
     CHECK(one(file, "SELECT count(*) FROM session") == "0");
 }

@@ -10,19 +10,10 @@ namespace {
 
 /// Columns of a CSV text by name.
 std::map<std::string, std::vector<std::string>> columns_of(const std::string& text) {
-    std::istringstream lines(text);
-    std::string line;
-    std::vector<std::string> names;
     std::map<std::string, std::vector<std::string>> columns;
-    for (bool head = true; std::getline(lines, line); head = false) {
-        std::istringstream fields(line);
-        std::string field;
-        for (std::size_t i = 0; std::getline(fields, field, ','); ++i) {
-            if (head) {
-                names.push_back(field);
-            } else {
-                columns[names.at(i)].push_back(field);
-            }
+    for (auto& row : csv_records(text)) {
+        for (auto& [name, field] : row) {
+            columns[name].push_back(field);
         }
     }
     return columns;
@@ -180,7 +171,7 @@ to_m = [0.1, 0.0]
         write(folder.file("t.csv"), replaced(path, wrong));
         const Finished run = ran(
             {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")}, 2);
-        CHECK_THAT(run.error, ContainsSubstring(wrong.place) && ContainsSubstring(wrong.value));
+        CHECK_THAT(run.error, Has(wrong.place, wrong.value));
         CHECK(folder.names() == std::vector<std::string>{"s.toml", "t.csv"});
     }
 }
@@ -262,7 +253,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
         CAPTURE(sentence);
         const Finished run = ran(line, 2);
         CHECK(run.out.empty());
-        CHECK_THAT(run.error, ContainsSubstring(sentence));
+        CHECK_THAT(run.error, Has(sentence));
     };
     const std::vector<std::string> some{"--times", "0.1"};
     refused(bow + "free_weights = true\n", some,
@@ -274,8 +265,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     refused(bow, {"--times", "0.1,x"}, "\"x\"");
     refused(bow, {"--times", "1e9"}, "a larger dt_s");
     const auto with = [&](const std::string& from, const std::string& to) {
-        std::string text = bow;
-        return text.replace(text.find(from), from.size(), to);
+        return replaced(bow, from, to);
     };
     refused(with("fixed = [0, 3]", "fixed = [0, 4]"), some, "wrong.toml:8:9: ");
     refused(with("fixed = [0, 3]", "fixed = [0.5]"), some, "whole numbers");

@@ -121,8 +121,7 @@ TEST_CASE(
     CHECK(end.code == 3);
 
     CHECK(lines(file, "SELECT session_kind FROM session") == "pilot\n");
-    CHECK_THAT(end.error, ContainsSubstring("--device mouse gives no force") &&
-                              ContainsSubstring("recorded as pilot"));
+    CHECK_THAT(end.error, Has("--device mouse gives no force", "recorded as pilot"));
     CHECK(
         lines(file,
               "SELECT answer_code, input, changes, confidence, confidence_changes FROM response") ==
@@ -132,15 +131,12 @@ TEST_CASE(
                 " first_choice_s >= 0.75 AND confidence_first_choice_s >= 0.75 AND"
                 " confidence_reaction_s < confidence_confirmed_s FROM response") == "1\n");
     CHECK_THAT(lines(file, "SELECT protocol_toml FROM study"),
-               ContainsSubstring("guard_s = 0.75\n") && ContainsSubstring("confirm = true\n"));
+               Has("guard_s = 0.75\n", "confirm = true\n"));
 
-    CHECK_THAT(end.out, ContainsSubstring("Ctrl+Shift+Q then Y") &&
-                            ContainsSubstring("Ctrl+Shift+M then Y") &&
-                            ContainsSubstring("Ctrl+Shift+P") && ContainsSubstring(file) &&
-                            ContainsSubstring("trial 1 of 2 ") &&
-                            ContainsSubstring("This run: 1 answered, 0 of them do not count") &&
-                            ContainsSubstring("Stopped before trial 2 of 2"));
-    CHECK_THAT(end.out, !ContainsSubstring("convex") && !ContainsSubstring("concave"));
+    CHECK_THAT(end.out, Has("Ctrl+Shift+Q then Y", "Ctrl+Shift+M then Y", "Ctrl+Shift+P", file,
+                            "trial 1 of 2 ", "This run: 1 answered, 0 of them do not count",
+                            "Stopped before trial 2 of 2"));
+    CHECK_THAT(end.out, !Has("convex") && !Has("concave"));
     const std::string goes_on = "goes on there: ";
     const std::size_t at = end.out.rfind(goes_on);
     REQUIRE(at != std::string::npos);
@@ -155,9 +151,8 @@ TEST_CASE(
     const Finished rest = again.wait();
     CAPTURE(rest.out, rest.error);
     CHECK(rest.code == 0);
-    CHECK_THAT(rest.out, ContainsSubstring("Resuming at trial 2 of 2") &&
-                             ContainsSubstring("trial 2 of 2      attempt 2  ") &&
-                             ContainsSubstring("none left") && ContainsSubstring("Finished."));
+    CHECK_THAT(rest.out, Has("Resuming at trial 2 of 2", "trial 2 of 2      attempt 2  ",
+                             "none left", "Finished."));
     CHECK(lines(file,
                 "SELECT min(reaction_s) >= 0.75, min(confidence_reaction_s) >= 0.75,"
                 " sum(early_presses) > 0 FROM response") == "1|1|1\n");
@@ -166,7 +161,7 @@ TEST_CASE(
             file,
             "SELECT sum(early_presses) > 0, sum(changes) >= 2 FROM analysis_trial WHERE counts") ==
         "1|1\n");
-    CHECK_THAT(palpate_command({"verify", file}).out, ContainsSubstring("Nothing differs."));
+    CHECK_THAT(palpate_command({"verify", file}).out, Has("Nothing differs."));
 }
 
 TEST_CASE("a real session on a device without force is refused unless the protocol asks for it",
@@ -194,10 +189,7 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
             tests::Process(refused, {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"})
                 .wait();
-        CHECK(end.code == 2);
-        CHECK_THAT(end.error, ContainsSubstring("gives no force") &&
-                                  ContainsSubstring("device = \"mouse\"") &&
-                                  ContainsSubstring("--kind pilot"));
+        check_end(end, 2, Has("gives no force", "device = \"mouse\"", "--kind pilot"));
     }
     // Whoever is at the welcome screen has taken a row of the pictures; whoever left there has not.
     session.wait_for_screen("welcome");
@@ -209,10 +201,8 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
     CHECK(used() == "0 0");
-    CHECK_THAT(end.out,
-               ContainsSubstring("four_trials: REAL, participant P1, session 1, 2 trials") &&
-                   ContainsSubstring("This run: 0 answered") &&
-                   ContainsSubstring("Stopped before trial 1 of 2"));
+    CHECK_THAT(end.out, Has("four_trials: REAL, participant P1, session 1, 2 trials",
+                            "This run: 0 answered", "Stopped before trial 1 of 2"));
     CHECK(lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 
@@ -229,8 +219,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     std::vector<std::string> numbers;
     std::size_t repeats = 0;
     std::size_t alarms = 0;
-    std::istringstream out(end.out);
-    for (std::string line; std::getline(out, line);) {
+    for (const std::string& line : tests::lines_in(end.out)) {
         if (line.starts_with("#")) {
             const std::string number = line.substr(line.find_first_of("pt"));
             numbers.push_back(number.substr(0, number.find("  ")));
@@ -247,13 +236,12 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     CHECK(std::is_sorted(numbers.begin(), numbers.end()));
     CHECK(repeats == 8);
     CHECK(alarms == 14);  // from the third on
-    CHECK_THAT(end.out, ContainsSubstring("4 practice trials and 4 trials") &&
-                            ContainsSubstring("ATTENTION: 3 of the last 3 trials do not count.\n"
-                                              "    3 x too little contact: explain again") &&
-                            ContainsSubstring("ATTENTION: 6 of the last 6") &&
-                            ContainsSubstring("runs again later in its block  (8 left") &&
-                            ContainsSubstring("is not run again  (none left)") &&
-                            ContainsSubstring("This run: 16 answered, 16 of them do not count"));
+    CHECK_THAT(end.out, Has("4 practice trials and 4 trials",
+                            "ATTENTION: 3 of the last 3 trials do not count.\n"
+                            "    3 x too little contact: explain again",
+                            "ATTENTION: 6 of the last 6", "runs again later in its block  (8 left",
+                            "is not run again  (none left)",
+                            "This run: 16 answered, 16 of them do not count"));
 }
 
 TEST_CASE(
@@ -281,14 +269,11 @@ TEST_CASE(
     const Finished stopped = program.wait();
     CAPTURE(stopped.out, stopped.error);
     REQUIRE(stopped.code == 3);
-    CHECK_THAT(stopped.out, ContainsSubstring("Stopped before practice "));
+    CHECK_THAT(stopped.out, Has("Stopped before practice "));
     std::vector<std::string> redo = words;
     redo.insert(redo.end(), {"0", "--resume", "redo-block"});
-    const Finished rest = ran(redo);
-    CHECK_THAT(rest.out, ContainsSubstring("Resuming at practice 1 of ") &&
-                             ContainsSubstring(" trial 1 of ") &&
-                             ContainsSubstring("  attempt 2  ") &&
-                             !ContainsSubstring("--resume redo-block"));
+    CHECK_THAT(ran(redo).out, Has("Resuming at practice 1 of ", " trial 1 of ", "  attempt 2  ") &&
+                                  !Has("--resume redo-block"));
 }
 
 TEST_CASE("one trial that takes long leaves alone how many minutes the terminal foretells",
@@ -352,7 +337,7 @@ TEST_CASE("a trial's line says how much of it was contact, and the largest force
               "SELECT max_normal_force_n > 0.1 FROM trial JOIN response USING (trial_id)") == "1");
     CHECK_THAT(
         session.program().out(),
-        ContainsSubstring(session.ask(
+        Has(session.ask(
             "SELECT printf('felt %.1f s, in contact %.0f %%, %.1f N rendered at most, answered in "
             "%.1f s', "
             "done_s, 100.0 * contact_ticks / ticks, max_normal_force_n, reaction_s) FROM trial "

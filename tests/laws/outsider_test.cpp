@@ -47,39 +47,12 @@ std::string exported(const std::string& file,
     return out;
 }
 
-using Lines = std::vector<std::map<std::string, std::string>>;
-
-Lines read_csv(const fs::path& path) {
-    std::ifstream in(path);
-    REQUIRE(in);
-    const auto words = [](const std::string& line) {
-        std::vector<std::string> all;
-        std::istringstream rest(line);
-        for (std::string word; std::getline(rest, word, ',');) {
-            all.push_back(word);
-        }
-        return all;
-    };
-    std::string line;
-    REQUIRE(std::getline(in, line));
-    const auto head = words(line);
-    Lines lines;
-    while (std::getline(in, line)) {
-        const auto values = words(line);
-        auto& one = lines.emplace_back();
-        for (std::size_t i = 0; i < std::min(head.size(), values.size()); ++i) {
-            one[head[i]] = values[i];
-        }
-    }
-    return lines;
-}
-
 using Order = std::vector<std::string>;  ///< object and friction of every trial
 
 /// By subject, from the exported plans.
 std::map<std::string, Order> orders_in(const fs::path& folder) {
     std::map<std::string, Order> orders;
-    for (const auto& line : read_csv(folder / "plan.csv")) {
+    for (const auto& line : csv_records(tests::slurp(folder / "plan.csv"))) {
         orders[line.at("subject")].push_back(line.at("planned_object") + ' ' + line.at("friction"));
     }
     return orders;
@@ -121,7 +94,7 @@ std::map<std::string, std::string> identified(const fs::path& folder, const std:
 
 std::map<std::string, std::string> codes_in(const fs::path& file) {
     std::map<std::string, std::string> codes;
-    for (const auto& line : read_csv(file)) {
+    for (const auto& line : csv_records(tests::slurp(file))) {
         codes[line.at("participant_code")] = line.at("subject");
     }
     return codes;
@@ -216,16 +189,15 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
             CHECK(text.find(word) == std::string::npos);
         }
         for (const auto& [code, subject] : late) {
-            CHECK_THAT(text, ContainsSubstring(subject.substr(4)));
+            CHECK_THAT(text, Has(subject.substr(4)));
         }
         const std::string with = everything(exported(file, format, folder.file(format + "-details"),
                                                      {"--with-details", "--keep-codes"}));
         CHECK(with.find(secret) == std::string::npos);
-        CHECK_THAT(with, ContainsSubstring("P01"));
+        CHECK_THAT(with, Has("P01"));
     }
-    CHECK_THAT(palpate_command({"participant", file, "P04"}).out,
-               ContainsSubstring(late.at("P04")));
-    const auto people = read_csv(plain + "/participants.csv");
+    CHECK_THAT(palpate_command({"participant", file, "P04"}).out, Has(late.at("P04")));
+    const auto people = csv_records(tests::slurp(plain + "/participants.csv"));
     std::map<std::string, std::string> hands;
     for (const auto& line : people) {
         CHECK_FALSE(line.contains("handedness_score"));
@@ -250,7 +222,7 @@ TEST_CASE("what an export says of time tells no date, no pause and no restart", 
     }
     const std::string out = exported(file, "csv", folder.file("out"));
     std::vector<std::string> since;
-    for (const auto& line : read_csv(out + "/trials.csv")) {
+    for (const auto& line : csv_records(tests::slurp(out + "/trials.csv"))) {
         since.push_back(line.at("since_first_ns"));
         CHECK(line.at("session_number") ==
               "1");  // not the fourth: the ones before were of another kind
@@ -282,8 +254,7 @@ TEST_CASE(
     CHECK(run_as("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
     const std::string before = tests::slurp(folder.file("c.sqlite"));
     const Finished refused = run_as("P02", folder.file("c.sqlite"), {"--secret", secret});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.error, ContainsSubstring("a secret of its own"));
+    check_end(refused, 2, Has("a secret of its own"));
     CHECK(tests::slurp(folder.file("c.sqlite")) == before);
     for (const std::string& wrong : {std::string("12"), std::string(32, 'g')}) {
         CHECK(run_as("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
@@ -360,12 +331,11 @@ TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret
         fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
         data::Database(copy, data::Access::write)
             .execute(fmt::format("PRAGMA foreign_keys = OFF; {}", edit).c_str());
-        const Finished wrong = ran({"verify", copy}, 1);
-        CHECK_THAT(wrong.out, ContainsSubstring("secret") || ContainsSubstring("plan_sha256"));
+        CHECK_THAT(ran({"verify", copy}, 1).out, Has("secret") || Has("plan_sha256"));
     }
     data::Database(file, data::Access::write)
         .execute("PRAGMA foreign_keys = OFF; DELETE FROM secret");
     const Finished refused = run_as("P02", file);
     CHECK(refused.code != 0);
-    CHECK_THAT(refused.error, ContainsSubstring("its secret was removed"));
+    CHECK_THAT(refused.error, Has("its secret was removed"));
 }

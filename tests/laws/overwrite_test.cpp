@@ -79,7 +79,7 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
             const auto done = to(f(name.c_str()));
             CHECK(done.code == 2);
             CHECK(done.out.empty());
-            CHECK_THAT(done.error, ContainsSubstring(name + " is there already and is not what"));
+            CHECK_THAT(done.error, Has(name + " is there already and is not what"));
             CHECK(slurp(f(name.c_str())) == before);
         }
         CHECK(folder.names() == names);
@@ -106,8 +106,7 @@ TEST_CASE("figures write all of their files or none where somebody's table has t
           "[report]") {
     const TemporaryFolder folder;
     write(folder.file("fig_3_2_2.svg"), "mine\n");
-    const auto done = palpate_command({"figures", "-o", folder.path().string()});
-    CHECK(done.code == 2);
-    CHECK_THAT(done.error, ContainsSubstring("fig_3_2_2.svg is there already"));
+    CHECK_THAT(ran({"figures", "-o", folder.path().string()}, 2).error,
+               Has("fig_3_2_2.svg is there already"));
     CHECK(folder.names() == std::vector<std::string>{"fig_3_2_2.svg"});
 }

@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
@@ -13,9 +13,7 @@ const std::string kStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 
 /// Four trials, ten times, with a primary test of its own.
 std::string study_in(const TemporaryFolder& folder, const std::string& test) {
-    std::string text = slurp(kStudy);
-    const std::string once = "repetitions = 1";
-    text.replace(text.find(once), once.size(), "repetitions = 4");
+    std::string text = replaced(slurp(kStudy), "repetitions = 1", "repetitions = 4");
     tests::write(folder.file("study.toml"), text + "\n[analysis]\nprimary = \"" + test + "\"\n");
     tests::write(folder.file("quick.toml"),
                  "format = 1\n[observer]\nnoise_per_m = 8\n[hand]\nspeed_factor = 2.5\n");
@@ -41,9 +39,9 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
          {"on against off, 8 trials", "exact sign-flip test", "2000 without an effect",
           "judged from 32 hands", "Power of 0.8 takes",
           "For the pre-registration:", "-2 logit (sd 0.3 over people) with a power of"}) {
-        CHECK_THAT(one.out, ContainsSubstring(text));
+        CHECK_THAT(one.out, Has(text));
     }
-    CHECK_THAT(slurp(folder.file("power.svg")), ContainsSubstring("type I error"));
+    CHECK_THAT(slurp(folder.file("power.svg")), Has("type I error"));
     CHECK(power("3").out == one.out);
     auto words = std::vector<std::string>{
         "power",          study,  "--effect",  "-2",  "--observer", folder.file("quick.toml"),
@@ -52,11 +50,11 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
     const auto all = nlohmann::json::parse(palpate_command(words).out);
     REQUIRE(all["points"].size() == 2);
     for (const auto& point : all["points"]) {
-        CHECK_THAT(one.out,
-                   ContainsSubstring(fmt::format(
-                       "  {:>6}  {:.3f}  {:.3f} to {:.3f}  ", point["participants"].get<int>(),
-                       point["power"].get<double>(), point["power_95"][0].get<double>(),
-                       point["power_95"][1].get<double>())));
+        CHECK_THAT(
+            one.out,
+            Has(fmt::format("  {:>6}  {:.3f}  {:.3f} to {:.3f}  ", point["participants"].get<int>(),
+                            point["power"].get<double>(), point["power_95"][0].get<double>(),
+                            point["power_95"][1].get<double>())));
     }
     CHECK(all["test"] == "sign_flip");
     const auto wilcoxon = palpate_command(
@@ -64,7 +62,7 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
          "--participants", "6", "--studies", "20", "--hands", "1", "--test", "signed_rank"});
     CAPTURE(wilcoxon.error);
     CHECK(wilcoxon.code == 0);
-    CHECK_THAT(wilcoxon.out, ContainsSubstring("Wilcoxon signed-rank"));
+    CHECK_THAT(wilcoxon.out, Has("Wilcoxon signed-rank"));
 }
 
 TEST_CASE("palpate power says where there is no effect, and never an error of 0", "[power]") {
@@ -75,10 +73,9 @@ TEST_CASE("palpate power says where there is no effect, and never an error of 0"
                          "--participants", "3,4", "--studies", "20", "--hands", "1"});
     CAPTURE(none.out, none.error);
     REQUIRE(none.code == 0);
-    CHECK_THAT(none.out, ContainsSubstring("There is no effect to be found (0 logit") &&
-                             ContainsSubstring("type I error.") && !ContainsSubstring("takes") &&
-                             !ContainsSubstring("times as large") &&
-                             !ContainsSubstring("For the pre-registration"));
+    CHECK_THAT(none.out, Has("There is no effect to be found (0 logit", "type I error.") &&
+                             !Has("takes") && !Has("times as large") &&
+                             !Has("For the pre-registration"));
     // Four people, the least p of signed ranks is 1/8: never significant. Wilson: 1.96^2 / (n +
     // 1.96^2).
     const auto never = palpate_command({"power", study, "--effect", "-2", "--test", "signed_rank",
@@ -86,8 +83,7 @@ TEST_CASE("palpate power says where there is no effect, and never an error of 0"
                                         "4", "--studies", "20", "--hands", "1"});
     CAPTURE(never.out);
     REQUIRE(never.code == 0);
-    CHECK_THAT(never.out,
-               ContainsSubstring("0.000 to 0.161") && ContainsSubstring("0.0000 to 0.0188"));
+    CHECK_THAT(never.out, Has("0.000 to 0.161", "0.0000 to 0.0188"));
 }
 
 TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]") {
@@ -105,10 +101,10 @@ TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]
         text.find("Primary test, as the protocol says: exact sign-flip test");
     REQUIRE(primary != std::string::npos);
     CHECK(primary < text.find("Person by person"));
-    CHECK_THAT(text.substr(primary, 300), ContainsSubstring("on - off "));
+    CHECK_THAT(text.substr(primary, 300), Has("on - off "));
     auto json = stats;
     json.emplace_back("--json");
-    CHECK_THAT(palpate_command(json).out, ContainsSubstring("\"primary_test\": \"sign_flip\""));
+    CHECK_THAT(palpate_command(json).out, Has("\"primary_test\": \"sign_flip\""));
 }
 
 TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power]") {
@@ -116,8 +112,7 @@ TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power
     const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
         const auto ran = palpate_command(words);
         CAPTURE(why, ran.error);
-        CHECK(ran.code == 2);
-        CHECK_THAT(ran.error, ContainsSubstring(why));
+        check_end(ran, 2, Has(why));
     };
     refused({"power", kStudy}, "--effect");
     refused({"power", kStudy, "--effect", "half"}, "--effect half: give a number of logits");

@@ -71,12 +71,11 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
     REQUIRE(
         palpate_command({"export", file, "--kind", "simulated", "-o", folder.file("out")}).code ==
         0);
-    std::ifstream rows(folder.file("out/events.csv"));
-    std::string head;
-    std::getline(rows, head);
-    REQUIRE(head.find(",event_kind,mark_undone,text,since_first_ns,") != std::string::npos);
+    auto rows = tests::lines_in(tests::slurp(folder.file("out/events.csv")));
+    REQUIRE_THAT(rows.at(0), Has(",event_kind,mark_undone,text,since_first_ns,"));
+    rows.erase(rows.begin());
     int late = 0;
-    for (std::string row; std::getline(rows, row);) {
+    for (const std::string& row : rows) {
         CAPTURE(row);
         if (row.find(",mark,0,,,") != std::string::npos ||
             row.find(",note,,,,") != std::string::npos) {

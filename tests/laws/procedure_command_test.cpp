@@ -21,33 +21,6 @@ guess = 0.5
 lapse = [0.0, 0.01, 0.02, 0.03, 0.04]
 )";
 
-std::string read(const std::string& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-}
-
-std::vector<std::string> fields(const std::string& line) {
-    std::vector<std::string> fields{""};
-    for (const char c : line) {
-        if (c == ',') {
-            fields.emplace_back();
-        } else {
-            fields.back() += c;
-        }
-    }
-    return fields;
-}
-
-std::vector<std::vector<std::string>> rows(const std::string& text) {
-    std::istringstream lines(text);
-    std::vector<std::vector<std::string>> rows;
-    for (std::string line; std::getline(lines, line);) {
-        rows.push_back(fields(line));
-    }
-    return rows;
-}
-
 }  // namespace
 
 TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse",
@@ -64,7 +37,7 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
         {"procedure", folder.file("c.toml"), folder.file("r.csv"), "-o", folder.file("o.csv")});
     REQUIRE(run.error.empty());
     REQUIRE(run.code == 0);
-    const auto table = rows(read(folder.file("o.csv")));
+    const auto table = csv_rows(slurp(folder.file("o.csv")));
     REQUIRE(table.size() == 129);
     CHECK(table[0] == std::vector<std::string>{"trial", "stimulus", "response",
                                                "estimate_mean_threshold", "estimate_mode_threshold",
@@ -99,7 +72,7 @@ TEST_CASE(
     }
     write(folder.file("r.csv"), responses);
     const Finished run = ran({"procedure", folder.file("c.toml"), folder.file("r.csv")});
-    const auto table = rows(run.out);
+    const auto table = csv_rows(run.out);
     CHECK(fmt::format("{}", fmt::join(table[0], ",")) ==
           "trial,stimulus,response,estimate_mean,estimate_mode,entropy_bits,next_stimulus");
     for (std::size_t i = 0; i < tests::kThresholdStimuli.size(); ++i) {
@@ -113,7 +86,7 @@ TEST_CASE(
     }
     const Finished again =
         palpate_command({"procedure", folder.file("c.toml"), folder.file("r.csv"), "--hashes"});
-    const auto hashes = rows(again.out);
+    const auto hashes = csv_rows(again.out);
     CHECK(hashes[0].back() == "state_sha256");
     CHECK(hashes[1].back().size() == 64);
     CHECK(hashes[1].back() != hashes[2].back());
@@ -128,8 +101,8 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     const auto refused = [&](std::string_view text, const std::string& what) {
         write(responses, text);
         CAPTURE(text);
-        const Finished run = ran({"procedure", config, responses, "-o", folder.file("o.csv")}, 2);
-        CHECK_THAT(run.error, ContainsSubstring(what));
+        CHECK_THAT(ran({"procedure", config, responses, "-o", folder.file("o.csv")}, 2).error,
+                   Has(what));
         CHECK(folder.names() == std::vector<std::string>{"c.toml", "r.csv"});
     };
     refused("answer\n1\n", "r.csv:1: there is no column response");
@@ -148,10 +121,8 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     ran({"procedure", config}, 2);
     ran({"procedure", folder.file("no.toml"), responses}, 2);
     CHECK_THAT(palpate_command({"procedure", config, folder.file("no.csv")}).error,
-               ContainsSubstring("cannot be read"));
+               Has("cannot be read"));
     write(config, "format = 1\n[procedure]\nkind = \"best\"\n");
-    const Finished bad = ran({"procedure", config, responses}, 2);
-    CHECK_THAT(bad.error, ContainsSubstring("c.toml:3:8: kind is \"best\""));
-    const Finished keys = ran({"procedure", "--keys"});
-    CHECK_THAT(keys.out, ContainsSubstring("[quest]"));
+    CHECK_THAT(ran({"procedure", config, responses}, 2).error, Has("c.toml:3:8: kind is \"best\""));
+    CHECK_THAT(ran({"procedure", "--keys"}).out, Has("[quest]"));
 }

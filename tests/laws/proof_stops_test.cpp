@@ -70,16 +70,14 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
         }
         REQUIRE(pulsed);
         CHECK(end.code == code);
-        CHECK_THAT(end.error, ContainsSubstring(code == 3 ? "stopped" : ""));
+        CHECK_THAT(end.error, Has(code == 3 ? "stopped" : ""));
         CHECK(eventually([&] { return board.motors() == "0, 0"; }));
         CHECK_FALSE(std::filesystem::exists(made));
         CHECK((code != 3 || terminal.as_before()));  // who is killed leaves Escape behind
     };
     ends("terminal", [&](pid_t) { terminal.type("\x1b"); });
-    ends("palpate stop", [&](pid_t) {
-        const Finished called = ran({"stop"});
-        CHECK_THAT(called.out, ContainsSubstring("weak pulses that prove a rig"));
-    });
+    ends("palpate stop",
+         [&](pid_t) { CHECK_THAT(ran({"stop"}).out, Has("weak pulses that prove a rig")); });
     ends("signal", [&](pid_t program) { kill(program, SIGINT); });
     ends("hung up", [&](pid_t program) { kill(program, SIGHUP); });
     ends("stop button", [&](pid_t) {
@@ -114,8 +112,7 @@ TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commissio
         return !program.running();
     }));
     const Finished end = program.wait();
-    CHECK(end.code == 3);
-    CHECK_THAT(end.error, ContainsSubstring("stopped"));
+    check_end(end, 3, Has("stopped"));
     CHECK_FALSE(pulsed);
     CHECK_FALSE(std::filesystem::exists(made));
     CHECK(terminal.as_before());

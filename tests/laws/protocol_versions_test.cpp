@@ -51,19 +51,18 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
 
     // By accident.
     const auto refused = run(second, "R3");
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.error, ContainsSubstring("2 people of this file ran another version of "
-                                                "four_trials") &&
-                                  ContainsSubstring("friction.on mu_d 0.5 there, 0.1 here") &&
-                                  ContainsSubstring("design repetitions 1 there, 2 here") &&
-                                  ContainsSubstring("--new-version"));
+    check_end(refused, 2,
+              Has("2 people of this file ran another version of "
+                  "four_trials",
+                  "friction.on mu_d 0.5 there, 0.1 here", "design repetitions 1 there, 2 here",
+                  "--new-version"));
     CHECK(ask(file, "SELECT (SELECT count(*) FROM participant) || ' ' || count(*) FROM session") ==
           "2 2");
 
     // Meant. From then on it is the version, and the old one is the other.
     REQUIRE(run(second, "R3", "--new-version").code == 0);
     REQUIRE(run(second, "R4").code == 0);
-    CHECK_THAT(run(first, "R5").error, ContainsSubstring("mu_d 0.1 there, 0.5 here"));
+    CHECK_THAT(run(first, "R5").error, Has("mu_d 0.1 there, 0.5 here"));
     ran({"verify", file});
 
     const std::string one = "four_trials@" + ask(file,
@@ -81,14 +80,12 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     };
     const std::string summary = palpate_command({"summary", file}).out;
     names_both(summary);
-    CHECK_THAT(summary, ContainsSubstring("Study " + one + ", simulated") &&
-                            ContainsSubstring("Study " + other + ", simulated"));
+    CHECK_THAT(summary, Has("Study " + one + ", simulated", "Study " + other + ", simulated"));
     CHECK(one > other);
     CHECK(summary.find("Study " + one) < summary.find("Study " + other));
     const std::string pooled = palpate_command({"summary", file, "--versions", "together"}).out;
     names_both(pooled);
-    CHECK_THAT(pooled,
-               ContainsSubstring("Study four_trials, simulated") && ContainsSubstring("CAUTION"));
+    CHECK_THAT(pooled, Has("Study four_trials, simulated", "CAUTION"));
     for (const std::string command : {"stats", "fit", "audit", "report"}) {
         CAPTURE(command);
         std::vector<std::string> words{command, file, "--kind", "simulated"};
@@ -107,25 +104,23 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
         const auto which = with({"--versions", "apart"});
         CHECK(which.code == 2);
         names_both(which.error);
-        CHECK_THAT(which.error, ContainsSubstring("give --study and one of"));
+        CHECK_THAT(which.error, Has("give --study and one of"));
         CHECK(with({"--study", "four_trials"}).code == 2);
         const auto apart = with({"--study", other});
         CAPTURE(apart.error);
         CHECK(apart.code == 0);
-        CHECK_THAT(apart.out, ContainsSubstring(one) && ContainsSubstring("kept apart"));
+        CHECK_THAT(apart.out, Has(one, "kept apart"));
         const auto together = with({"--versions", "together"});
         CAPTURE(together.error);
         CHECK(together.code == 0);
-        CHECK_THAT(together.out, ContainsSubstring("CAUTION") && ContainsSubstring(one) &&
-                                     ContainsSubstring(other));
+        CHECK_THAT(together.out, Has("CAUTION", one, other));
         if (command == "stats" || command == "fit") {
             CHECK_THAT(with({"--json", "--study", one}).out,
-                       ContainsSubstring("\"study\": \"" + other + "\"") &&
-                           ContainsSubstring("\"people\": 2"));
+                       Has("\"study\": \"" + other + "\"", "\"people\": 2"));
         }
     }
     const std::string names = "SELECT group_concat(DISTINCT study_name) FROM analysis_trial";
     CHECK_THAT(palpate_command({"sql", file, "--versions", "apart", "--csv", "-c", names}).out,
-               ContainsSubstring(one) && ContainsSubstring(other));
-    CHECK_THAT(sql_csv(file, names), !ContainsSubstring("@"));
+               Has(one, other));
+    CHECK_THAT(sql_csv(file, names), !Has("@"));
 }

@@ -46,8 +46,7 @@ TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law
                         "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})
             .wait();
     const std::string text = page("docs/data.md");
-    std::istringstream lines(names.out);
-    for (std::string name; std::getline(lines, name);) {
+    for (const std::string& name : tests::lines_in(names.out)) {
         CAPTURE(name);
         CHECK(text.find("`" + name + "`") != std::string::npos);
     }
@@ -58,9 +57,9 @@ TEST_CASE("uPlot lies here as its package has it, with its licence", "[docs]") {
     const std::string readme = tests::slurp(folder + "README.md");
     for (const char* name : {"uPlot.iife.min.js", "uPlot.min.css", "LICENSE"}) {
         CAPTURE(name);
-        CHECK_THAT(readme, ContainsSubstring(fmt::format("| `{}` | {} |", name,
-                                                         sha256_hex(tests::slurp(folder + name)))));
+        CHECK_THAT(readme, Has(fmt::format("| `{}` | {} |", name,
+                                           sha256_hex(tests::slurp(folder + name)))));
     }
-    CHECK_THAT(tests::slurp(folder + "uPlot.iife.min.js"), ContainsSubstring("(v1.6.32)"));
-    CHECK_THAT(tests::slurp(folder + "LICENSE"), ContainsSubstring("The MIT License"));
+    CHECK_THAT(tests::slurp(folder + "uPlot.iife.min.js"), Has("(v1.6.32)"));
+    CHECK_THAT(tests::slurp(folder + "LICENSE"), Has("The MIT License"));
 }

@@ -28,7 +28,7 @@ TEST_CASE(
     const tests::Finished same = recompute(file);
     CAPTURE(same.out, same.error);
     CHECK(same.code == 0);
-    CHECK_THAT(same.out, ContainsSubstring("values, 0 differences"));
+    CHECK_THAT(same.out, Has("values, 0 differences"));
     const std::string copy = folder.file("copy.sqlite");
     for (const char* edit :
          {"UPDATE trial SET strokes = strokes + 1 WHERE trial_id = 2",

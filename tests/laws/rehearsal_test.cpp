@@ -97,9 +97,7 @@ TEST_CASE(
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
     rehearse(hand, *run, board);
     const Finished end = run->program().wait();
-    CAPTURE(end.out, end.error);
-    CHECK(end.code == 0);
-    CHECK_THAT(end.error, ContainsSubstring("the session is recorded as simulated"));
+    check_end(end, 0, Has("the session is recorded as simulated"));
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     auto row = database.prepare(
         "SELECT session_kind, "
@@ -111,7 +109,7 @@ TEST_CASE(
     ran({"verify", folder.file("d.sqlite")});
     const Finished doctor = palpate_command({"doctor", "--device", board.word(), "--calibration",
                                              rig, "--db", folder.file("e.sqlite")});
-    CHECK_THAT(doctor.out, ContainsSubstring("haply-emulator, process "));
+    CHECK_THAT(doctor.out, Has("haply-emulator, process "));
 }
 
 TEST_CASE("behind a port where nobody is seen a session has to say of which kind it is",
@@ -140,16 +138,14 @@ TEST_CASE("behind a port where nobody is seen a session has to say of which kind
                                        "--calibration",
                                        "2diy_gen3"};
     const Finished asked = elsewhere(run);
-    CHECK(asked.code == 2);
-    CHECK_THAT(asked.error, ContainsSubstring("a program that this user cannot see") &&
-                                ContainsSubstring("--kind real"));
+    check_end(asked, 2, Has("a program that this user cannot see", "--kind real"));
     CHECK_FALSE(std::filesystem::exists(file));
     const Finished doctor =
         elsewhere({tests::palpate_program(), "doctor", "--device", board.word(), "--calibration",
                    "2diy_gen3", "--db", folder.file("e.sqlite"), "--seconds", "0.1"});
-    CHECK_THAT(doctor.out, ContainsSubstring("run will ask for --kind"));
+    CHECK_THAT(doctor.out, Has("run will ask for --kind"));
     std::vector<std::string> real = run;
     real.insert(real.end(), {"--kind", "real"});
-    CHECK_THAT(elsewhere(real).error, !ContainsSubstring("cannot see") &&
-                                          ContainsSubstring("no real session: "));  // what is next
+    CHECK_THAT(elsewhere(real).error,
+               !Has("cannot see") && Has("no real session: "));  // what is next
 }

@@ -10,29 +10,6 @@ using namespace palpate::tests;
 
 namespace {
 
-/// A line of words after the other, without the head.
-std::vector<std::vector<std::string>> words_of(const std::string& csv) {
-    std::vector<std::vector<std::string>> rows;
-    std::istringstream lines(csv);
-    std::string line;
-    std::getline(lines, line);
-    while (std::getline(lines, line)) {
-        std::istringstream fields(line);
-        auto& row = rows.emplace_back();
-        for (std::string field; std::getline(fields, field, ',');) {
-            row.push_back(field);
-        }
-    }
-    return rows;
-}
-
-std::string answer(const std::string& command, const std::string& scene, const std::string& data) {
-    const TemporaryFolder folder;
-    write(folder.file("s.toml"), scene);
-    write(folder.file("d.csv"), data);
-    return ran({command, folder.file("s.toml"), folder.file("d.csv")}).out;
-}
-
 constexpr const char* kRubs = "[friction]\nlaw = \"gos\"\nmu_s = 0.6\nmu_d = 0.4\n";
 
 /// A bow of one convex piece, its ends on y = 0, with another bow beside it: a closest point that
@@ -88,8 +65,8 @@ TEST_CASE("out of contact render's god-object is the closest point, as `palpate 
         path += space ? fmt::format("{},{},{},{}\n", t, x, 0.03 * std::cos(3.0 * t), height - 0.02)
                       : fmt::format("{},{},{}\n", t, x, height);
     }
-    const auto felt = words_of(answer("render", scene, path));
-    const auto near = words_of(answer("closest", scene, path));
+    const auto felt = csv_body(said_of("render", scene, path));
+    const auto near = csv_body(said_of("closest", scene, path));
     REQUIRE(felt.size() == kTicks);
     REQUIRE(near.size() == kTicks);
     const std::size_t dimension = space ? 3 : 2;
@@ -156,7 +133,7 @@ TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its re
         path.push_back({-0.04 + 0.08 * k / 600, 0.026 + 0.004 * std::sin(0.05 * k)});
         table += fmt::format("{},{},{}\n", k * tick, path.back().x, path.back().y);
     }
-    const auto felt = words_of(answer("render", text, table));
+    const auto felt = csv_body(said_of("render", text, table));
     REQUIRE(felt.size() == path.size());
 
     const bool rubs = law != ThesisLaw::frictionless;
@@ -245,8 +222,7 @@ TEST_CASE(
         CAPTURE(to, done.error);
         CHECK(done.code == 2);
         CHECK(done.out.empty());
-        CHECK_THAT(done.error,
-                   ContainsSubstring("bad.csv:") && ContainsSubstring("not a finite number"));
+        CHECK_THAT(done.error, Has("bad.csv:", "not a finite number"));
         CHECK_FALSE(std::filesystem::exists(folder.file("bad_o.csv")));
     }
 }

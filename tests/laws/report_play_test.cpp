@@ -1,6 +1,4 @@
-#include <sstream>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -10,7 +8,6 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
-using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
 
@@ -29,11 +26,7 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
          "sqrt(rendered_x_n * rendered_x_n + rendered_y_n * rendered_y_n), mode FROM sample WHERE "
          "trial_id = 2 AND mode <> 'free' ORDER BY tick LIMIT 1 OFFSET 700"});
     REQUIRE(asked.code == 0);
-    std::istringstream fields(asked.out.substr(asked.out.find('\n') + 1));
-    std::vector<std::string> row;
-    for (std::string field; std::getline(fields >> std::ws, field, ',');) {
-        row.push_back(field.substr(0, field.find('\n')));
-    }
+    const auto row = tests::csv_rows(asked.out).at(1);
     CAPTURE(asked.out);
     REQUIRE(row.size() == 8);
     // A script that its policy does not name moves the slider to that tick, keeps what stands there,
@@ -50,7 +43,7 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
         WARN("Chromium is not installed: skipped");
         return;
     }
-    CHECK_THAT(shown.done.error, !ContainsSubstring("CONSOLE"));
+    CHECK_THAT(shown.done.error, !Has("CONSOLE"));
     const std::size_t at = shown.done.out.find("class=\"stage\"");
     REQUIRE(at != std::string::npos);
     const std::string stage = shown.done.out.substr(at, shown.done.out.find("</p>", at) - at);
@@ -59,10 +52,10 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
     };
     CAPTURE(stage);
     CHECK_THAT(shown.done.out,
-               ContainsSubstring(fmt::format(
+               Has(fmt::format(
                    "data-at=\"{0:.3f} s|{0:.3f} s: disc, the hand at {1:.1f}, {2:.1f} mm; square, "
                    "god-object "
                    "{3:.1f}, {4:.1f} mm; arrow, force {5:.3f} N (10 mm is 1 N); {6}.",
                    number(1), number(2), number(3), number(4), number(5), number(6), row[7])));
-    CHECK_THAT(stage, ContainsSubstring(">stop</button>"));
+    CHECK_THAT(stage, Has(">stop</button>"));
 }

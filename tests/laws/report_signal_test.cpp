@@ -10,9 +10,9 @@ namespace {
 
 /// Four simulated people who say whether it was convex, in a file whose name is a person's code.
 std::string asked_study(const TemporaryFolder& folder) {
-    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 6");
-    protocol.replace(protocol.find("noise_per_m = 2.62"), 18, "noise_per_m = 6");
+    std::string protocol =
+        edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+               {{"repetitions = 1", "repetitions = 6"}, {"noise_per_m = 2.62", "noise_per_m = 6"}});
     write(folder.file("p.toml"),
           protocol +
               "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n"
@@ -43,11 +43,9 @@ TEST_CASE(
                                          "--kind", "simulated", "--signal", "convex"};
     ran(words);
     const std::string html = tests::slurp(page);
-    CHECK_THAT(html, ContainsSubstring("id=\"sensitivity\"") &&
-                         ContainsSubstring("Sensitivity and criterion by friction") &&
-                         ContainsSubstring("Share correct by friction, within person") &&
-                         ContainsSubstring("--json --signal convex") &&
-                         ContainsSubstring("Is confidence worth something?"));
+    CHECK_THAT(html, Has("id=\"sensitivity\"", "Sensitivity and criterion by friction",
+                         "Share correct by friction, within person", "--json --signal convex",
+                         "Is confidence worth something?"));
     const Finished stats = ran({"stats", file, "--kind", "simulated", "--signal", "convex",
                                 "--simulations", "199", "--json"});
     const Json numbers = Json::parse(stats.out);
@@ -83,19 +81,20 @@ TEST_CASE(
     std::vector<std::string> named = words;
     named.emplace_back("--keep-codes");
     ran(named);
-    CHECK_THAT(tests::slurp(page), ContainsSubstring("KLARA77"));
+    CHECK_THAT(tests::slurp(page), Has("KLARA77"));
 
     const Finished none = ran(
         {"report", file, "-o", folder.file("n.html"), "--kind", "simulated", "--signal", "cube"},
         2);
-    CHECK_THAT(none.error, ContainsSubstring("--signal is cube: give one of"));
+    CHECK_THAT(none.error, Has("--signal is cube: give one of"));
 }
 
 TEST_CASE("a report of ratings has each level's share and each person's mean, as summary has them",
           "[report][summary]") {
     const TemporaryFolder folder;
-    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 6");
+    std::string protocol =
+        replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                 "repetitions = 1", "repetitions = 6");
     write(folder.file("p.toml"),
           protocol +
               "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n"
@@ -129,11 +128,11 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     CHECK(asked("SELECT sum(n) FROM (" + levels + ") WHERE level = 5 AND friction = 'on'") ==
           asked("SELECT count(*) FROM analysis_trial WHERE counts AND answer_code = 4 AND "
                 "session_id <> 2 AND friction = 'on'"));
-    CHECK_THAT(html, ContainsSubstring("From 1 (\u201chollow &lt;5&gt;\u201d) to 5 "
-                                       "(\u201cround\u201d)"));
+    CHECK_THAT(html, Has("From 1 (\u201chollow &lt;5&gt;\u201d) to 5 "
+                         "(\u201cround\u201d)"));
 
-    CHECK_THAT(html, ContainsSubstring("The question was \u201cHow convex?\u201d.") &&
-                         ContainsSubstring("confidence was given on four levels"));
+    CHECK_THAT(html, Has("The question was \u201cHow convex?\u201d.",
+                         "confidence was given on four levels"));
     // Nothing is right or wrong here: confidence has its means, and no calibration.
     CHECK_FALSE(sources.contains("simulated-confidence.csv"));
     const auto of_person = [&](const char* name, const std::string& what) {
@@ -185,9 +184,7 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
         const std::size_t line = summary.find("on - off", begin);
         const std::string counted = summary.substr(line, summary.find('\n', line) - line);
         CAPTURE(counted);
-        CHECK_THAT(counted, ContainsSubstring(fmt::format("{:.3f}", mean)) &&
-                                ContainsSubstring(fmt::format("{:.3f}", low)) &&
-                                ContainsSubstring(fmt::format("{:.3f}", high)) &&
-                                ContainsSubstring(fmt::format("{:.3f}", p)));
+        CHECK_THAT(counted, Has(fmt::format("{:.3f}", mean), fmt::format("{:.3f}", low),
+                                fmt::format("{:.3f}", high), fmt::format("{:.3f}", p)));
     }
 }

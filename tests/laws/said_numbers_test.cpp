@@ -13,7 +13,7 @@ TEST_CASE("of separated answers all maxima are said, and no mean is made of one 
     CHECK(apart["why"] == "not determined: 2 to 3");
     CHECK(apart["profile_95"] == Json{2.0, 3.0});
     const std::string text = palpate_command({"fit", folder.file("sep.csv")}).out;
-    CHECK_THAT(text, ContainsSubstring("not determined: 2 to 3") && !ContainsSubstring("2.5"));
+    CHECK_THAT(text, Has("not determined: 2 to 3") && !Has("2.5"));
     // On a level with an answer of the other kind a steep curve tends to that level.
     write(folder.file("edge.csv"), "stimulus,n,k\n1,10,0\n2,10,1\n3,10,10\n");
     const Json edge = fitted({folder.file("edge.csv"), "--lapse", "0"})["curves"][0]["threshold"];
@@ -77,7 +77,7 @@ TEST_CASE("digits tell an estimate from its interval, and single answers have no
     }
     const Json curve = fitted({folder.file("single.csv")})["curves"][0];
     CHECK(curve["deviance_p"].is_null());
-    CHECK_THAT(curve["deviance_why"].get<std::string>(), ContainsSubstring("single answers"));
+    CHECK_THAT(curve["deviance_why"].get<std::string>(), Has("single answers"));
     CHECK(fitted({folder.file("near.csv")})["curves"][0]["deviance_why"].is_null());
 }
 
@@ -95,11 +95,10 @@ TEST_CASE("a response that no shape has is refused by its line, or kept by word"
     std::ofstream(file) << text;
     const auto refused = palpate_command({"stats", file});
     CHECK(refused.code != 0);
-    CHECK_THAT(refused.error, ContainsSubstring("t.csv:18") && ContainsSubstring("zzz") &&
-                                  ContainsSubstring("flat, round"));
+    CHECK_THAT(refused.error, Has("t.csv:18", "zzz", "flat, round"));
     const auto kept = palpate_command({"stats", file, "--other-answers"});
     CAPTURE(kept.error);
-    CHECK_THAT(kept.out, ContainsSubstring("one of 3 shapes"));
+    CHECK_THAT(kept.out, Has("one of 3 shapes"));
 }
 
 TEST_CASE("a mixed model of a condition that is all right has no effect but a ratio",
@@ -120,11 +119,11 @@ TEST_CASE("a mixed model of a condition that is all right has no effect but a ra
     const auto model = nlohmann::json::parse(done.out)["applied"]["mixed_model"]["on"]["laplace"];
     CHECK(model["effect"].is_null());
     CHECK(model["effect_se"].is_null());
-    CHECK_THAT(model["why"].get<std::string>(), ContainsSubstring("one kind alone"));
+    CHECK_THAT(model["why"].get<std::string>(), Has("one kind alone"));
     CHECK(model["intercept"].is_number());
     CHECK(model["no_effect"]["chi_square"].get<double>() > 4.0);
     CHECK(model["no_effect"]["p"].get<double>() < 0.05);
-    CHECK_THAT(palpate_command({"stats", file, "--simulations", "0", "--permutations", "0"}).out,
-               ContainsSubstring("unbounded: a condition has answers of one kind alone") &&
-                   ContainsSubstring("the likelihood ratio holds"));
+    CHECK_THAT(
+        palpate_command({"stats", file, "--simulations", "0", "--permutations", "0"}).out,
+        Has("unbounded: a condition has answers of one kind alone", "the likelihood ratio holds"));
 }

@@ -11,28 +11,6 @@ namespace {
 
 using Row = std::map<std::string, std::string>;
 
-/// Rows of a text with a separator. @param names  of its columns; none: its first line
-std::vector<Row> rows_of(const std::string& text, char separator, std::vector<std::string> names) {
-    std::istringstream lines(text);
-    std::vector<Row> rows;
-    for (std::string line; std::getline(lines, line);) {
-        std::istringstream fields(line);
-        std::vector<std::string> values;
-        for (std::string field; std::getline(fields, field, separator);) {
-            values.push_back(field);
-        }
-        if (names.empty()) {
-            names = values;
-            continue;
-        }
-        Row& row = rows.emplace_back();
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            row[names.at(i)] = values[i];
-        }
-    }
-    return rows;
-}
-
 double number_of(const Row& row, const std::string& name) {
     return std::stod(row.at(name));
 }
@@ -41,7 +19,7 @@ Vec2 point(const Row& row, const std::string& name) {
 }
 
 std::vector<Row> rows_of(const std::string& file, const std::string& query) {
-    return rows_of(sql_csv(file, query), ',', {});
+    return csv_records(sql_csv(file, query));
 }
 
 /// Two hillsides of several spans each, with uneven knots that do not begin at 0 and a kink within
@@ -161,7 +139,7 @@ Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& 
     std::ofstream(folder.file("s.toml")) << scene_text(trial);
     std::ofstream(folder.file("t.csv")) << path;
     ran({"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
-    felt.rendered = rows_of(tests::slurp(folder.file("o.csv")), ',', {});
+    felt.rendered = csv_records(tests::slurp(folder.file("o.csv")));
     REQUIRE(felt.rendered.size() == felt.sample.size());
     return felt;
 }
@@ -242,10 +220,10 @@ std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
         }
         const std::string stem = path.substr(0, path.size() - end.size());
         std::vector<std::string> names;
-        for (const Row& channel : rows_of(tests::slurp(stem + "_channels.tsv"), '\t', {})) {
+        for (const Row& channel : csv_records(tests::slurp(stem + "_channels.tsv"), '\t')) {
             names.push_back(channel.at("name"));
         }
-        runs[path] = rows_of(tests::slurp(path), '\t', names);
+        runs[path] = csv_records(tests::slurp(path), '\t', names);
     }
     std::vector<std::vector<Row>> all;
     for (auto& [name, rows] : runs) {

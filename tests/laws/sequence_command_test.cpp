@@ -42,9 +42,8 @@ void check_against(const std::string& file,
     data::Database database(file, data::Access::read);
     std::vector<std::string> command = {"sequence"};
     command.insert(command.end(), words.begin(), words.end());
-    const Finished text = ran(command);
-    CHECK_THAT(text.out, ContainsSubstring("plan " + recorded_hash(database, session) + '\n') &&
-                             ContainsSubstring(recorded_pictures(database, session)));
+    CHECK_THAT(ran(command).out, Has("plan " + recorded_hash(database, session) + '\n',
+                                     recorded_pictures(database, session)));
     command.emplace_back("--csv");
     const Finished csv = ran(command);
     CHECK(csv.out == recorded_plan(database, session));
@@ -80,10 +79,9 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
     const Finished announced = palpate_command(command);
     auto run = words_of_run("P2", file);
     run.insert(run.end(), {"--seed", "5"});
-    const Finished held = ran(run);
-    CHECK_THAT(held.out, ContainsSubstring(announced.out.substr(announced.out.find("code "), 14)));
+    CHECK_THAT(ran(run).out, Has(announced.out.substr(announced.out.find("code "), 14)));
     check_against(file, 2, {"shape_friction_demo", "--participant", "P2", "--db", file});
-    CHECK_THAT(announced.out, ContainsSubstring("used by 0 other participants"));
+    CHECK_THAT(announced.out, Has("used by 0 other participants"));
 
     const std::vector<std::string> second = {
         "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
@@ -101,8 +99,7 @@ TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[
         data::Database database(file, data::Access::write);
         database.execute("UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
     }
-    const Finished refused = ran(words_of_run("P1", file), 1);
-    CHECK_THAT(refused.error, ContainsSubstring("begun with another plan"));
+    CHECK_THAT(ran(words_of_run("P1", file), 1).error, Has("begun with another plan"));
 }
 
 TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") {
@@ -135,7 +132,7 @@ TEST_CASE("sequence prints the exact plan of a file, and an example without one"
     REQUIRE(run("P01") == 0);
     const std::string next = sequence("P02", true).out;  // of the session that is not there yet
     const Finished example = sequence("P02", false);
-    CHECK_THAT(example.error, ContainsSubstring("example"));
+    CHECK_THAT(example.error, Has("example"));
     CHECK(example.out != next);
     CHECK(sequence("P02", true).error.empty());
     REQUIRE(run("P02") == 0);
@@ -143,8 +140,8 @@ TEST_CASE("sequence prints the exact plan of a file, and an example without one"
     data::Database database(file, data::Access::read);
     for (const auto& row : database.prepare("SELECT plan_position || ',' || phase || ',0,' || "
                                             "planned_object FROM plan WHERE session_id = 2")) {
-        CHECK_THAT(next, ContainsSubstring('\n' + row.text(0)));
+        CHECK_THAT(next, Has('\n' + row.text(0)));
     }
     CHECK_THAT(palpate_command({"sequence", "shape_friction_demo", "--participant", "P02"}).out,
-               ContainsSubstring("An example"));
+               Has("An example"));
 }

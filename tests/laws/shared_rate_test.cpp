@@ -84,9 +84,8 @@ TEST_CASE(
     const Json all = fitted(with({csv, "--bootstrap", "200"}));
     CHECK(all[rate] == "free, one for all conditions of a person");
     const Finished text = palpate_command(with({"fit", csv, "--bootstrap", "0"}));
-    CHECK_THAT(text.out,
-               ContainsSubstring(rate + " free, one for all conditions of a person") &&
-                   ContainsSubstring(fmt::format("agree on {0} of {0} curves", 2 * conditions)));
+    CHECK_THAT(text.out, Has(rate + " free, one for all conditions of a person",
+                             fmt::format("agree on {0} of {0} curves", 2 * conditions)));
     for (std::size_t person = 0; person < 2; ++person) {
         for (std::size_t c = 0; c < conditions; ++c) {  // of all conditions the same
             const Json& curve = all["curves"][conditions * person + c];
@@ -208,7 +207,7 @@ TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
 TEST_CASE("a guess rate and a lapse rate that are both shared are refused", "[fit]") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), table(kGuessing));
-    const Finished done =
-        ran({"fit", folder.file("d.csv"), "--guess", "shared", "--lapse", "shared"}, 2);
-    CHECK_THAT(done.error, ContainsSubstring("give one of them as free or as a number"));
+    CHECK_THAT(
+        ran({"fit", folder.file("d.csv"), "--guess", "shared", "--lapse", "shared"}, 2).error,
+        Has("give one of them as free or as a number"));
 }

@@ -71,19 +71,16 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
         merge.push_back(
             folder.file(fmt::format("shards/shard-00{}-of-003.sqlite", std::string(shard, 1))));
     }
-    const auto missing = palpate_command(merge);
-    CHECK(missing.code == 2);
-    CHECK_THAT(missing.error,
-               ContainsSubstring("one shard of 3 missing") && ContainsSubstring("--array=1"));
+    const Finished missing = ran(merge, 2);
+    CHECK_THAT(missing.error, Has("one shard of 3 missing", "--array=1"));
     CHECK_FALSE(fs::exists(folder.file("all.sqlite")));
 
     // The last one as Slurm would run its script.
-    const auto script =
-        palpate_command(simulate({"-o", folder.file("shards"), "--slurm", "3", "--threads", "2"}));
-    REQUIRE(script.code == 0);
+    const Finished script =
+        ran(simulate({"-o", folder.file("shards"), "--slurm", "3", "--threads", "2"}));
     for (const char* line : {"#SBATCH --array=0-2\n", "#SBATCH --cpus-per-task=2\n",
                              "#SBATCH --signal=B:TERM@60\n", "#SBATCH --requeue\n", "\nexec "}) {
-        CHECK_THAT(script.out, ContainsSubstring(line));
+        CHECK_THAT(script.out, Has(line));
     }
     tests::write(folder.file("study.sbatch"), script.out);
     const auto task = Process({"sh", folder.file("study.sbatch")},
@@ -96,11 +93,9 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     ran(merge);
     CHECK(content(folder.file("all.sqlite")) == content(one));
     const auto again = palpate_command({"merge", folder.file("all.sqlite"), one});
-    CHECK_THAT(again.out, ContainsSubstring("0 sessions new, 0 went on, 4 as before"));
+    CHECK_THAT(again.out, Has("0 sessions new, 0 went on, 4 as before"));
 
-    const auto verified = palpate_command({"verify", one});
-    CHECK(verified.code == 0);
-    CHECK_THAT(verified.out, ContainsSubstring("Nothing differs."));
+    CHECK_THAT(ran({"verify", one}).out, Has("Nothing differs."));
 }
 
 TEST_CASE("a simulation follows no link that somebody laid beside its file, and removes no other's",
@@ -150,9 +145,7 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     const std::string killed = folder.file("killed.sqlite");
     CHECK(broken_off(killed, SIGKILL, {}) == 128 + SIGKILL);
     CHECK(fs::exists(killed + ".partial"));
-    const auto on = palpate_command(simulate({"--db", killed}, people));
-    REQUIRE(on.code == 0);
-    CHECK_THAT(on.out, !ContainsSubstring("S000001"));
+    CHECK_THAT(ran(simulate({"--db", killed}, people)).out, !Has("S000001"));
     CHECK(slurp(killed) == slurp(whole));
 
     const std::string stopped = folder.file("stopped.sqlite");
@@ -162,9 +155,7 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
     CHECK(fs::is_empty(folder.file("scratch")));
     auto words = simulate({"--db", stopped}, people);
     words.insert(words.end(), scratch.begin(), scratch.end());
-    const auto after = palpate_command(words);
-    REQUIRE(after.code == 0);
-    CHECK_THAT(after.out, !ContainsSubstring("S000001"));
+    CHECK_THAT(ran(words).out, !Has("S000001"));
     CHECK(slurp(stopped) == slurp(whole));
     CHECK(fs::is_empty(folder.file("scratch")));
     const std::vector<std::string> left{"killed.sqlite", "scratch", "stopped.sqlite",
@@ -178,14 +169,11 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     const std::vector<std::string> same = simulate({"--db", file, "--no-traces"}, "2");
     ran(same);
     const std::string bytes = slurp(file);
-    const auto again = palpate_command(same);
-    CHECK(again.code == 0);
-    CHECK_THAT(again.out, ContainsSubstring("already done"));
+    CHECK_THAT(ran(same).out, Has("already done"));
     const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
         const auto ran = palpate_command(words);
         CAPTURE(why);
-        CHECK(ran.code == 2);
-        CHECK_THAT(ran.error, ContainsSubstring(why));
+        check_end(ran, 2, Has(why));
         CHECK(slurp(file) == bytes);
     };
     refused(simulate({"--db", file, "--no-traces"}, "3"), "2 participants other than the 3");
@@ -204,9 +192,7 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     refused({"simulate", kStudy, "--observer", folder.file("bad.toml"), "--db", file},
             "bad.toml:3:1: unknown key \"noise_sd\" in [people]: did you mean noise_sd_ln?");
 
-    const auto verified = palpate_command({"verify", file});
-    CHECK(verified.code == 0);
-    CHECK_THAT(verified.out, ContainsSubstring("0 ticks replayed, nothing differs"));
+    CHECK_THAT(ran({"verify", file}).out, Has("0 ticks replayed, nothing differs"));
     ran({"summary", file});
 }
 
@@ -220,22 +206,16 @@ TEST_CASE("verify asks the drawn person again: an observer that was not the one 
             "UPDATE session_provenance SET value = replace(value, 'median_s = 1.5', 'median_s = "
             "2') "
             "WHERE key = 'observer'");
-    const auto verified = palpate_command({"verify", file});
-    CHECK(verified.code == 1);
-    CHECK_THAT(verified.out, ContainsSubstring("response.reaction_s"));
+    CHECK_THAT(ran({"verify", file}, 1).out, Has("response.reaction_s"));
 }
 
 TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none",
           "[simulate][law]") {
     const TemporaryFolder folder;
-    std::string study = slurp(kStudy);
-    for (const auto& [from, to] :
-         {std::pair<std::string, std::string>{"repetitions = 1", "repetitions = 5"},
-          {"curvature_per_m = 8", "curvature_per_m = 4"},
-          {"curvature_per_m = -8", "curvature_per_m = -4"}}) {
-        study.replace(study.find(from), from.size(), to);
-    }
-    tests::write(folder.file("study.toml"), study);
+    tests::write(folder.file("study.toml"),
+                 edited(slurp(kStudy), {{"repetitions = 1", "repetitions = 5"},
+                                        {"curvature_per_m = 8", "curvature_per_m = 4"},
+                                        {"curvature_per_m = -8", "curvature_per_m = -4"}}));
     /// Of the share of right answers, friction on against off: mean difference and its interval.
     const auto difference = [&](const std::string& friction) {
         tests::write(folder.file("observer.toml"),
@@ -244,14 +224,10 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
                          friction);
         const std::string file = folder.file("d.sqlite");
         fs::remove(file);
-        const auto ran = palpate_command({"simulate", folder.file("study.toml"), "--participants",
-                                          "6", "--observer", folder.file("observer.toml"), "--db",
-                                          file, "--no-traces"});
-        CAPTURE(ran.error);
-        REQUIRE(ran.code == 0);
-        const auto stats = palpate_command({"stats", file, "--kind", "simulated", "--json",
-                                            "--permutations", "0", "--simulations", "0"});
-        REQUIRE(stats.code == 0);
+        ran({"simulate", folder.file("study.toml"), "--participants", "6", "--observer",
+             folder.file("observer.toml"), "--db", file, "--no-traces"});
+        const Finished stats = ran({"stats", file, "--kind", "simulated", "--json",
+                                    "--permutations", "0", "--simulations", "0"});
         return nlohmann::json::parse(stats.out)
             .at(nlohmann::json::json_pointer("/applied/measures/d_prime/effects/on/interval_95"))
             .get<std::vector<double>>();
@@ -275,16 +251,16 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     CHECK(sql_csv(file, "SELECT count(*) AS n FROM sample") == "n\n0\n");
     for (const char* name : {"sample", "SAMPLE"}) {  // SQL takes names in any letters
         CHECK_THAT(palpate_command({"sql", file, "-c", std::string("SELECT 1 FROM ") + name}).error,
-                   ContainsSubstring("no ticks are kept in this file: sample has no row"));
+                   Has("no ticks are kept in this file: sample has no row"));
     }
     const std::string page = folder.file("a.html");
     (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
-    CHECK_THAT(slurp(page), ContainsSubstring("No ticks are kept of these trials"));
+    CHECK_THAT(slurp(page), Has("No ticks are kept of these trials"));
     const tests::Finished again =
         ran({"run", "shape_friction_demo", "--participant", "S000001", "--db",
              folder.file("b.sqlite"), "--headless", "--device", "replay:" + file},
             1);
-    CHECK_THAT(again.error, ContainsSubstring("has no ticks: it was simulated with --no-traces"));
+    CHECK_THAT(again.error, Has("has no ticks: it was simulated with --no-traces"));
 }
 
 TEST_CASE("what simulate names as next looks at the answers of any protocol", "[simulate]") {
@@ -298,19 +274,14 @@ TEST_CASE("what simulate names as next looks at the answers of any protocol", "[
           {rule, "fit"}}) {
         tests::write(folder.file("p.toml"), protocol);
         const std::string file = folder.file(command + ".sqlite");
-        const auto made = palpate_command({"simulate", folder.file("p.toml"), "--participants", "2",
-                                           "--db", file, "--no-traces"});
-        CAPTURE(made.out, made.error);
-        REQUIRE(made.code == 0);
+        const Finished made = ran({"simulate", folder.file("p.toml"), "--participants", "2", "--db",
+                                   file, "--no-traces"});
         const std::string mark = "Next: palpate ";
         const std::size_t at = made.out.find(mark);
         REQUIRE(at != std::string::npos);
         std::istringstream line(made.out.substr(at + mark.size()));
         const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
         CHECK(words.front() == command);
-        const auto finished = palpate_command(words);
-        CAPTURE(finished.out, finished.error);
-        CHECK(finished.code == 0);
-        CHECK_THAT(finished.out, ContainsSubstring("simulated"));
+        CHECK_THAT(ran(words).out, Has("simulated"));
     }
 }

@@ -73,8 +73,7 @@ void no_stats(std::vector<std::string> words, const std::string& why) {
 /// What the script prints against the JSON; how many numbers of each kind there were.
 std::map<std::string, int> compare(const std::string& printed, const Json& ours) {
     std::map<std::string, int> kinds;
-    std::istringstream lines(printed);
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : lines_in(printed)) {
         const std::size_t tab = line.find('\t');
         REQUIRE(tab != std::string::npos);
         const std::string place = line.substr(0, tab);
@@ -156,8 +155,7 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     again["source"] = ours["source"];
     CHECK(again == ours);
     const Finished bare = stats({folder.file("yes.csv"), "--simulations", "0"});
-    CHECK_THAT(bare.out, ContainsSubstring("share of yes") &&
-                             ContainsSubstring("none is right or wrong: --signal SHAPE"));
+    CHECK_THAT(bare.out, Has("share of yes", "none is right or wrong: --signal SHAPE"));
 }
 
 TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[stats]") {
@@ -172,32 +170,29 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
                                   .wait();
     CHECK(one_core.out == text.out);
     const Json all = numbers_of(words);
-    CHECK_THAT(text.out, ContainsSubstring("Nothing is excluded"));
+    CHECK_THAT(text.out, Has("Nothing is excluded"));
     const Json& part = all["applied"];
     for (const auto& [name, person] : part["people"].items()) {
         for (const auto& [friction, cell] : person["friction"].items()) {
-            CHECK_THAT(text.out, ContainsSubstring(fmt::format(
-                                     "{:>2}    {:>2}  {:.3f} to {:.3f}  ", cell["k"].get<int>(),
-                                     cell["n"].get<int>(), cell["wilson_95"][0].get<double>(),
-                                     cell["wilson_95"][1].get<double>())));
+            CHECK_THAT(text.out,
+                       Has(fmt::format("{:>2}    {:>2}  {:.3f} to {:.3f}  ", cell["k"].get<int>(),
+                                       cell["n"].get<int>(), cell["wilson_95"][0].get<double>(),
+                                       cell["wilson_95"][1].get<double>())));
         }
     }
     for (const auto& [key, measure] : part["measures"].items()) {
         const Json& effect = measure["effects"]["on"];
         CAPTURE(key);
-        CHECK_THAT(text.out,
-                   ContainsSubstring(fmt::format("{:.3f}", effect["mean"].get<double>())) &&
-                       ContainsSubstring(fmt::format("  {:.3f}   5  ", effect["t"].get<double>())));
+        CHECK_THAT(text.out, Has(fmt::format("{:.3f}", effect["mean"].get<double>()),
+                                 fmt::format("  {:.3f}   5  ", effect["t"].get<double>())));
         CHECK(effect["interval_95"][0] < effect["mean"]);
     }
     const Json& mixed = part["mixed_model"]["on"];
-    CHECK_THAT(
-        text.out,
-        ContainsSubstring(fmt::format("{:.4f}", mixed["laplace"]["effect"].get<double>())) &&
-            ContainsSubstring(fmt::format("{:.4f}", mixed["laplace"]["effect_se"].get<double>())) &&
-            ContainsSubstring(
-                fmt::format("{:.4f}", mixed["quadrature"]["log_likelihood"].get<double>())) &&
-            ContainsSubstring("half chi-square of 1 df, half of 2"));
+    CHECK_THAT(text.out,
+               Has(fmt::format("{:.4f}", mixed["laplace"]["effect"].get<double>()),
+                   fmt::format("{:.4f}", mixed["laplace"]["effect_se"].get<double>()),
+                   fmt::format("{:.4f}", mixed["quadrature"]["log_likelihood"].get<double>()),
+                   "half chi-square of 1 df, half of 2"));
     CHECK(mixed["laplace"]["no_effect"]["simulated_p"].get<double>() > 0.0);
     const Json other = numbers_of({folder.file("d.csv"), "--simulations", "60", "--seed", "2"});
     CHECK(other["applied"]["measures"] == part["measures"]);
@@ -209,8 +204,7 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
     write(folder.file("one.csv"), made_up(1, 30, false));
     const Finished one = stats({folder.file("one.csv")});
     CHECK(one.code == 0);
-    CHECK_THAT(one.out, ContainsSubstring("one person: nothing follows for others") &&
-                            !ContainsSubstring("Mixed model"));
+    CHECK_THAT(one.out, Has("one person: nothing follows for others") && !Has("Mixed model"));
     std::string alike = "subject,trial,shape,friction,response\n";
     for (const char* person : {"A", "B", "C"}) {
         for (int i = 0; i < 20; ++i) {
@@ -242,14 +236,12 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
         CHECK(none["wilcoxon_p"] == 1.0);
         CHECK(none["wilcoxon_ranked"] == 0);
     }
-    CHECK_THAT(stats(words).out, !ContainsSubstring("null"));
+    CHECK_THAT(stats(words).out, !Has("null"));
     const Finished same =
         stats({folder.file("alike.csv"), "--simulations", "0", "--other-answers"});
     CHECK(same.code == 0);
-    CHECK_THAT(same.out, ContainsSubstring("all the same: no t") &&
-                             ContainsSubstring("effect have no end") &&
-                             ContainsSubstring("the fit is singular") &&
-                             ContainsSubstring("hardly known from fewer than 6"));
+    CHECK_THAT(same.out, Has("all the same: no t", "effect have no end", "the fit is singular",
+                             "hardly known from fewer than 6"));
 }
 
 TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy",
@@ -289,9 +281,9 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
 TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",
           "[stats]") {
     const TemporaryFolder folder;
-    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 4");
-    protocol.replace(protocol.find("break_every = 0"), 15, "break_every = 5");
+    std::string protocol =
+        edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+               {{"repetitions = 1", "repetitions = 4"}, {"break_every = 0", "break_every = 5"}});
     write(folder.file("p.toml"), protocol +
                                      "\n[response]\nconfidence = true\n\n[exclusion]\n"
                                      "share_correct_min = 0.7\n");
@@ -305,13 +297,12 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     const std::vector<std::string> words{file, "--kind", "simulated", "--simulations", "0"};
     const Finished text = stats(words);
     REQUIRE(text.code == 0);
-    CHECK_THAT(text.out, ContainsSubstring("participant and device are SIMULATED") &&
-                             ContainsSubstring("sub-") && !ContainsSubstring("Ada") &&
-                             ContainsSubstring("Confidence: share correct at each level"));
+    CHECK_THAT(text.out, Has("participant and device are SIMULATED", "sub-") && !Has("Ada") &&
+                             Has("Confidence: share correct at each level"));
     std::vector<std::string> scripted = words;
     scripted.insert(scripted.end(), {"--emit-r", folder.file("again.R")});
     Json ours = numbers_of(scripted);
-    CHECK_THAT(tests::slurp(folder.file("again.csv")), !ContainsSubstring("Ada"));
+    CHECK_THAT(tests::slurp(folder.file("again.csv")), !Has("Ada"));
     CHECK(ours["kind"] == "simulated");
     CHECK(ours["alternatives"] == 2);
 
@@ -326,24 +317,16 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
                 "avg(ln(reaction_s)) AS rt FROM analysis_trial WHERE counts AND phase = "
                 "'main' GROUP BY 1, "
                 "2");
-    std::istringstream rows(counts);
-    std::string row;
-    std::getline(rows, row);
     std::size_t poor = 0;
     std::map<std::string, int> right;
     int compared = 0;
-    while (std::getline(rows, row)) {
-        std::vector<std::string> fields;
-        std::istringstream stream(row);
-        for (std::string field; std::getline(stream, field, ',');) {
-            fields.push_back(field);
-        }
-        REQUIRE(fields.size() == 5);
-        const Json& cell = part["people"][fields[0]]["friction"][fields[1]];
-        CHECK(cell["n"] == std::stoi(fields[2]));
-        CHECK(cell["k"] == std::stoi(fields[3]));
-        CHECK(cell["log_rt"].get<double>() == Approx(std::stod(fields[4])));
-        right[fields[0]] += std::stoi(fields[3]);
+    for (const auto& row : csv_records(counts)) {
+        const Json& cell =
+            part["people"][row.at("participant_code")]["friction"][row.at("friction")];
+        CHECK(cell["n"] == std::stoi(row.at("n")));
+        CHECK(cell["k"] == std::stoi(row.at("k")));
+        CHECK(cell["log_rt"].get<double>() == Approx(std::stod(row.at("rt"))));
+        right[row.at("participant_code")] += std::stoi(row.at("k"));
         ++compared;
     }
     CHECK(compared == 6);

@@ -21,12 +21,7 @@ std::vector<std::string> by_r(const std::string& file,
         Process({"Rscript", folder.file("script.R"), folder.file("rows.csv")}).wait();
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
-    std::vector<std::string> lines;
-    std::istringstream text(r.out);
-    for (std::string line; std::getline(text, line);) {
-        lines.push_back(line);
-    }
-    return lines;
+    return lines_in(r.out);
 }
 
 bool no_r() {
@@ -222,7 +217,7 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
              kPeopleInR);
     REQUIRE(lines.size() == 27);
     for (const std::string& line : lines) {
-        CHECK_THAT(text, ContainsSubstring(line));
+        CHECK_THAT(text, Has(line));
     }
     // The SQL functions say the same interval.
     const std::string ours =
@@ -231,7 +226,7 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
                 "people_share_low(share), people_share_high(share), count(*)) FROM "
                 "(SELECT friction, avg(correct) AS share FROM analysis_trial WHERE counts "
                 "AND phase = 'main' GROUP BY participant_code, 1) GROUP BY friction");
-    CHECK_THAT(ours, ContainsSubstring(lines[24]) && ContainsSubstring(lines[25]));
+    CHECK_THAT(ours, Has(lines[24], lines[25]));
 }
 
 TEST_CASE("with one person or two, palpate summary says what can be said and what cannot",
@@ -239,14 +234,13 @@ TEST_CASE("with one person or two, palpate summary says what can be said and wha
     const TemporaryFolder folder;
     answer(folder.file("one.sqlite"), tests::small_protocol(4), 1);
     CHECK_THAT(summary_of(folder.file("one.sqlite")),
-               ContainsSubstring("one person: how people differ is not known") &&
-                   ContainsSubstring("of this person's own trials (Newcombe), not of people"));
+               Has("one person: how people differ is not known",
+                   "of this person's own trials (Newcombe), not of people"));
     answer(folder.file("two.sqlite"), tests::small_protocol(8), 2);
     CHECK_THAT(summary_of(folder.file("two.sqlite")),
-               ContainsSubstring("within person") &&
-                   ContainsSubstring("sign-flip: all 4 patterns of signs") &&
-                   ContainsSubstring("2 people are too few to show a difference: no sign-flip p is "
-                                     "below 0.5"));
+               Has("within person", "sign-flip: all 4 patterns of signs",
+                   "2 people are too few to show a difference: no sign-flip p is "
+                   "below 0.5"));
 }
 
 TEST_CASE("answers that are neither right nor wrong are summed up object by object", "[summary]") {
@@ -270,8 +264,8 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
                                             : "share of yes to convex, mean");
     REQUIRE(at != std::string::npos);
     const std::string line = mean.out.substr(mean.out.find('\n') + 1);
-    CHECK_THAT(text.substr(at), ContainsSubstring(line.substr(0, line.size() - 1)));
-    CHECK_THAT(text, ContainsSubstring("68 of 68 answers have no correct (NULL)"));
+    CHECK_THAT(text.substr(at), Has(line.substr(0, line.size() - 1)));
+    CHECK_THAT(text, Has("68 of 68 answers have no correct (NULL)"));
     CHECK(text.find("share correct") == std::string::npos);
 }
 

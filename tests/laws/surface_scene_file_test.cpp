@@ -27,26 +27,14 @@ std::string plate(double from, double to, double slope, const std::string& more 
 /// Rows of numbers; of a word 0.
 std::vector<std::vector<double>> rows_of(const std::string& csv) {
     std::vector<std::vector<double>> rows;
-    std::istringstream lines(csv);
-    std::string line;
-    std::getline(lines, line);
-    while (std::getline(lines, line)) {
-        std::istringstream fields(line);
-        std::string field;
+    for (const auto& fields : csv_body(csv)) {
         auto& row = rows.emplace_back();
-        while (std::getline(fields, field, ',')) {
+        for (const std::string& field : fields) {
             const bool number = field.find_first_of("0123456789") != std::string::npos;
             row.push_back(number ? std::stod(field) : 0.0);
         }
     }
     return rows;
-}
-
-std::string said(const std::string& command, const std::string& scene, const std::string& data) {
-    const TemporaryFolder folder;
-    write(folder.file("s.toml"), scene);
-    write(folder.file("d.csv"), data);
-    return ran({command, folder.file("s.toml"), folder.file("d.csv")}).out;
 }
 
 }  // namespace
@@ -62,14 +50,14 @@ TEST_CASE("a plate in two tables, and one cut by its trims, are felt as the plat
         path += fmt::format("{},{},{},{}\n", 1e-3 * k, x, y,
                             slope * x + 0.002 - 0.004 * std::sin(0.02 * k));
     }
-    const auto whole = rows_of(said("render", kFelt + plate(-0.04, 0.04, slope), path));
-    const auto two =
-        rows_of(said("render", kFelt + plate(-0.04, 0.01, slope) + plate(0.01, 0.04, slope), path));
+    const auto whole = rows_of(said_of("render", kFelt + plate(-0.04, 0.04, slope), path));
+    const auto two = rows_of(
+        said_of("render", kFelt + plate(-0.04, 0.01, slope) + plate(0.01, 0.04, slope), path));
     const auto cut =
-        rows_of(said("render",
-                     kFelt + plate(-0.04, 0.04, slope,
-                                   "trim_loops = [[0, 0, 0.4, 0, 1, 0, 1, 0.7, 1, 1, 0, 1]]\n"),
-                     path));
+        rows_of(said_of("render",
+                        kFelt + plate(-0.04, 0.04, slope,
+                                      "trim_loops = [[0, 0, 0.4, 0, 1, 0, 1, 0.7, 1, 1, 0, 1]]\n"),
+                        path));
     REQUIRE(whole.size() == 1500);
     REQUIRE(two.size() == 1500);
     REQUIRE(cut.size() == 1500);
@@ -109,7 +97,7 @@ TEST_CASE("over a hole the closest point lies on its border", "[cli][surface][la
         const bool over = in_x > 0.0 && in_y > 0.0;
         wanted.push_back(over ? std::hypot(std::min(in_x, in_y), z) : z);
     }
-    const auto found = rows_of(said("closest", scene, points));
+    const auto found = rows_of(said_of("closest", scene, points));
     REQUIRE(found.size() == wanted.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
         CHECK(found[i].back() == Approx(wanted[i]).epsilon(1e-12));
@@ -122,8 +110,8 @@ TEST_CASE("surfaces that cannot be one object are refused with value and remedy"
     write(folder.file("d.csv"), "x_m,y_m,z_m\n0,0,0.01\n");
     const auto refused = [&](const std::string& scene, const char* why) {
         write(folder.file("s.toml"), scene);
-        const Finished done = ran({"closest", folder.file("s.toml"), folder.file("d.csv")}, 2);
-        CHECK_THAT(done.error, ContainsSubstring("s.toml:") && ContainsSubstring(why));
+        CHECK_THAT(ran({"closest", folder.file("s.toml"), folder.file("d.csv")}, 2).error,
+                   Has("s.toml:", why));
     };
     refused(plate(-0.04, 0.0, 0.0) + plate(0.00001, 0.04, 0.0), "are up to 1e-05 m apart");
     refused(plate(-0.04, 0.04, 0.0, "trim_loops = [[0, 0, 1, 0, 1, 1, 0.5]]\n"), "has 7 numbers");

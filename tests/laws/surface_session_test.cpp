@@ -6,6 +6,7 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/short_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -16,21 +17,11 @@ namespace {
 /// edit
 std::string study(const TemporaryFolder& folder,
                   const std::pair<std::string, std::string>& edit = {}) {
-    std::string text;
-    for (const auto& shipped : protocols::shipped_protocols()) {
-        text = shipped.name == "patch_friction" ? std::string(shipped.text) : text;
-    }
-    for (const auto& [from, to] :
-         {std::pair<std::string, std::string>{"repetitions = 5", "repetitions = 1"},
-          {"practice_repetitions = 1", "practice_repetitions = 0"},
-          edit}) {
-        const std::size_t at = text.find(from);
-        CAPTURE(from);
-        REQUIRE(at != std::string::npos);
-        text.replace(at, from.size(), to);
-    }
     const std::string file = folder.file("patches.toml");
-    tests::write(file, text);
+    tests::write(file, short_text("patch_friction",
+                                  {{"repetitions = 5", "repetitions = 1"},
+                                   {"practice_repetitions = 1", "practice_repetitions = 0"},
+                                   edit}));
     return file;
 }
 
@@ -50,7 +41,7 @@ struct Recorded {
         const Finished ran = palpate_command(run(protocol, file, "sim"));
         INFO(ran.error);
         REQUIRE(ran.code == 0);
-        REQUIRE_THAT(ran.out, ContainsSubstring("8 answered, 0 of them do not count, 0 faulted"));
+        REQUIRE_THAT(ran.out, Has("8 answered, 0 of them do not count, 0 faulted"));
     }
 };
 
@@ -73,8 +64,7 @@ std::string row(const std::string& file, const std::string& sql) {
 TEST_CASE("a session on surfaces is stored whole, and verify finds nothing in it",
           "[surface-session][law]") {
     const Recorded& session = recorded();
-    const Finished verify = ran({"verify", session.file});
-    CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
+    CHECK_THAT(ran({"verify", session.file}).out, Has("Nothing differs"));
     // Nothing is stored in full: HIP follows from its columns, the contact from HIP, the command
     // from both.
     CHECK(row(session.file, "SELECT count(*) FROM trace_chunk WHERE holds <> ''") == "0");
@@ -180,7 +170,7 @@ TEST_CASE("an export of surfaces has every coordinate", "[surface-session][expor
     std::stringstream text;
     text << columns.rdbuf();
     for (const char* name : {"hip_z_m", "go_z_m", "cp_z_m", "rendered_z_n", "commanded_z_n"}) {
-        CHECK_THAT(text.str(), ContainsSubstring(name));
+        CHECK_THAT(text.str(), Has(name));
     }
 }
 
@@ -192,7 +182,7 @@ TEST_CASE("a report of surfaces names both curvatures of each patch", "[surface-
     std::ifstream file(page);
     std::stringstream text;
     text << file.rdbuf();
-    CHECK_THAT(text.str(), ContainsSubstring("saddle (-8 and 8 1/m)"));
+    CHECK_THAT(text.str(), Has("saddle (-8 and 8 1/m)"));
 }
 
 TEST_CASE("another friction than what was felt is found", "[surface-session][verify]") {
@@ -206,8 +196,7 @@ TEST_CASE("another friction than what was felt is found", "[surface-session][ver
             "UPDATE presentation SET mu_d = 0.5 WHERE trial_id = (SELECT min(trial_id) FROM "
             "presentation WHERE friction = 'on')");
     }
-    const Finished verify = ran({"verify", copy}, 1);
-    CHECK_THAT(verify.out, ContainsSubstring("presentation.mu_d"));
+    CHECK_THAT(ran({"verify", copy}, 1).out, Has("presentation.mu_d"));
 }
 
 TEST_CASE("surfaces are refused on machines in a plane, and with what only planes have, by name",
@@ -216,9 +205,8 @@ TEST_CASE("surfaces are refused on machines in a plane, and with what only plane
     const std::string protocol = study(folder);
     for (const char* device : {"haply-emulator", "haply:/dev/null", "mouse"}) {
         CAPTURE(device);
-        const Finished refused = ran(run(protocol, folder.file("a.sqlite"), device), 2);
-        CHECK_THAT(refused.error, ContainsSubstring("patch_friction"));
-        CHECK_THAT(refused.error, ContainsSubstring("give --device sim"));
+        CHECK_THAT(ran(run(protocol, folder.file("a.sqlite"), device), 2).error,
+                   Has("patch_friction", "give --device sim"));
         CHECK(!std::filesystem::exists(folder.file("a.sqlite")));
     }
     const auto said = [](const std::string& from, const std::string& to) {
@@ -227,12 +215,12 @@ TEST_CASE("surfaces are refused on machines in a plane, and with what only plane
         return checked.error + checked.out;
     };
     CHECK_THAT(said("[surface] ", "[outline]\na_mm = [-40, 0]\n[surface] "),
-               ContainsSubstring("[outline] is given beside [surface]"));
+               Has("[outline] is given beside [surface]"));
     CHECK_THAT(said("curvature_per_m = 0\n", "curvature_per_m = 30\n"),
-               ContainsSubstring("a curvature of 30 1/m is too strong for a patch of 60 mm"));
+               Has("a curvature of 30 1/m is too strong for a patch of 60 mm"));
     CHECK_THAT(said("curvature_per_m = 0\n", "curvature_per_m = 0\nsize = 2\n"),
-               ContainsSubstring("the object flat has segments, a place or a compliance"));
+               Has("the object flat has segments, a place or a compliance"));
     CHECK_THAT(said("law = \"gos\"\nmu_s = 0.6\nmu_d = 0.4\ntau_slip_ms = 20\ntau_heal_ms = 100",
                     "law = \"viscous\"\nmu_d = 0.4\nviscous_n_s_per_m = 1"),
-               ContainsSubstring("which surfaces do not have"));
+               Has("which surfaces do not have"));
 }

@@ -87,17 +87,16 @@ TEST_CASE("the doctor takes a device behind UDP, emulated or the example, and sa
     device.pop_back();
     CHECK_THAT(device, StartsWith("udp:127.0.0.1:"));
     CHECK_THAT(doctor_in_the_end(folder, device, "2diy_gen3"),
-               ContainsSubstring("its own watchdog stops it after 20 ms"));
+               Has("its own watchdog stops it after 20 ms"));
     emulator.signal(SIGINT);
     CHECK(emulator.wait().code == 0);
-    CHECK_THAT(doctor(folder, device, "2diy_gen3"),
-               ContainsSubstring("does the device's program run there"));
+    CHECK_THAT(doctor(folder, device, "2diy_gen3"), Has("does the device's program run there"));
 
     const std::string port = std::to_string(free_udp_port());
     const Process example({PALPATE_UDP_DEVICE, port});
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
     CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
-               ContainsSubstring("its own watchdog stops it after 20 ms"));
+               Has("its own watchdog stops it after 20 ms"));
     CHECK(Process({PALPATE_UDP_DEVICE, port}).wait().code == 2);  // taken
 }
 
@@ -129,11 +128,11 @@ TEST_CASE(
     }));
     whole = false;  // a HELLO without a right CRC makes nobody the host
     CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
-               ContainsSubstring("its own watchdog stops it after 20 ms"));
+               Has("its own watchdog stops it after 20 ms"));
     there = false;
     stranger.join();
     CHECK_THAT(doctor_in_the_end(folder, "udp:127.0.0.1:" + port, calibration),
-               ContainsSubstring("its own watchdog stops it after 20 ms"));
+               Has("its own watchdog stops it after 20 ms"));
 }
 
 TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the board",
@@ -209,7 +208,7 @@ TEST_CASE("words of a UDP port that cannot be are refused with a sentence, befor
         const Finished run = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
                                   folder.file("d.sqlite"), "--device", wrong},
                                  2);
-        CHECK_THAT(run.error, ContainsSubstring("as in udp:127.0.0.1:5000"));
+        CHECK_THAT(run.error, Has("as in udp:127.0.0.1:5000"));
     }
     CHECK(folder.names().empty());
     ran({"haply-emulator", "--udp", "5000"}, 2);

@@ -173,7 +173,7 @@ TEST_CASE("what a lab calls sample is its own, and no query is answered by it", 
         CHECK(answer(query) == before);
         CHECK(answer("SELECT rendered_normal_n AS n FROM main.sample") == "n\n5\n");
         CHECK_THAT(ran({"sql", file, "-c", query}).error,
-                   ContainsSubstring("what the file calls so is main.sample"));
+                   Has("what the file calls so is main.sample"));
         ran({"verify", file});
         ran({"report", file, "--kind", "simulated", "--study", "shape_friction_demo", "--output",
              folder.file("r.html")});

@@ -30,8 +30,7 @@ void write_protocol(const std::string& file,
         cut("concave_5");
         cut("convex_10");
         if (!from.empty()) {
-            REQUIRE(text.find(from) != std::string::npos);
-            text.replace(text.find(from), from.size(), to);
+            text = replaced(std::move(text), from, to);
         }
         std::ofstream(file) << text;
     }
@@ -61,15 +60,12 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
     ran({"run", "shape_friction_demo", "--participant", "P2", "--db", file, "--headless",
          "--device", "replay:" + file});
     const std::string before = tests::slurp(file);
-    const Finished verified = ran({"verify", file});
-    CHECK_THAT(verified.out,
-               ContainsSubstring("3 sessions") &&
-                   ContainsSubstring("participant P2, session 1 (simulated): 10 trials") &&
-                   ContainsSubstring("\nNothing differs.\n"));
+    CHECK_THAT(ran({"verify", file}).out,
+               Has("3 sessions", "participant P2, session 1 (simulated): 10 trials",
+                   "\nNothing differs.\n"));
     CHECK(tests::slurp(file) == before);
-    const Finished json = ran({"verify", file, "--json"});
-    CHECK_THAT(json.out,
-               ContainsSubstring("\"differences\": 0,\n  \"missing\": 0,\n  \"findings\": []"));
+    CHECK_THAT(ran({"verify", file, "--json"}).out,
+               Has("\"differences\": 0,\n  \"missing\": 0,\n  \"findings\": []"));
 }
 
 TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
@@ -134,7 +130,7 @@ TEST_CASE(
         const data::Verification found = data::verify(database);
         CAPTURE(seed, row);
         CHECK(found.count(FindingKind::differs) > 0);
-        CHECK_THAT(text_of(found), ContainsSubstring("trace"));
+        CHECK_THAT(text_of(found), Has("trace"));
     }
 }
 
@@ -225,8 +221,7 @@ TEST_CASE(
         return database.first("SELECT count(*) FROM trial WHERE outcome = ?1", which).integer(0);
     };
     const auto verifies = [&] {
-        const Finished verified = ran({"verify", file});
-        CHECK_THAT(verified.out, !ContainsSubstring("missing"));
+        CHECK_THAT(ran({"verify", file}).out, !Has("missing"));
     };
     {
         tests::Process killed(words, no_display);
@@ -264,11 +259,9 @@ TEST_CASE(
     ran(run_words(folder, "a.sqlite"));
     data::Database(file, data::Access::write)
         .execute("UPDATE response SET correct = 1 - correct WHERE trial_id = 2");
-    const Finished wrong = ran({"verify", file}, 1);
-    CHECK_THAT(wrong.out, ContainsSubstring("  differs  trial 2, response.correct: stored ") &&
-                              ContainsSubstring(", recomputed ") &&
-                              ContainsSubstring("trial 2, trial.seal: stored ") &&
-                              ContainsSubstring("\n2 differences. Take what differs"));
+    CHECK_THAT(ran({"verify", file}, 1).out,
+               Has("  differs  trial 2, response.correct: stored ", ", recomputed ",
+                   "trial 2, trial.seal: stored ", "\n2 differences. Take what differs"));
     ran({"verify", folder.file("p.toml")}, 2);
     std::ofstream(folder.file("empty")).flush();
     ran({"verify", folder.file("empty")}, 2);

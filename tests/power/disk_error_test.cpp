@@ -86,9 +86,8 @@ TEST_CASE(
                 on_a_thread ? std::optional(data::AsyncRecorder::kSaveEvery) : std::nullopt, trial,
                 100 * when);
         });
-        CHECK_THAT(said,
-                   ContainsSubstring("a.sqlite: its disk does not have the 16 MB that a trial") &&
-                       ContainsSubstring("free some space"));
+        CHECK_THAT(said, Has("a.sqlite: its disk does not have the 16 MB that a trial",
+                             "free some space"));
         CHECK(lines(database, "SELECT outcome FROM trial WHERE trial_id >= 2") == "timed_out \n");
         CHECK(number(database, "SELECT sum(ticks) FROM presentation WHERE trial_id = 2") <=
               number(database, "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = 2"));

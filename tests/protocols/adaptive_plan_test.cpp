@@ -3,21 +3,13 @@
 #include "protocols/library/shipped.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 using namespace palpate::tests;
 
 namespace {
-
-std::string rule_refusal(const std::string& text) {
-    try {
-        static_cast<void>(parse_protocol(text, "p.toml"));
-    } catch (const ProtocolError& error) {
-        return error.what();
-    }
-    return "accepted";
-}
 
 Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
     return make_plan(protocol, protocol_hash(protocol), {.participant = "P01"}, seed);
@@ -96,9 +88,9 @@ TEST_CASE("a protocol with a rule is written and read again as the same text", "
 
 TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[adaptive]") {
     const std::string good = adaptive_text(palpate::tests::kQuestPlusRule);
-    REQUIRE(rule_refusal(good) == "accepted");
+    REQUIRE(palpate::tests::refusal(good) == "accepted");
     const auto says = [&](const char* from, const char* to) {
-        const std::string what = rule_refusal(palpate::tests::replaced(good, from, to));
+        const std::string what = palpate::tests::refusal(palpate::tests::replaced(good, from, to));
         CHECK_THAT(what, StartsWith("p.toml:"));
         return what;
     };
@@ -112,7 +104,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
                ':' + std::to_string(at - line + 1) + ": ";
     };
     CHECK_THAT(says("object = \"reference\"", "object = \"referenz\""),
-               ContainsSubstring("did you mean reference?"));
+               Has("did you mean reference?"));
     CHECK(says("object = \"reference\"", "object = \"bowl\"") ==
           place("\"reference\"\npractice") +
               "object is \"bowl\", which no [[object]] is called: give reference");
@@ -122,30 +114,28 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
     CHECK(says("varies = \"curvature_per_m\"", "varies = \"size\"") ==
           place("\"curvature_per_m\"") +
               "varies is \"size\", give \"curvature_per_m\", \"mu\" or \"compliance_mm_per_n\"");
-    CHECK_THAT(says("varies = \"curvature_per_m\"", "varies = \"size\""),
-               ContainsSubstring("curvature_per_m"));
+    CHECK_THAT(says("varies = \"curvature_per_m\"", "varies = \"size\""), Has("curvature_per_m"));
     CHECK_THAT(says("friction = \"on\"\nstandard", "friction = \"onn\"\nstandard"),
-               ContainsSubstring("no [[friction]] is called"));
+               Has("no [[friction]] is called"));
     CHECK_THAT(says("from = -3, to = 13", "from = -3, to = 93"),
-               StartsWith(place("{ from = -3")) && ContainsSubstring("there is no such object"));
+               StartsWith(place("{ from = -3")) && Has("there is no such object"));
     CHECK_THAT(says("trials = 7", "entropy_bits = 1\ntrials = 7"),
                StartsWith(place("trials = 7").substr(0, 10)) &&
-                   ContainsSubstring(":16: entropy_bits is 1: a session's plan is complete before "
-                                     "its first trial"));
-    CHECK_THAT(says("trials = 7", "trails = 7"), ContainsSubstring("trails"));
+                   Has(":16: entropy_bits is 1: a session's plan is complete before "
+                       "its first trial"));
+    CHECK_THAT(says("trials = 7", "trails = 7"), Has("trails"));
     CHECK_THAT(says("kind = \"two_interval\"", "kind = \"rating\""),
-               ContainsSubstring("the rule knows 2 outcomes"));
-    CHECK_THAT(says("practice_stimulus = 13", "practice_stimulus = 14"),
-               ContainsSubstring("-3 to 13"));
+               Has("the rule knows 2 outcomes"));
+    CHECK_THAT(says("practice_stimulus = 13", "practice_stimulus = 14"), Has("-3 to 13"));
     CHECK_THAT(says("break_every = 5", "break_every = 5\nrepetitions = 3"),
-               ContainsSubstring("[design] says repetitions, and the rule of [procedure]"));
+               Has("[design] says repetitions, and the rule of [procedure]"));
     CHECK_THAT(says("varies = \"curvature_per_m\"", "varies = \"mu\""),
-               ContainsSubstring("above 0 and at most 10"));
+               Has("above 0 and at most 10"));
     CHECK_THAT(says("[[run]]\nname = \"equal\"", "[[run]]\nname = \"different\""),
-               ContainsSubstring("a name of its own"));
+               Has("a name of its own"));
     const std::string plain =
         palpate::tests::replaced(good, "[procedure]", "[observer]\n[procedures]");
-    CHECK_THAT(rule_refusal(plain), ContainsSubstring("did you mean procedure?"));
+    CHECK_THAT(palpate::tests::refusal(plain), Has("did you mean procedure?"));
 }
 
 TEST_CASE(
@@ -190,7 +180,7 @@ TEST_CASE(
         palpate::tests::replaced(adaptive_text(palpate::tests::kStaircaseRule), "lowest = 5.5",
                                  std::string("lowest = ") + lowest.first);
     CAPTURE(lowest.first);
-    const std::string what = rule_refusal(staircase);
+    const std::string what = palpate::tests::refusal(staircase);
     if (lowest.second) {
         CHECK(what == "accepted");
     } else {
@@ -208,15 +198,15 @@ TEST_CASE(
     }
     // One that seeks the point of equality may go to both sides of it.
     const std::string both = palpate::tests::replaced(staircase, "down = 2", "down = 1");
-    CHECK(rule_refusal(both) == "accepted");
+    CHECK(palpate::tests::refusal(both) == "accepted");
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         if (shipped.name != "friction_threshold") {
             continue;
         }
         const std::string text(shipped.text);
-        CHECK(rule_refusal(text) == "accepted");
+        CHECK(palpate::tests::refusal(text) == "accepted");
         CHECK_THAT(
-            rule_refusal(
+            palpate::tests::refusal(
                 palpate::tests::replaced(text, "lowest = 0.305           #", "lowest = 0.29 #")),
             Catch::Matchers::Matches("p\\.toml:[0-9]+:10: the rule may choose a mu_s of 0\\.29, "
                                      "and that of the standard is 0\\.3: .*"));

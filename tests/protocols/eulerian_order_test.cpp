@@ -1,8 +1,9 @@
 #include "protocols/order/eulerian_order.hpp"
-#include "tests/support/catch.hpp"
+#include "tests/protocols/orders.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
+using palpate::tests::excess_of_chi_square;
 
 namespace {
 
@@ -37,21 +38,6 @@ std::map<Sequence, std::size_t> all_sequences(std::size_t k) {
         extend(k, sequence, used, all);
     }
     return all;
-}
-
-template <class Draw>
-double excess_of_chi_square(std::map<Sequence, std::size_t> counts, std::size_t draws, Draw draw) {
-    for (std::size_t i = 0; i < draws; ++i) {
-        ++counts.at(draw());
-    }
-    const double expected = static_cast<double>(draws) / static_cast<double>(counts.size());
-    double chi_square = 0.0;
-    for (const auto& [sequence, count] : counts) {
-        const double off = static_cast<double>(count) - expected;
-        chi_square += off * off / expected;
-    }
-    const double freedom = static_cast<double>(counts.size()) - 1.0;
-    return (chi_square - freedom) / std::sqrt(2.0 * freedom);
 }
 
 /// What not to do: walk by unused pairs at random, and take back steps from dead ends. (To begin

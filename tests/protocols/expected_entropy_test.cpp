@@ -143,8 +143,8 @@ TEST_CASE("no stimulus is expected to raise the entropy", "[quest_plus][law]") {
         Random random(seed + 2000);
         const QuestPlusSpec spec = some_problem(random);
         QuestPlus quest(spec);
-        const std::vector<double> truth = spec.parameters.point(
-            static_cast<std::size_t>(random.below(static_cast<int>(spec.parameters.size()))));
+        const std::vector<double> truth =
+            spec.parameters.point(random.index(spec.parameters.size()));
         for (int trial = 0; trial < 10; ++trial) {
             CAPTURE(seed, trial);
             const std::vector<double> expected = quest.expected();

@@ -86,7 +86,7 @@ TEST_CASE("a hand that has been everywhere covers all, and one in the air nothin
 
 TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
     tests::Random random(static_cast<std::uint64_t>(GENERATE(range(0, 100))));
-    std::vector<double> values(static_cast<std::size_t>(random.below(60)));
+    std::vector<double> values(random.index(60));
     for (double& value : values) {
         value = random.coin() ? random.in(0.0, 1.0) : 0.5;  // with ties
     }

@@ -6,6 +6,7 @@
 #include "protocols/trial/object_hash.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
 
 using namespace palpate;
@@ -29,15 +30,6 @@ std::string with_objects(const std::string& objects) {
 
 Protocol free_forms() {
     return parse_protocol(text_of("tests/golden/free_forms.toml"), "f.toml");
-}
-
-std::string form_refusal(const std::string& text) {
-    try {
-        static_cast<void>(parse_protocol(text, "p.toml"));
-    } catch (const ProtocolError& error) {
-        return error.what();
-    }
-    return "accepted";
 }
 
 double distance_to(const std::vector<Vec2>& polyline, const Vec2& p) {
@@ -278,23 +270,22 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
           Change{"share_correct_min = 0.3", "share_correct_min = 1.1", "give 0 to 1"},
           Change{"share_correct_min = 0.3", "catch_correct_min = 0.3", "is a free form"}}) {
         CAPTURE(change.to);
-        const std::string said = form_refusal(replaced(study, change.from, change.to));
-        CHECK_THAT(said, ContainsSubstring(change.says));
+        const std::string said = tests::refusal(replaced(study, change.from, change.to));
+        CHECK_THAT(said, Has(change.says));
         CHECK(said.starts_with("p.toml:"));
     }
-    CHECK_THAT(form_refusal(with_objects(
+    CHECK_THAT(tests::refusal(with_objects(
                    "[[object]]\nname = \"a\"\n\n[[object]]\nset = \"five_shapes\"\n\n")),
-               ContainsSubstring("[[object]] 1 lacks the key curvature_per_m"));
+               Has("[[object]] 1 lacks the key curvature_per_m"));
 }
 
 TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") {
     const std::string text = text_of("tests/golden/free_forms.toml");
     const std::size_t from = text.find("[[object]]");
     const std::size_t to = text.find("[[object]]", from + 1);
-    std::string copy = text.substr(from, to - from);
-    copy.replace(copy.find("dome"), 4, "dome_2");
-    CHECK_THAT(form_refusal(text.substr(0, to) + copy + text.substr(to)),
-               ContainsSubstring("has the outline of [[object]] 1"));
+    std::string copy = replaced(text.substr(from, to - from), "dome", "dome_2");
+    CHECK_THAT(tests::refusal(text.substr(0, to) + copy + text.substr(to)),
+               Has("has the outline of [[object]] 1"));
 }
 
 TEST_CASE("an observer without noise knows each form by touch, wherever its picture stands",
@@ -304,9 +295,9 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
     SEEDED(random, std::uint64_t{12});
     std::vector<std::size_t> order{0, 1, 2, 3};
     for (std::size_t i = 3; i > 0; --i) {
-        std::swap(order[i], order[static_cast<std::size_t>(random.below(static_cast<int>(i) + 1))]);
+        std::swap(order[i], order[random.index(i + 1)]);
     }
-    const auto place = static_cast<std::size_t>(random.below(4));
+    const auto place = random.index(4);
     const double depth = random.in(0.0005, 0.003);
     SimulatedObserver observer(study, {.protocol_hash = "h", .participant = "p", .purpose = {}},
                                order, [] { return true; });

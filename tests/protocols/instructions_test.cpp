@@ -1,3 +1,4 @@
+#include "protocols/file/keys.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/new_protocol.hpp"
 #include "tests/support/catch.hpp"

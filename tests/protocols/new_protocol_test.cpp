@@ -48,9 +48,7 @@ TEST_CASE("whatever a file is called, the study gets an id that a protocol may h
 }
 
 TEST_CASE("a protocol that does not ship is refused with those that do", "[protocol]") {
-    CHECK_THROWS_WITH(shipped_protocol("shape"),
-                      Catch::Matchers::ContainsSubstring("\"shape\"") &&
-                          Catch::Matchers::ContainsSubstring("shape_friction_haply"));
+    CHECK_THROWS_WITH(shipped_protocol("shape"), Has("\"shape\"") && Has("shape_friction_haply"));
 }
 
 TEST_CASE("the duration adds what every trial and every break take", "[duration]") {

@@ -14,12 +14,11 @@ namespace {
 /// Up to 8 trials of up to 3 objects and 3 frictions, conditions as they come: unequal counts,
 /// holes.
 Order some_trials(Random& random) {
-    const int objects = 1 + random.below(3);
-    const int frictions = 1 + random.below(3);
+    const std::size_t objects = 1 + random.index(3);
+    const std::size_t frictions = 1 + random.index(3);
     Order trials;
     for (int left = 1 + random.below(8); left > 0; --left) {
-        trials.push_back({static_cast<std::size_t>(random.below(objects)),
-                          static_cast<std::size_t>(random.below(frictions))});
+        trials.push_back({random.index(objects), random.index(frictions)});
     }
     return trials;
 }
@@ -55,8 +54,7 @@ TEST_CASE("the counter finds as many orders as there are, for both limits at onc
           "[order][law]") {
     SEEDED(random, std::uint64_t{300});
     const Order trials = some_trials(random);
-    const RunLimits limits{.object = static_cast<std::size_t>(random.below(4)),
-                           .friction = static_cast<std::size_t>(random.below(4))};
+    const RunLimits limits{.object = random.index(4), .friction = random.index(4)};
     CAPTURE(trials.size(), limits.object, limits.friction);
     const auto orders = admissible(trials, limits);
     const auto counter = OrderCounter::build(trials, limits, 1'000'000);
@@ -143,8 +141,7 @@ TEST_CASE("the acceptance is the number of admissible orders over the number of 
           "[order][law]") {
     SEEDED(random, std::uint64_t{60});
     const Order trials = some_trials(random);
-    const RunLimits limits{.object = static_cast<std::size_t>(random.below(4)),
-                           .friction = static_cast<std::size_t>(random.below(4))};
+    const RunLimits limits{.object = random.index(4), .friction = random.index(4)};
     const auto kept = static_cast<double>(admissible(trials, limits).size());
     if (kept == 0.0) {
         CHECK_THROWS_AS(acceptance_of(trials, limits), OrderError);

@@ -45,8 +45,8 @@ inline std::map<Order, std::size_t> admissible(Order trials, const RunLimits& li
 }
 
 /// Pearson's chi-square against equal shares, as standard deviations from its mean k - 1.
-template <class Draw>
-double excess_of_chi_square(std::map<Order, std::size_t> counts,
+template <class Key, class Draw>
+double excess_of_chi_square(std::map<Key, std::size_t> counts,
                             std::size_t draws,
                             const Draw& draw) {
     for (std::size_t i = 0; i < draws; ++i) {

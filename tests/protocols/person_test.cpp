@@ -218,7 +218,7 @@ TEST_CASE("what is wrong with an observer file is said with its line and column"
         for (const char* one :
              {"o.toml:3:15: noise_per_m is -2: give 0 to 1000", "o.toml:4:1: unknown key \"laps\"",
               "o.toml:6:15: noise_sd_ln is \"a\"", "o.toml:7:2: unknown key \"persons\""}) {
-            CHECK_THAT(what, Catch::Matchers::ContainsSubstring(one));
+            CHECK_THAT(what, Has(one));
         }
     }
     CHECK_THROWS_AS(parse_observer("[observer]\n", "o.toml"), ProtocolError);

@@ -191,16 +191,14 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
 }
 
 TEST_CASE("what cannot be divided or balanced is refused with the remedy", "[plan]") {
-    using Catch::Matchers::ContainsSubstring;
-    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 3})),
-                      ContainsSubstring("10 repetitions") && ContainsSubstring("3 blocks"));
-    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 0})), ContainsSubstring("0 blocks"));
+    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 3})), Has("10 repetitions", "3 blocks"));
+    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 0})), Has("0 blocks"));
     CHECK_THROWS_WITH(
         ruled_plan_of(study(3, 2, {.catch_trials = 0, .order = OrderRule::first_order})),
-        ContainsSubstring("6 conditions needs 6 repetitions"));
+        Has("6 conditions needs 6 repetitions"));
     CHECK_THROWS_WITH(
         ruled_plan_of(study(3, 2, {.repetitions = 6, .order = OrderRule::first_order})),
-        ContainsSubstring("no catch trials"));
+        Has("no catch trials"));
 }
 
 TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {

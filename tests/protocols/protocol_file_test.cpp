@@ -126,11 +126,8 @@ TEST_CASE("whole millimetres are read as the double of their decimal in metres",
 
 TEST_CASE("numbers are written as short as they can be", "[protocol]") {
     const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
-    CHECK_THAT(text, ContainsSubstring("a_mm = [-40, 0]\n"));
-    CHECK_THAT(text, ContainsSubstring("vertex_radius_mm = 3\n"));
-    CHECK_THAT(text, ContainsSubstring("tau_slip_ms = 20\n"));
-    CHECK_THAT(text, ContainsSubstring("mu_s = 0.7\n"));
-    CHECK_THAT(text, ContainsSubstring("noise_per_m = 2.62\n"));
+    CHECK_THAT(text, Has("a_mm = [-40, 0]\n", "vertex_radius_mm = 3\n", "tau_slip_ms = 20\n",
+                         "mu_s = 0.7\n", "noise_per_m = 2.62\n"));
 }
 
 TEST_CASE("each key is part of the hash as soon as it differs", "[protocol][law]") {
@@ -195,9 +192,7 @@ TEST_CASE("the hash sees values, not spelling", "[protocol]") {
     std::string text = palpate::tests::slurp(library("shape_friction.toml"));
     const std::string hash = protocol_hash(parse_protocol(text, "a"));
     const auto with = [&](const std::string& from, const std::string& to) {
-        std::string changed = text;
-        changed.replace(changed.find(from), from.size(), to);
-        return protocol_hash(parse_protocol(changed, "b"));
+        return protocol_hash(parse_protocol(palpate::tests::replaced(text, from, to), "b"));
     };
     CHECK(with("mu_s = 0.7", "mu_s = 7.0e-1 # the same") == hash);
     CHECK(with("gap_s = 1.5", "") == hash);  // its default
@@ -217,9 +212,8 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
 
 TEST_CASE("every row of the keys as Markdown has five cells, and every key a meaning",
           "[protocol]") {
-    std::istringstream lines(keys_markdown());
     std::size_t rows = 0;
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : palpate::tests::lines_in(keys_markdown())) {
         if (line.starts_with("| `")) {
             CAPTURE(line);
             ++rows;
@@ -234,7 +228,7 @@ TEST_CASE("every row of the keys as Markdown has five cells, and every key a mea
     CHECK(rows > 200);
     for (const char* row : {"| `title` |  | text | required |", "| `dead_man` |  | true or false |",
                             "| `gap_s` | s | 0 to 60 | 1.5 |"}) {
-        CHECK_THAT(keys_markdown(), ContainsSubstring(row));
+        CHECK_THAT(keys_markdown(), Has(row));
     }
 }
 
@@ -249,10 +243,9 @@ TEST_CASE("the reference for people names every key of the canonical text", "[pr
     study.safety.dead_man = true;  // or the tables would be left out
     study.invalid.max_requeues = 0;
     study.consent_required = true;
-    std::istringstream lines(to_toml(study));
-    for (std::string line; std::getline(lines, line);) {
+    for (const std::string& line : palpate::tests::lines_in(to_toml(study))) {
         if (const auto equals = line.find(" = "); equals != std::string::npos) {
-            CHECK_THAT(reference, ContainsSubstring(line.substr(0, equals)));
+            CHECK_THAT(reference, Has(line.substr(0, equals)));
         }
     }
 }

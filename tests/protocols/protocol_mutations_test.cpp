@@ -9,97 +9,11 @@ using palpate::tests::Random;
 
 namespace {
 
-/// Bytes and words that break things: signs, brackets, quotes, numbers at the edges, no UTF-8.
-constexpr std::array<std::string_view, 46> kSplinters{"-",
-                                                      "[",
-                                                      "]",
-                                                      "[[",
-                                                      "\"",
-                                                      "'''",
-                                                      "=",
-                                                      "#",
-                                                      "\n",
-                                                      "\r",
-                                                      ".",
-                                                      ",",
-                                                      "nan",
-                                                      "inf",
-                                                      "1e999",
-                                                      "9223372036854775808",
-                                                      "0x",
-                                                      "1_0",
-                                                      "{",
-                                                      "}",
-                                                      "\xff",
-                                                      "\xc3",
-                                                      "\x01",
-                                                      "true",
-                                                      "1979-05-27",
-                                                      "\\u0000",
-                                                      "first_order",
-                                                      "blocks = 2\n",
-                                                      "[[object.segment]]\n",
-                                                      "set = \"five_shapes\"\n",
-                                                      "size = 2\n",
-                                                      "turn_deg = 90\n",
-                                                      "offset_mm = [3, -3]\n",
-                                                      "friction_blocks = \"abba\"\n",
-                                                      "[exclusion]\n",
-                                                      "catch_correct_min = 0.5\n",
-                                                      "[procedure]\n",
-                                                      "[[run]]\nname = \"third\"\n",
-                                                      "[response]\n",
-                                                      "kind = \"rating\"\n",
-                                                      "kind = \"psi\"\n",
-                                                      "varies = \"mu\"\n",
-                                                      "[procedure.prior]\n",
-                                                      "[[procedure.staircase]]\n",
-                                                      "standard_friction = \"on\"\n",
-                                                      "levels = 5\n"};
-
 /// Tables that the default study leaves out.
 constexpr std::string_view kYounger =
     "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
     "\"Feel.\\nAnswer.\"\n"
     "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
-
-std::string mutated(std::string text, Random& random) {
-    const auto somewhere = [&] {
-        return static_cast<std::size_t>(random.below(static_cast<int>(text.size())));
-    };
-    const int changes = 1 + random.below(4);
-    for (int i = 0; i < changes && !text.empty(); ++i) {
-        switch (random.below(6)) {
-            case 0:
-                text[somewhere()] = static_cast<char>(random.below(256));
-                break;
-            case 1:
-                text.erase(somewhere(), 1);
-                break;
-            case 2:
-                text.erase(somewhere(), static_cast<std::size_t>(random.below(200)));
-                break;
-            case 3:
-                text.insert(somewhere(), kSplinters[static_cast<std::size_t>(
-                                             random.below(static_cast<int>(kSplinters.size())))]);
-                break;
-            case 4: {
-                const std::string piece =
-                    text.substr(somewhere(), static_cast<std::size_t>(random.below(120)));
-                text.insert(somewhere(), piece);
-                break;
-            }
-            default: {
-                // Another digit is the change that gets furthest.
-                const std::size_t digit = text.find_first_of("0123456789", somewhere());
-                if (digit != std::string::npos) {
-                    text[digit] = static_cast<char>('0' + random.below(10));
-                }
-            }
-        }
-    }
-    return text;
-}
 
 }  // namespace
 
@@ -112,7 +26,7 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < palpate::tests::cases(1000U); ++seed) {
         Random random(seed);
-        const std::string text = mutated(study, random);
+        const std::string text = palpate::tests::broken(study, random);
         CAPTURE(seed, text);
         try {
             const Protocol protocol = parse_protocol(text, "p.toml");

@@ -1,5 +1,6 @@
 #include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
@@ -10,15 +11,6 @@ namespace {
 std::string default_study() {
     return palpate::tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) /
                                  "protocols/library/shape_friction.toml");
-}
-
-std::string refusal(const std::string& text) {
-    try {
-        static_cast<void>(parse_protocol(text, "p.toml"));
-    } catch (const ProtocolError& error) {
-        return error.what();
-    }
-    return "accepted";
 }
 
 /// One change to the default study, and what must be said about it. `at` marks, in the changed
@@ -148,7 +140,7 @@ TEST_CASE("every wrong file is refused at the right place, with the value and a 
         text.replace(found, std::string(change.from).size(), change.to);
         CAPTURE(change.from, change.to);
         const std::string said = refusal(text);
-        CHECK_THAT(said, ContainsSubstring(change.says));
+        CHECK_THAT(said, Has(change.says));
         const bool syntax = std::string(change.says) == "not TOML";
         CHECK_THAT(said, StartsWith(syntax ? "p.toml:" : place_of(text, change.at)));
     }
@@ -162,8 +154,7 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
                text.find("[design]") - text.find("[[friction]]\n" + second));
     const std::string said = refusal(text);
     CHECK_THAT(said, StartsWith(place_of(text, "3     # two levels")));
-    CHECK_THAT(said,
-               ContainsSubstring("max_run_friction is 3") && ContainsSubstring("0 for no limit"));
+    CHECK_THAT(said, Has("max_run_friction is 3", "0 for no limit"));
 }
 
 TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
@@ -171,26 +162,19 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
     for (std::size_t at = 0; (at = text.find("pictured = false\n")) != std::string::npos;) {
         text.erase(at, std::string("pictured = false\n").size());
     }
-    CHECK_THAT(refusal(text), StartsWith(place_of(text, "4         # both")) &&
-                                  ContainsSubstring("every object is pictured"));
+    CHECK_THAT(refusal(text),
+               StartsWith(place_of(text, "4         # both")) && Has("every object is pictured"));
 }
 
 TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
-    std::string text = default_study();
-    const auto replace = [&](const std::string& from, const std::string& to) {
-        text.replace(text.find(from), from.size(), to);
-    };
-    replace("order = \"random\"", "order = \"first_order\"");
-    replace("repetitions = 10 ", "repetitions = 9 ");
-    replace("blocks = 1 ", "blocks = 3 ");
-    const std::string said = refusal(text);
+    const std::string text =
+        replaced(default_study(), "order = \"random\"", "order = \"first_order\"");
+    const std::string said = refusal(
+        edited(text, {{"repetitions = 10 ", "repetitions = 9 "}, {"blocks = 1 ", "blocks = 3 "}}));
     CHECK(std::count(said.begin(), said.end(), '\n') == 2);
-    CHECK_THAT(said, ContainsSubstring("lets each of 10 conditions follow each"));
-    replace("repetitions = 9 ", "repetitions = 10 ");
-    replace("blocks = 3 ", "blocks = 1 ");
-    replace("catch_trials = 4", "catch_trials = 0");
-    replace("max_run_object = 2", "max_run_object = 1");
-    CHECK(refusal(text) == "accepted");
+    CHECK_THAT(said, Has("lets each of 10 conditions follow each"));
+    CHECK(refusal(edited(text, {{"catch_trials = 4", "catch_trials = 0"},
+                                {"max_run_object = 2", "max_run_object = 1"}})) == "accepted");
 }
 
 TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
@@ -198,20 +182,15 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
         "format = 1\nstudy = {id = \"s\", title = \"t\", seed = 1}\ndesign = {repetitions = 1}\n"
         "object = [{name = \"a\", curvature_per_m = 1}]\nfriction = [{name = \"f\", law = "
         "\"frictionless\"}]\n";
-    CHECK_THAT(refusal(text), ContainsSubstring("there are 1 pictured objects: give 2 to 9"));
+    CHECK_THAT(refusal(text), Has("there are 1 pictured objects: give 2 to 9"));
     CHECK_THAT(refusal("format = 1\nobject = 3\nfriction = [3]\n"),
-               ContainsSubstring("with two brackets") && ContainsSubstring("friction 1 is 3"));
+               Has("with two brackets", "friction 1 is 3"));
 }
 
 TEST_CASE("all problems of a stage are said at once, in the order of the file", "[protocol]") {
-    std::string text = default_study();
-    const auto replace = [&](const std::string& from, const std::string& to) {
-        text.replace(text.find(from), from.size(), to);
-    };
-    replace("gap_s = 1.5", "gap_s = -1");
-    replace("rate_hz = 1000", "rate_hz = 10");
-    replace("mu_s = 0.7", "mu_s = \"much\"");
-    const std::string said = refusal(text);
+    const std::string said = refusal(edited(default_study(), {{"gap_s = 1.5", "gap_s = -1"},
+                                                              {"rate_hz = 1000", "rate_hz = 10"},
+                                                              {"mu_s = 0.7", "mu_s = \"much\""}}));
     CHECK(std::count(said.begin(), said.end(), '\n') == 2);
     CHECK(said.find("rate_hz") < said.find("mu_s"));
     CHECK(said.find("mu_s") < said.find("gap_s"));

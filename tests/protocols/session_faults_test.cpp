@@ -333,7 +333,7 @@ TEST_CASE(
         CHECK(ledger.attempts[0].outcome == Outcome::complete);
         CHECK_FALSE(ledger.attempts[0].result.fault.has_value());
         REQUIRE(ledger.events.size() == 1);
-        CHECK_THAT(ledger.events[0], ContainsSubstring("had ended: late"));
+        CHECK_THAT(ledger.events[0], Has("had ended: late"));
     }
     {
         FaultyApparatus apparatus(world);

@@ -10,34 +10,20 @@
 #include "protocols/trial/presentation.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/short_text.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
 std::string softness_study() {
-    for (const ShippedProtocol& shipped : shipped_protocols()) {
-        if (shipped.name == "softness_2afc") {
-            return std::string(shipped.text);
-        }
-    }
-    return {};
+    return tests::short_text("softness_2afc", {});
 }
 
 /// What is said of the shipped study with one edit.
 std::string said(const std::string& from, const std::string& to) {
-    std::string text = softness_study();
-    const std::size_t at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    text.replace(at, from.size(), to);
-    try {
-        static_cast<void>(parse_protocol(text, "p.toml"));
-    } catch (const ProtocolError& error) {
-        return error.what();
-    }
-    return "accepted";
+    return tests::refusal(tests::replaced(softness_study(), from, to));
 }
 
 /// The press of a hand that goes in along the normal in the middle of A-V, and waits.
@@ -75,17 +61,17 @@ TEST_CASE("what a soft object cannot have is refused where it stands, with a rem
           "[soft][file]") {
     CHECK(said("compliance_mm_per_n = 1 ", "compliance_mm_per_n = 0.2 ") == "accepted");
     CHECK_THAT(said("compliance_mm_per_n = 1 ", "compliance_mm_per_n = 5.5 "),
-               ContainsSubstring("compliance_mm_per_n is 5.5: give 0 to 5"));
+               Has("compliance_mm_per_n is 5.5: give 0 to 5"));
     CHECK_THAT(said("vertex_slew_mm_per_s = 0 ", "vertex_slew_mm_per_s = 200 "),
-               ContainsSubstring("p.toml:18:24: the rule varies a compliance, and "
-                                 "vertex_slew_mm_per_s is 200: give 0, a vertex that yields"));
+               Has("p.toml:18:24: the rule varies a compliance, and "
+                   "vertex_slew_mm_per_s is 200: give 0, a vertex that yields"));
     CHECK_THAT(said("rate_hz = 1000\n", "rate_hz = 1000\ndamping_n_s_per_m = 0.1\n"),
-               ContainsSubstring("damping_n_s_per_m is 0.1: give 0, the object has a damping"));
+               Has("damping_n_s_per_m is 0.1: give 0, the object has a damping"));
     CHECK_THAT(said("law = \"frictionless\"", "law = \"dahl\"\nmu_d = 0.5"),
-               ContainsSubstring("and law is \"dahl\": give \"frictionless\", \"gos\""));
+               Has("and law is \"dahl\": give \"frictionless\", \"gos\""));
     CHECK_THAT(said("from = -0.6, to = 0.6", "from = -0.6, to = 0.8"),
-               ContainsSubstring("the rule may choose a compliance from 0.251189 to 6.30957 mm/N: "
-                                 "keep it within 0 and 5, by the stimuli"));
+               Has("the rule may choose a compliance from 0.251189 to 6.30957 mm/N: "
+                   "keep it within 0 and 5, by the stimuli"));
 }
 
 TEST_CASE("a rule that varies the compliance feels what it chose, and the softer one is right",

@@ -5,7 +5,6 @@
 
 using namespace palpate;
 using namespace palpate::protocols;
-using Catch::Matchers::ContainsSubstring;
 using palpate::tests::Random;
 
 namespace {
@@ -205,7 +204,7 @@ TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][l
     }
     CHECK(run.trials() == 12'000);
     CHECK(run.estimates().size() == 3);
-    CHECK_THROWS_WITH(run.update(run.next(), 1), ContainsSubstring("every staircase has ended"));
+    CHECK_THROWS_WITH(run.update(run.next(), 1), Has("every staircase has ended"));
 }
 
 TEST_CASE("constant stimuli are balanced, in all orders alike", "[constant][law]") {
@@ -241,26 +240,24 @@ TEST_CASE("constant stimuli are balanced, in all orders alike", "[constant][law]
         for (const auto& [value, count] : counts) {
             CHECK(count == 6);
         }
-        CHECK_THROWS_WITH(run.update(run.next(), 1), ContainsSubstring("every stimulus was shown"));
+        CHECK_THROWS_WITH(run.update(run.next(), 1), Has("every stimulus was shown"));
     }
 }
 
 TEST_CASE("a staircase that makes no sense is refused with the remedy", "[staircase]") {
-    CHECK_THROWS_WITH(Staircase({.start = 1}), ContainsSubstring("give trials or reversals"));
+    CHECK_THROWS_WITH(Staircase({.start = 1}), Has("give trials or reversals"));
     CHECK_THROWS_WITH(Staircase({.start = 1, .steps_up = {}, .trials = 5}),
-                      ContainsSubstring("step_up is empty"));
+                      Has("step_up is empty"));
     CHECK_THROWS_WITH(Staircase({.start = 1, .steps_down = {-1.0}, .trials = 5}),
-                      ContainsSubstring("step_down holds -1"));
-    CHECK_THROWS_WITH(Staircase({.start = 9, .highest = 4, .trials = 5}),
-                      ContainsSubstring("start is 9"));
-    CHECK_THROWS_WITH(Staircase({.start = 0, .scale = StepScale::db, .trials = 5}),
-                      ContainsSubstring("above 0"));
+                      Has("step_down holds -1"));
+    CHECK_THROWS_WITH(Staircase({.start = 9, .highest = 4, .trials = 5}), Has("start is 9"));
+    CHECK_THROWS_WITH(Staircase({.start = 0, .scale = StepScale::db, .trials = 5}), Has("above 0"));
     CHECK_THROWS_WITH(Staircases({{.trials = 5}, {.trials = 5}}, Pcg32(1, 1)),
-                      ContainsSubstring("two staircases are called staircase"));
-    CHECK_THROWS_WITH(Staircases({}, Pcg32(1, 1)), ContainsSubstring("no staircase"));
+                      Has("two staircases are called staircase"));
+    CHECK_THROWS_WITH(Staircases({}, Pcg32(1, 1)), Has("no staircase"));
     Staircases db({{.start = 1.0, .scale = StepScale::db, .trials = 5}}, Pcg32(1, 1));
-    CHECK_THROWS_WITH(db.update(std::vector<double>{0.0}, 1), ContainsSubstring("above 0"));
-    CHECK_THROWS_WITH(db.update(std::vector<double>{1.0}, 2), ContainsSubstring("give 0 or 1"));
+    CHECK_THROWS_WITH(db.update(std::vector<double>{0.0}, 1), Has("above 0"));
+    CHECK_THROWS_WITH(db.update(std::vector<double>{1.0}, 2), Has("give 0 or 1"));
 }
 
 TEST_CASE("staircases and constant stimuli are rebuilt from their responses", "[procedure][law]") {
@@ -279,7 +276,7 @@ TEST_CASE("staircases and constant stimuli are rebuilt from their responses", "[
         Random random(seed);
         for (int i = 0; i < 20; ++i) {
             const std::vector<double> x = run.next();
-            const auto r = static_cast<std::size_t>(random.below(2));
+            const auto r = random.index(2);
             const std::string before = run.state_hash();
             run.update(x, r);
             REQUIRE(run.state_hash() != before);

@@ -1,10 +1,10 @@
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
 #include "protocols/trial/start_gate.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/short_text.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -12,10 +12,7 @@ using namespace palpate::protocols;
 namespace {
 
 Protocol shipped(std::string_view name) {
-    const auto all = shipped_protocols();
-    const auto one = std::ranges::find(all, name, &ShippedProtocol::name);
-    REQUIRE(one != all.end());
-    return parse_protocol(one->text, name);
+    return parse_protocol(tests::short_text(name, {}), name);
 }
 
 /// Within `reach` of the start, in each direction.

@@ -14,8 +14,7 @@ std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
     const SurfaceData whole = tests::turned_by(c.data, random.below(2));
     // At a knot, mostly: there the surface is as smooth as its pieces allow.
     const auto cut = [&random](const std::vector<double>& knots) {
-        const double knot =
-            knots[static_cast<std::size_t>(random.below(static_cast<int>(knots.size())))];
+        const double knot = knots[random.index(knots.size())];
         return knot > knots.front() && knot < knots.back()
                  ? knot
                  : knots.front() + random.in(0.2, 0.8) * (knots.back() - knots.front());

@@ -83,7 +83,7 @@ std::optional<Case> random_case(std::uint64_t seed, Mood mood) {
     }
     tests::Random random(seed ^ 0x5EEDU);
     c.path = random_path(random, *c.outline,
-                         {.ticks = 100 + static_cast<std::size_t>(random.below(500)),
+                         {.ticks = 100 + random.index(500),
                           .period = c.scene.period,
                           .broken = random.coin(),
                           .far = random.below(8) == 0,

@@ -37,8 +37,7 @@ NurbsData<2> line(const Vec2& from, const Vec2& to) {
 Chain random_curves(Random& random) {
     Chain chain;
     const int count = 1 + random.below(4);
-    const double decades =
-        std::array<double, 3>{0.0, 1.0, 3.0}.at(static_cast<std::size_t>(random.below(3)));
+    const double decades = std::array<double, 3>{0.0, 1.0, 3.0}.at(random.index(3));
     for (int i = 0; i < count; ++i) {
         NurbsData<2> data = tests::random_nurbs<2>(random, 1.0, decades);
         if (i > 0) {

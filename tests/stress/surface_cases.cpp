@@ -105,9 +105,8 @@ void degenerate(SurfaceData& d, Random& random) {
 }
 
 SurfaceData wild_sheet(Random& random) {
-    const double decades =
-        std::array<double, 3>{0.0, 1.0, 3.0}.at(static_cast<std::size_t>(random.below(3)));
-    const int degree = std::array<int, 3>{1, 4, 9}.at(static_cast<std::size_t>(random.below(3)));
+    const double decades = std::array<double, 3>{0.0, 1.0, 3.0}.at(random.index(3));
+    const int degree = std::array<int, 3>{1, 4, 9}.at(random.index(3));
     SurfaceData d = tests::random_surface(random, 1.0, decades, degree, random.coin());
     const int how = random.below(4);
     if (how == 0) {
@@ -351,7 +350,7 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     const auto time = [&random] {
         return random.below(4) == 0 ? 0.0 : random.decade(-4.0, 0.5);
     };
-    c.law = kSurfaceLaws.at(static_cast<std::size_t>(random.below(3)));
+    c.law = kSurfaceLaws.at(random.index(3));
     const double mu_d = random.below(6) == 0 ? 0.0 : random.decade(-2.0, 0.7);
     if (c.law == "coulomb") {
         c.spec.friction = {.mu_s = mu_d, .mu_d = mu_d};
@@ -360,7 +359,7 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
         c.spec.friction = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
     }
     c.surface = std::make_shared<const engine::NurbsSurface>(tests::make_surface(c.data));
-    c.path = SpaceHand(random, c, mood).path(50 + static_cast<std::size_t>(random.below(350)));
+    c.path = SpaceHand(random, c, mood).path(50 + random.index(350));
     return c;
 }
 

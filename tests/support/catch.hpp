@@ -36,24 +36,39 @@
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
 using Catch::Approx;  // v2 has it in the global namespace
+using Catch::Matchers::MatcherBase;
 #else
 #include <catch2/catch.hpp>
-
-namespace Catch::Matchers {
-
-/// v3's name for v2's matcher of texts; v3 has another `Contains`.
-inline auto ContainsSubstring(const std::string& text) {
-    return Contains(text);
-}  // NOLINT: Catch2's case
-
-}  // namespace Catch::Matchers
+using Catch::MatcherBase;
 #endif
 
 namespace palpate::tests {
 
-using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::EndsWith;
 using Catch::Matchers::StartsWith;
+
+/// Of a text that has all of these in it; a failure names the first that it lacks.
+class Has : public MatcherBase<std::string> {
+public:
+    template <class... Texts>
+    explicit Has(const Texts&... texts) : texts_{std::string(texts)...} {}
+
+    [[nodiscard]] bool match(const std::string& text) const override {
+        const auto lacking = std::find_if(texts_.begin(), texts_.end(), [&](const auto& part) {
+            return text.find(part) == std::string::npos;
+        });
+        lacking_ =
+            lacking == texts_.end() ? "" : ", and lacks " + Catch::Detail::stringify(*lacking);
+        return lacking == texts_.end();
+    }
+    [[nodiscard]] std::string describe() const override {
+        return "has all of " + Catch::Detail::stringify(texts_) + lacking_;
+    }
+
+private:
+    std::vector<std::string> texts_;
+    mutable std::string lacking_;
+};
 
 /// For GENERATE: `all` seeds from 0, fewer under sanitizers.
 template <class Count>
@@ -63,9 +78,11 @@ auto seeds(Count all) {
 
 }  // namespace palpate::tests
 
-/// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it
-/// (tests/support/random.hpp).
-#define SEEDED(random, count)                                 \
+using palpate::tests::Has;  // as Approx: in nearly every test
+
+/// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it, or of it and
+/// what is added to it (tests/support/random.hpp).
+#define SEEDED(random, count, ...)                            \
     const auto seed = GENERATE(palpate::tests::seeds(count)); \
     CAPTURE(seed);                                            \
-    palpate::tests::Random random(seed)
+    palpate::tests::Random random(seed __VA_OPT__(+) __VA_ARGS__)

@@ -94,18 +94,16 @@ inline void edit(data::Database& database,
         if (words.empty()) {
             const bool number = text.find_first_not_of("0123456789") == std::string::npos;
             text += text.empty() ? "a" : "";
-            auto& letter =
-                text.at(static_cast<std::size_t>(random.below(static_cast<int>(text.size()))));
+            auto& letter = text.at(random.index(text.size()));
             letter = number ? (letter == '7' ? '8' : '7') : (letter == 'e' ? 'a' : 'e');
         } else {
-            text = words[static_cast<std::size_t>(random.below(static_cast<int>(words.size())))];
+            text = words[random.index(words.size())];
         }
         change.bind(1, text);
     } else {
         const auto blob = old.blob(0);
         std::vector<std::byte> bytes(blob.begin(), blob.end());
-        bytes[static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())))] ^=
-            std::byte{1} << random.below(8);
+        bytes[random.index(bytes.size())] ^= std::byte{1} << random.below(8);
         change.bind(1, std::span<const std::byte>(bytes));
     }
     change.run();
@@ -115,7 +113,7 @@ inline std::int64_t a_row(data::Database& database, const std::string& table, Ra
     std::vector<std::int64_t> ids =
         integers(database.prepare(fmt::format("SELECT rowid FROM {} ORDER BY rowid", table)));
     REQUIRE_FALSE(ids.empty());
-    return ids[static_cast<std::size_t>(random.below(static_cast<int>(ids.size())))];
+    return ids[random.index(ids.size())];
 }
 
 inline std::string value_of(data::Database& database,
@@ -145,10 +143,8 @@ inline void repack(data::Database& database,
             some.push_back(column);
         }
     }
-    const data::TraceColumn& column =
-        some[static_cast<std::size_t>(random.below(static_cast<int>(some.size())))];
-    engine::TickRecord& tick =
-        ticks[static_cast<std::size_t>(random.below(static_cast<int>(ticks.size())))];
+    const data::TraceColumn& column = some[random.index(some.size())];
+    engine::TickRecord& tick = ticks[random.index(ticks.size())];
     auto* bytes = reinterpret_cast<std::byte*>(&tick) + column.offset;
     bytes[random.below(static_cast<int>(column.size))] ^=
         std::byte{1} << random.below(column.name == "mode" ? 2 : 8);
@@ -224,8 +220,7 @@ inline int check_edits(data::Database& database,
     int made = 0;
     for (int i = 0; i < count; ++i) {
         Random random(seed * 1000 + static_cast<std::uint64_t>(i));
-        const std::string& name =
-            columns[static_cast<std::size_t>(random.below(static_cast<int>(columns.size())))];
+        const std::string& name = columns[random.index(columns.size())];
         const std::string table = name.substr(0, name.find('.'));
         const std::string column = name.substr(name.find('.') + 1);
         const std::int64_t row = a_row(database, table, random);

@@ -26,15 +26,13 @@ std::size_t how_many(Leaves leaves, std::size_t calls, Random& random) {
         case Leaves::everything:
             return calls;
         case Leaves::some_calls:
-            return static_cast<std::size_t>(random.below(static_cast<int>(calls) + 1));
+            return random.index(calls + 1);
         case Leaves::sectors_512:
         case Leaves::sectors_4k:
             break;
     }
     const int third = random.below(3);
-    return third == 0 ? 0
-         : third == 1 ? calls
-                      : static_cast<std::size_t>(random.below(static_cast<int>(calls) + 1));
+    return third == 0 ? 0 : third == 1 ? calls : random.index(calls + 1);
 }
 
 }  // namespace

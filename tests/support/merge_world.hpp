@@ -120,7 +120,7 @@ struct MergeWorld {
         rigs.emplace_back(folder.file("b.sqlite"), "P01", 2);
         rigs.emplace_back(folder.file("c.sqlite"), "P01", 1, true);
         for (int i = 0; i < 60; ++i) {
-            Rig& rig = rigs[static_cast<std::size_t>(random.below(5))];
+            Rig& rig = rigs[random.index(5)];
             rig.step(random);
             if (random.below(8) == 0) {
                 files.push_back(copy_of(rig.file(), folder, i));

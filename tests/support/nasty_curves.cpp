@@ -36,7 +36,7 @@ struct Scene {
         if (all == 0) {
             return at(any_u());
         }
-        const auto i = static_cast<std::size_t>(random.below(static_cast<int>(all)));
+        const auto i = random.index(all);
         return i < family.u.size() ? at(family.u[i]) : family.centres[i - family.u.size()];
     }
     [[nodiscard]] Vec2 normal(double u) const {

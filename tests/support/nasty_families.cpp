@@ -188,7 +188,7 @@ Family circle(Random& random) {
 /// y = t^2 (+ t^4 (+ 2 t^6)) against its circle of curvature about (0, 1/2): |C - h|^2 = 1/4 + t^4,
 /// 2 t^6 or 5 t^8, the flattest minima there are.
 Family flat_minimum(Random& random) {
-    std::vector<Vec2> a(3 + 2 * static_cast<std::size_t>(random.below(3)), Vec2{});
+    std::vector<Vec2> a(3 + 2 * random.index(3), Vec2{});
     a[1] = {1.0, 0.0};
     a[2] = {0.0, 1.0};
     if (a.size() > 3) {

@@ -7,7 +7,6 @@
 #include <initializer_list>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -169,8 +168,7 @@ inline void add_numbers(const nlohmann::ordered_json& json, std::set<std::string
 inline std::vector<std::string> numbers_of(std::string csv) {
     std::vector<std::string> numbers;
     std::ranges::replace(csv, '\n', ',');
-    std::istringstream fields(csv);
-    for (std::string field; std::getline(fields, field, ',');) {
+    for (const std::string& field : split(csv)) {
         double value = 0.0;
         const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
         if (error == std::errc() && end == field.data() + field.size()) {

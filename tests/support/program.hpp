@@ -15,6 +15,23 @@ inline Finished ran(const std::vector<std::string>& words, int code = 0) {
     return done;
 }
 
+/// A program ended with `code`, and said why.
+inline void check_end(const Finished& end, int code, const Has& why) {
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == code);
+    CHECK_THAT(end.error, why);
+}
+
+/// What palpate render or closest says of a scene and a table of points.
+inline std::string said_of(const std::string& command,
+                           const std::string& scene,
+                           const std::string& table) {
+    const TemporaryFolder folder;
+    write(folder.file("s.toml"), scene);
+    write(folder.file("d.csv"), table);
+    return ran({command, folder.file("s.toml"), folder.file("d.csv")}).out;
+}
+
 /// What palpate sql says of a database, as CSV.
 inline std::string sql_csv(const std::string& file, const std::string& query) {
     return ran({"sql", file, "--csv", "-c", query}).out;
@@ -25,7 +42,7 @@ inline void refused(const std::vector<std::string>& words, const std::string& wh
     const Finished done = ran(words, 2);
     CAPTURE(words);
     CHECK(done.out.empty());
-    CHECK_THAT(done.error, ContainsSubstring(why));
+    CHECK_THAT(done.error, Has(why));
 }
 
 }  // namespace palpate::tests

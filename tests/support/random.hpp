@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <random>
 
@@ -21,6 +22,10 @@ public:
     /// 10^[lo, hi), either sign if `both`.
     double decade(double lo, double hi) { return std::pow(10.0, in(lo, hi)); }
     int below(int n) { return static_cast<int>(in(0.0, n)); }
+    /// Below `n`: a place among n.
+    std::size_t index(std::size_t n) {
+        return static_cast<std::size_t>(in(0.0, static_cast<double>(n)));
+    }
     bool coin() { return (engine_() >> 63U) != 0U; }
     engine::Vec2 point(double lo, double hi) {
         const double x = in(lo, hi);

@@ -34,7 +34,7 @@ struct Opened : data::Database {
     }
 };
 
-inline std::vector<SampleRow> rows_of(data::Database& database, const std::string& sql) {
+inline std::vector<SampleRow> sql_rows(data::Database& database, const std::string& sql) {
     std::vector<SampleRow> rows;
     for (const data::Statement& row : database.prepare(sql)) {
         SampleRow& values = rows.emplace_back();
@@ -49,7 +49,7 @@ inline std::vector<SampleRow> rows_of(data::Database& database, const std::strin
 
 inline std::string plan_of(data::Database& database, const std::string& sql) {
     std::string text;
-    for (const SampleRow& row : rows_of(database, "EXPLAIN QUERY PLAN " + sql)) {
+    for (const SampleRow& row : sql_rows(database, "EXPLAIN QUERY PLAN " + sql)) {
         text += row.back() + '\n';
     }
     return text;
@@ -57,7 +57,7 @@ inline std::string plan_of(data::Database& database, const std::string& sql) {
 
 inline std::string error_of(data::Database& database, const std::string& sql) {
     try {
-        rows_of(database, sql);
+        sql_rows(database, sql);
     } catch (const data::StoreError& e) {
         return e.what();
     }
@@ -74,43 +74,13 @@ inline void add_interval(data::Database& database) {
 }
 
 inline const std::vector<std::string>& sample_columns() {
-    static const std::vector<std::string> names{"trial_id",
-                                                "interval",
-                                                "tick",
-                                                "time_s",
-                                                "count_1",
-                                                "count_2",
-                                                "code_1",
-                                                "code_2",
-                                                "lateness_us",
-                                                "flags",
-                                                "mode",
-                                                "segment",
-                                                "u",
-                                                "hip_x_m",
-                                                "hip_y_m",
-                                                "cp_x_m",
-                                                "cp_y_m",
-                                                "go_x_m",
-                                                "go_y_m",
-                                                "rendered_x_n",
-                                                "rendered_y_n",
-                                                "commanded_x_n",
-                                                "commanded_y_n",
-                                                "rendered_normal_n",
-                                                "rendered_tangential_n",
-                                                "mu",
-                                                "count_3",
-                                                "code_3",
-                                                "v",
-                                                "hip_z_m",
-                                                "cp_z_m",
-                                                "go_z_m",
-                                                "rendered_z_n",
-                                                "commanded_z_n",
-                                                "hip_vx_m_per_s",
-                                                "hip_vy_m_per_s",
-                                                "hip_vz_m_per_s"};
+    static const std::vector<std::string> names = split(
+        "trial_id interval tick time_s count_1 count_2 code_1 code_2 lateness_us flags mode "
+        "segment u hip_x_m hip_y_m cp_x_m cp_y_m go_x_m go_y_m rendered_x_n rendered_y_n "
+        "commanded_x_n commanded_y_n rendered_normal_n rendered_tangential_n mu count_3 code_3 v "
+        "hip_z_m cp_z_m go_z_m rendered_z_n commanded_z_n hip_vx_m_per_s hip_vy_m_per_s "
+        "hip_vz_m_per_s",
+        ' ');
     return names;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/slurp.hpp"
 
 namespace palpate::tests {
 
@@ -14,13 +16,17 @@ inline std::string short_text(std::string_view name,
             text = shipped.text;
         }
     }
-    for (const auto& [from, to] : edits) {
-        const std::size_t at = text.find(from);
-        CAPTURE(from);
-        REQUIRE(at != std::string::npos);
-        text.replace(at, from.size(), to);
+    return edited(std::move(text), edits);
+}
+
+/// Why this text is no protocol, or "accepted".
+inline std::string refusal(const std::string& text) {
+    try {
+        static_cast<void>(protocols::parse_protocol(text, "p.toml"));
+    } catch (const protocols::ProtocolError& error) {
+        return error.what();
     }
-    return text;
+    return "accepted";
 }
 
 }  // namespace palpate::tests

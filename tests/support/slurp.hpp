@@ -1,11 +1,16 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace palpate::tests {
 
@@ -16,13 +21,78 @@ inline std::string slurp(const std::filesystem::path& file) {
     return std::move(text).str();
 }
 
+/// The lines of a text.
+inline std::vector<std::string> lines_in(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) {
+        lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
+/// What stands between the separators of a line, the empty too.
+inline std::vector<std::string> split(const std::string& line, char separator = ',') {
+    std::vector<std::string> fields{""};
+    for (const char c : line) {
+        if (c == separator) {
+            fields.emplace_back();
+        } else {
+            fields.back() += c;
+        }
+    }
+    return fields;
+}
+
+/// Rows of a CSV without quotes, its head first.
+inline std::vector<std::vector<std::string>> csv_rows(const std::string& csv,
+                                                      char separator = ',') {
+    std::vector<std::vector<std::string>> rows;
+    for (const std::string& line : lines_in(csv)) {
+        rows.push_back(split(line, separator));
+    }
+    return rows;
+}
+
+/// The same without the head.
+inline std::vector<std::vector<std::string>> csv_body(const std::string& csv) {
+    auto rows = csv_rows(csv);
+    rows.erase(rows.begin(), rows.begin() + (rows.empty() ? 0 : 1));
+    return rows;
+}
+
+/// The same by the names of its columns. @param names  none: the head is first
+inline std::vector<std::map<std::string, std::string>> csv_records(
+    const std::string& csv, char separator = ',', std::vector<std::string> names = {}) {
+    std::vector<std::map<std::string, std::string>> records;
+    for (std::vector<std::string>& row : csv_rows(csv, separator)) {
+        if (names.empty()) {
+            names = std::move(row);
+            continue;
+        }
+        auto& record = records.emplace_back();
+        for (std::size_t i = 0; i < std::min(row.size(), names.size()); ++i) {
+            record[names[i]] = std::move(row[i]);
+        }
+    }
+    return records;
+}
+
 /// `text` with the first `from` replaced. @throws std::logic_error if it is not there
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+inline std::string replaced(std::string text, std::string_view from, std::string_view to) {
     const std::size_t at = text.find(from);
     if (at == std::string::npos) {
-        throw std::logic_error("not in the text: " + from);
+        throw std::logic_error("not in the text: " + std::string(from));
     }
     return text.replace(at, from.size(), to);
+}
+/// The same once after the other.
+inline std::string edited(std::string text,
+                          const std::vector<std::pair<std::string, std::string>>& edits) {
+    for (const auto& [from, to] : edits) {
+        text = replaced(std::move(text), from, to);
+    }
+    return text;
 }
 
 }  // namespace palpate::tests

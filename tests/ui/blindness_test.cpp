@@ -5,13 +5,13 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"
 #include "tests/support/faulty.hpp"
+#include "tests/support/short_text.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -19,12 +19,7 @@ using namespace palpate::protocols;
 namespace {
 
 Protocol shipped() {
-    for (const ShippedProtocol& one : shipped_protocols()) {
-        if (one.name == "shape_friction_demo") {
-            return parse_protocol(one.text, one.name);
-        }
-    }
-    throw std::runtime_error("no demo protocol");
+    return parse_protocol(palpate::tests::short_text("shape_friction_demo", {}), "p.toml");
 }
 
 /// A hash of what the screen shows.

@@ -2,6 +2,7 @@
 
 #include "engine/safety/trip.hpp"
 #include "stimuli/two_curve.hpp"
+#include "protocols/file/keys.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/paragraph.hpp"

@@ -4,10 +4,10 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
 #include "ui/live/live_board.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/short_text.hpp"
 
 // What a session shows to other programs, byte for byte.
 
@@ -17,12 +17,7 @@ using namespace palpate::protocols;
 namespace {
 
 Protocol demo() {
-    for (const ShippedProtocol& one : shipped_protocols()) {
-        if (one.name == "shape_friction_demo") {
-            return parse_protocol(one.text, one.name);
-        }
-    }
-    throw std::runtime_error("no demo protocol");
+    return parse_protocol(palpate::tests::short_text("shape_friction_demo", {}), "p.toml");
 }
 
 /// All that another program can read of it, but for when its phase began.

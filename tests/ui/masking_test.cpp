@@ -14,7 +14,6 @@
 
 using namespace palpate;
 using namespace palpate::protocols;
-using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -145,8 +144,7 @@ TEST_CASE("noise that was not played while an object was felt is an event", "[so
     CHECK(notes.all.empty());
     feel(0.5, 0.0);
     REQUIRE(notes.all.size() == 1);
-    CHECK_THAT(notes.all.front(), ContainsSubstring("masking: 0.5") &&
-                                      ContainsSubstring("trial 7 were without noise"));
+    CHECK_THAT(notes.all.front(), Has("masking: 0.5", "trial 7 were without noise"));
     feel(0.01, 0.0);  // less than a device may hold back
     CHECK(notes.all.size() == 1);
 }
@@ -180,9 +178,9 @@ TEST_CASE("a lost sound device ends a real session before the next trial, a pilo
     static_cast<void>(masked.choose(trial, {}));
     player.there = false;
     if (required) {
-        CHECK_THROWS_WITH(masked.ready(trial), ContainsSubstring("was lost: connect it again"));
+        CHECK_THROWS_WITH(masked.ready(trial), Has("was lost: connect it again"));
         CHECK_FALSE(player.wanted);
-        CHECK_THAT(notes.all.back(), ContainsSubstring("the sound device was lost"));
+        CHECK_THAT(notes.all.back(), Has("the sound device was lost"));
     } else {
         CHECK(masked.ready(trial) == Signal::go_on);
     }
@@ -200,7 +198,7 @@ TEST_CASE(
         CHECK(player->works());
         CHECK_FALSE(player->audible());
         CHECK_THAT(player->name(),
-                   ContainsSubstring("pink noise at -30 dB re full scale, 48000 Hz, driver disk"));
+                   Has("pink noise at -30 dB re full scale, 48000 Hz, driver disk"));
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         player->on();
         while (!player->full()) {
@@ -239,16 +237,15 @@ TEST_CASE(
     spec.kind = data::RunKind::real;
     spec.device.kind = ui::DeviceChoice::Kind::mouse;  // a person holds it
     set_driver("no_such_driver");
-    CHECK_THROWS_WITH(ui::open_masking(spec), ContainsSubstring("masking noise cannot be played") &&
-                                                  ContainsSubstring("--no-sound"));
+    CHECK_THROWS_WITH(ui::open_masking(spec), Has("masking noise cannot be played", "--no-sound"));
     set_driver("dummy");
-    CHECK_THROWS_WITH(ui::open_masking(spec), ContainsSubstring("would reach nobody"));
+    CHECK_THROWS_WITH(ui::open_masking(spec), Has("would reach nobody"));
     spec.kind = data::RunKind::pilot;
     CHECK(ui::open_masking(spec).player);
     set_driver("no_such_driver");
     const ui::OpenedMasking pilot = ui::open_masking(spec);
     CHECK_FALSE(pilot.player);
-    CHECK_THAT(pilot.note, ContainsSubstring("none: masking noise cannot be played"));
+    CHECK_THAT(pilot.note, Has("none: masking noise cannot be played"));
     spec.kind = data::RunKind::real;
     spec.screen.no_sound = true;
     const ui::OpenedMasking declined = ui::open_masking(spec);
@@ -279,11 +276,11 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
     protocol.instructions[0].welcome = "Hello";
     CHECK(others().empty());
     protocol.language = Language::tr;
-    CHECK_THAT(others(), ContainsSubstring("[instructions.tr] has no welcome"));
+    CHECK_THAT(others(), Has("[instructions.tr] has no welcome"));
     protocol.instructions[1].welcome = "Merhaba";
     CHECK(others().empty());
     protocol.masking = {.noise = Noise::pink, .level_db = -11.9};
-    CHECK_THAT(others(), ContainsSubstring("is cut at full scale"));
+    CHECK_THAT(others(), Has("is cut at full scale"));
     protocol.masking.noise = Noise::none;
     CHECK(others().empty());
 }

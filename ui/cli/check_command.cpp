@@ -10,6 +10,7 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/file/keys.hpp"
 #include "data/plot/object_sheet.hpp"
 #include "ui/cli/plan_text.hpp"
 #include "ui/cli/study_advice.hpp"

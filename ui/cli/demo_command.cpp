@@ -7,6 +7,7 @@
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
 #include "ui/subject/display.hpp"
 

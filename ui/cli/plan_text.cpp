@@ -14,6 +14,7 @@
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
+#include "protocols/file/keys.hpp"
 #include "protocols/trial/presentation.hpp"
 
 namespace palpate::ui {

@@ -7,6 +7,7 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/file/keys.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
@@ -16,6 +17,7 @@
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/rig_parts.hpp"
 #include "ui/session/run_rig.hpp"
 #include "ui/session/session_choice.hpp"
 #include "ui/subject/display.hpp"
