@@ -19,7 +19,6 @@
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
 
-
 namespace palpate::ui {
 namespace {
 

@@ -89,7 +89,8 @@ bool LiveSession::confirmed(Word& word,
 void LiveSession::end_early(const std::string& word, const Caller& caller) {
     if (interrupted()) {
         caller.answer(true, "the session ends already");
-    } else if (confirmed(end_, word, caller, "ends the session: ask again with this word, within 60 s")) {
+    } else if (confirmed(end_, word, caller,
+                         "ends the session: ask again with this word, within 60 s")) {
         interrupt();
         caller.answer(true, "the session ends; what was recorded is kept");
     }
