@@ -209,8 +209,7 @@ SurfaceFlow::Arrival SurfaceFlow::end_at(const Vec2& at, double way, Arrival::En
 /// the foot.
 bool SurfaceFlow::near_foot() const noexcept {
     const double aside = std::fabs(at_.load);
-    return (at_.load <= 0.0 && at_.length < 1e-2 * aside) ||
-           (at_.length < 1e-6 * aside && at_.excess > 0.999 * at_.length);
+    return at_.length < 1e-6 * aside && at_.excess > 0.999 * at_.length;
 }
 
 /// The length of the next step to try, m: to the cone, if the bend allows.
