@@ -82,7 +82,9 @@ private:
             asked["sessionId"] = session_;
         }
         const std::string line = asked.dump();
-        static_cast<void>(::write(to_, line.c_str(), line.size() + 1));
+        if (::write(to_, line.c_str(), line.size() + 1) < 0) {
+            return {};
+        }
         pollfd one{.fd = from_, .events = POLLIN, .revents = 0};
         for (;;) {
             for (std::size_t end = 0; (end = heard_.find('\0')) != std::string::npos;) {
