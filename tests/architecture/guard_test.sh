@@ -17,13 +17,13 @@ make_tree() {
         'double f(double x) { return std::sqrt(x) + std::floor(sine(x)) + angle.sin; }' \
         "const char* kText = R\"(std::cos(x) \"quoted\" // no comment)\"; const int kMany = 1'000;" \
         "const char kQuote = '\"'; const char* kSin = \"std::sin(x)\"; int atan_unit(int);"
-    put engine/friction/stribeck.cpp '#include <cmath>' 'double c = std::exp(-1.0);'
+    put engine/friction/friction_law.cpp '#include <cmath>' 'double c = std::exp(-1.0);'
     put engine/realtime/servo.cpp '#include "engine/contact/foot.hpp"' '#include <sys/mman.h>'
     put engine/base/text.cpp '#include <fmt/core.h>' '#include <nettle/sha2.h>'
     put engine/CMakeLists.txt 'palpate_room_uses(glm::glm # never -ffast-math' '    Threads::Threads)' \
         'palpate_folder(base LINK PkgConfig::NETTLE SOURCES text.cpp)' 'palpate_folder(math)' \
         'palpate_folder(contact PACED' '    SEES math' '    SOURCES foot.cpp)' \
-        'palpate_folder(friction SEES math contact SOURCES stribeck.cpp)' \
+        'palpate_folder(friction SEES math contact SOURCES friction_law.cpp)' \
         'palpate_folder(device)' 'palpate_folder(device/drivers SEES device LINK PkgConfig::COMEDI)' \
         'palpate_folder(realtime SEES contact SOURCES servo.cpp)'
     put protocols/CMakeLists.txt 'palpate_folder(file SOURCES parse.cpp)' 'palpate_folder(session SEES file)'

@@ -44,9 +44,10 @@ public:
     [[nodiscard]] data::Json ask(const data::Json& line) const {
         return data::Json::parse(ui::ask_session(shown.name, line.dump()).line, nullptr, false);
     }
+    /// Empty before it shows any.
     [[nodiscard]] data::Json state() const {
         const auto state = shown.reader->state();
-        return state ? data::Json::parse(state->json, nullptr, false) : data::Json();
+        return state ? data::Json::parse(state->json, nullptr, false) : data::Json::object();
     }
     [[nodiscard]] bool comes_to(const std::string& phase) const {
         return eventually([&] { return state().value("phase", "") == phase; });
