@@ -30,14 +30,54 @@ std::string gated(const TemporaryFolder& folder, const std::string& name) {
     return folder.file("p.toml");
 }
 
+/// A busy machine may leave the board without its turn: the session goes on from there.
+void go_on(WindowSession& session) {
+    for (int i = 0; i < 40 && session.screen_name() == "trouble"; ++i) {
+        session.hand().chord("p");
+        pause(0.4);
+    }
+}
+
+/// Waits for one of the two, leaving trouble behind. @return it is `screen`, not trouble
+bool comes_to(WindowSession& session, const std::string& screen) {
+    std::string seen;
+    CHECK(tests::eventually([&] {
+        seen = session.screen_name();
+        return seen == screen || seen == "trouble";
+    }));
+    go_on(session);
+    return seen == screen;
+}
+
 /// Presses Space at Ready for some time. @return nothing began
 bool stays_ready(WindowSession& session) {
-    session.wait_for_screen("ready");
-    for (int i = 0; i < 5; ++i) {
-        session.hand().key("space");
-        pause(0.3);
+    std::string screen;
+    for (int tries = 0; tries < 6 && screen != "ready"; ++tries) {
+        if (!comes_to(session, "ready")) {
+            continue;
+        }
+        for (int i = 0; i < 5; ++i) {
+            session.hand().key("space");
+            pause(0.3);
+        }
+        screen = session.screen_name();
+        if (screen != "trouble") {
+            break;
+        }
     }
-    return session.screen_name() == "ready" && session.ask("SELECT count(*) FROM trial") == "0";
+    return screen == "ready" && session.ask("SELECT count(*) FROM trial") == "0";
+}
+
+/// Presses Space at Ready. @return a trial began
+bool begins(WindowSession& session) {
+    bool begun = false;
+    for (int tries = 0; tries < 6 && !begun; ++tries) {
+        if (comes_to(session, "ready")) {
+            session.press_at("ready", "space");
+            begun = comes_to(session, "explore");
+        }
+    }
+    return begun;
 }
 
 }  // namespace
@@ -62,10 +102,9 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     board.bring("0,66");
     CHECK(stays_ready(session));
     board.bring("3,61");
-    session.press_at("ready", "space");
-    session.wait_for_screen("explore");
+    CHECK(begins(session));
     session.hand().key("Escape");
-    session.wait_until("SELECT count(*) FROM trial WHERE outcome = 'faulted'", "1");
+    session.wait_until("SELECT count(*) > 0 FROM trial WHERE outcome = 'faulted'", "1");
     for (std::vector<std::string> second :  // the port has its program
          {std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P2", "--db",
                                    folder.file("second.sqlite"), "--kind", "pilot"},
@@ -76,8 +115,8 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
         check_end(end, 1, Has("in use by another program, palpate"));
     }
     CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
-    CHECK(session.ask("SELECT abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < 0.0005 "
-                      "FROM presentation") == "1");
+    CHECK(session.ask("SELECT min(abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < "
+                      "0.0005) FROM presentation") == "1");
     session.program().signal(SIGTERM);
     const tests::Finished end = session.finish();
     CHECK(end.code == 3);
@@ -111,8 +150,7 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
     board.bring("0,20");
     CHECK(stays_ready(session));
     board.bring("0,66");
-    session.press_at("ready", "space");
-    session.wait_for_screen("explore");
+    CHECK(begins(session));
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }
@@ -140,35 +178,24 @@ TEST_CASE(
                                "'reconnect'",
                            "1");
     };
-    const auto goes_on = [&] {
-        for (int i = 0; i < 40 && session.screen_name() == "trouble"; ++i) {
-            session.hand().chord("p");
-            pause(0.4);
-        }
-    };
     session.press_at("welcome", "space");
     session.wait_for_screen("ready");
     replugged();
-    goes_on();
+    go_on(session);
     CHECK(session.ask("SELECT count(*) FROM trial") == "0");
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'fault' AND value = "
                       "'device_silent' AND trial_id IS NULL") == "1");
     const auto first_felt = [&] {  // a busy machine may end it: then once more
         board->bring("0,60");
-        session.press_at("ready", "space");
-        session.wait_for_screen("explore");
+        REQUIRE(begins(session));
         board->bring("0,66");  // where it is left
         pause(2.5);            // no trial is over sooner
         session.hand().key("space");
-        return tests::eventually([&] {
-                   return session.screen_name() == "ready" || session.screen_name() == "trouble";
-               }) &&
-               session.screen_name() == "ready";
+        return comes_to(session, "ready");
     };
     bool felt = false;
     for (int tries = 0; tries < 6 && !felt; ++tries) {
         felt = first_felt();
-        goes_on();
     }
     REQUIRE(felt);
     const std::string begun = session.ask("SELECT count(*) FROM presentation");
@@ -179,12 +206,11 @@ TEST_CASE(
     CHECK(session.screen_name() == "ready");
     CHECK(session.ask("SELECT count(*) FROM presentation") == begun);
     replugged();  // before the second interval
-    goes_on();
+    go_on(session);
     CHECK(session.ask("SELECT outcome || ' ' || (fault_cause LIKE 'device_%') FROM trial ORDER BY "
                       "trial_id DESC LIMIT 1") == "faulted 1");
     board->bring("1,58");
-    session.press_at("ready", "space");
-    session.wait_for_screen("explore");
+    CHECK(begins(session));
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
     CHECK(session.ask("SELECT abs(start_x_m - 0.001) < 0.0005 AND abs(start_y_m - 0.058) < 0.0005 "
@@ -209,8 +235,7 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
         CHECK(stays_ready(session));
     }
     board.bring("1,-1,32");
-    session.press_at("ready", "space");
-    session.wait_for_screen("explore");
+    CHECK(begins(session));
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }
