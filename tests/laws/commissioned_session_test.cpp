@@ -15,23 +15,12 @@ namespace {
 
 /// Presses what goes on at each screen until `name` is shown, or the program has ended.
 void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
-    int troubled = 0;
     CHECK(eventually([&] {
-        const auto window = hand.find_window("palpate: ");
-        const bool there = window.title == "palpate: " + name || !run.program().running();
-        if (!there && window.id != 0) {
-            hand.focus(window);
-            const bool trouble = window.title == "palpate: trouble";
-            troubled += trouble ? 1 : 0;
-            // A busy machine's trouble is a long one. A chord too many would be a pause.
-            if (trouble && troubled % 15 == 14 &&
-                run.program().out().find("can go on: Ctrl+Shift+P") != std::string::npos) {
-                hand.chord("p");
-            } else {
-                hand.key(window.title == "palpate: question" ? "1" : "space");
-            }
+        const bool there =
+            hand.find_window("palpate: ").title == "palpate: " + name || !run.program().running();
+        if (!there) {
+            tests::press_on(hand);
         }
-        tests::pause(0.2);
         return there;
     }));
 }

@@ -73,43 +73,23 @@ struct Desk {
         }
         return mn_m / 10.0;  // a drum of 10 mm
     }
-    /// What goes on from each screen, of many looks: after a trouble that a busy machine made, the
-    /// experimenter's chord now and then.
-    void go_on(const std::string& screen, int look) {
-        if ((screen == "trouble" || screen == "pause") && look % 20 == 10) {
-            session->hand().chord("p");
-        } else {
-            session->hand().key(screen == "question" ? "1" : "space");
-        }
-    }
     /// Explores until the hand is pressed by so much, N.
     [[nodiscard]] bool feel(double force = 0.3) {
-        for (int tries = 0; tries < 1800; ++tries) {
-            const std::string screen = session->screen_name();
-            if (screen == "explore") {
-                if (glm::length(motors()) > force) {
-                    return true;
-                }
-            } else {
-                go_on(screen, tries);
-            }
-            tests::pause(0.05);
-        }
-        return false;
+        return session->goes_on_until(
+            [&] { return session->screen_name() == "explore" && glm::length(motors()) > force; });
     }
     /// Explores each trial for some seconds and answers. A busy machine may fault a trial: it is
     /// run again.
     [[nodiscard]] bool finishes() {
         int felt = 0;
-        for (int i = 0; i < 2400 && session->ask("SELECT finished FROM session") != "1"; ++i) {
-            const std::string screen = session->screen_name();
-            felt = screen != "explore" ? 0 : felt > 0 || glm::length(motors()) > 0.3 ? felt + 1 : 0;
-            if (screen != "explore" || felt > 70) {
-                go_on(screen, i);
+        return session->goes_on_until([&] {
+            const bool explores = session->screen_name() == "explore";
+            felt = !explores ? 0 : felt > 0 || glm::length(motors()) > 0.3 ? felt + 1 : 0;
+            if (felt > 70) {
+                tests::press_on(session->hand());
             }
-            tests::pause(0.05);
-        }
-        return session->ask("SELECT finished FROM session") == "1";
+            return session->ask("SELECT finished FROM session") == "1";
+        });
     }
     /// Trials that ended by one of these, as "'runaway', 'energy'".
     [[nodiscard]] bool faulted(const std::string& causes) const {
@@ -119,14 +99,8 @@ struct Desk {
     /// Explores until a trial has ended so, for some seconds; a busy machine may end one for
     /// another reason.
     [[nodiscard]] bool ends_by(const std::string& causes, int looks) {
-        for (int i = 0; i < looks && !faulted(causes); ++i) {
-            const std::string screen = session->screen_name();
-            if (screen != "explore") {
-                go_on(screen, i);
-            }
-            tests::pause(0.05);
-        }
-        return faulted(causes);
+        return session->goes_on_until([&] { return faulted(causes) || --looks < 0; }) &&
+               faulted(causes);
     }
     /// Kills the session: what it recorded until then is what the board counted.
     void kill() {

@@ -48,22 +48,8 @@ public:
 
     /// Goes on, whatever a busy machine ends, until the motors give something.
     [[nodiscard]] bool feels() {
-        for (int tries = 0; tries < 200; ++tries) {
-            const std::string screen = session_->screen_name();
-            if (screen == "explore") {
-                if (eventually([&] { return !off() || session_->screen_name() != screen; }) &&
-                    !off()) {
-                    return true;
-                }
-            } else if ((screen == "trouble" || screen == "pause") && tries % 2 == 0) {
-                session_->hand().chord("p");
-                tests::pause(0.5);
-            } else {
-                session_->hand().key(screen == "question" ? "1" : "space");
-                tests::pause(0.3);
-            }
-        }
-        return false;
+        return session_->goes_on_until(
+            [&] { return session_->screen_name() == "explore" && !off(); });
     }
     /// The stronger motor's torque now, N m, as the emulator says.
     [[nodiscard]] double torque() {

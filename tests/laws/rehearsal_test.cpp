@@ -53,11 +53,7 @@ void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
                 board.bring(mark ? tests::last_place(last) : "0,89.3");  // without a jump, let go
                 explores = false;
             } else if (window.id != 0) {
-                hand.focus(window);
-                if (at == "palpate: trouble" || at == "palpate: pause") {
-                    hand.chord("p");
-                }
-                hand.key(at == "palpate: question" ? "1" : "space");
+                tests::press_on(hand);
                 felt = felt && at == "palpate: explore";
             }
             course += another ? "\n" + at : ".";

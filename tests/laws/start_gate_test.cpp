@@ -30,30 +30,11 @@ std::string gated(const TemporaryFolder& folder, const std::string& name) {
     return folder.file("p.toml");
 }
 
-/// A busy machine may leave the board without its turn: the session goes on from there.
-void go_on(WindowSession& session) {
-    for (int i = 0; i < 40 && session.screen_name() == "trouble"; ++i) {
-        session.hand().chord("p");
-        pause(0.4);
-    }
-}
-
-/// Waits for one of the two, leaving trouble behind. @return it is `screen`, not trouble
-bool comes_to(WindowSession& session, const std::string& screen) {
-    std::string seen;
-    CHECK(tests::eventually([&] {
-        seen = session.screen_name();
-        return seen == screen || seen == "trouble";
-    }));
-    go_on(session);
-    return seen == screen;
-}
-
 /// Presses Space at Ready for some time. @return nothing began
 bool stays_ready(WindowSession& session) {
     std::string screen;
     for (int tries = 0; tries < 6 && screen != "ready"; ++tries) {
-        if (!comes_to(session, "ready")) {
+        if (!session.comes_to("ready")) {
             continue;
         }
         for (int i = 0; i < 5; ++i) {
@@ -70,14 +51,7 @@ bool stays_ready(WindowSession& session) {
 
 /// Presses Space at Ready. @return a trial began
 bool begins(WindowSession& session) {
-    bool begun = false;
-    for (int tries = 0; tries < 6 && !begun; ++tries) {
-        if (comes_to(session, "ready")) {
-            session.press_at("ready", "space");
-            begun = comes_to(session, "explore");
-        }
-    }
-    return begun;
+    return session.goes_on_until([&] { return session.screen_name() == "explore"; });
 }
 
 }  // namespace
@@ -181,7 +155,7 @@ TEST_CASE(
     session.press_at("welcome", "space");
     session.wait_for_screen("ready");
     replugged();
-    go_on(session);
+    tests::leave_trouble(session.hand());
     CHECK(session.ask("SELECT count(*) FROM trial") == "0");
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'fault' AND value = "
                       "'device_silent' AND trial_id IS NULL") == "1");
@@ -191,7 +165,7 @@ TEST_CASE(
         board->bring("0,66");  // where it is left
         pause(2.5);            // no trial is over sooner
         session.hand().key("space");
-        return comes_to(session, "ready");
+        return session.comes_to("ready");
     };
     bool felt = false;
     for (int tries = 0; tries < 6 && !felt; ++tries) {
@@ -206,7 +180,7 @@ TEST_CASE(
     CHECK(session.screen_name() == "ready");
     CHECK(session.ask("SELECT count(*) FROM presentation") == begun);
     replugged();  // before the second interval
-    go_on(session);
+    tests::leave_trouble(session.hand());
     CHECK(session.ask("SELECT outcome || ' ' || (fault_cause LIKE 'device_%') FROM trial ORDER BY "
                       "trial_id DESC LIMIT 1") == "faulted 1");
     board->bring("1,58");

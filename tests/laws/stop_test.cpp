@@ -178,11 +178,7 @@ TEST_CASE(
     hand.key("space");
     tests::pause(0.5);
     CHECK(session.screen_name() == "trouble");
-    for (int tries = 0; tries < 20 && session.screen_name() == "trouble"; ++tries) {
-        hand.focus(hand.find_window("palpate: "));
-        hand.chord("p");
-        tests::pause(0.5);
-    }
+    tests::leave_trouble(hand);
     CHECK(session.screen_name() == "ready");
     CHECK(session.ask("SELECT count(*) FROM trial") == "1");
     session.program().signal(SIGTERM);

@@ -201,11 +201,7 @@ struct PressedDesk {
     /// After a stop, by the experimenter's chord: until a trial may begin.
     void goes_on() const {
         session->wait_for_screen("trouble");
-        session->hand().focus(session->hand().find_window("palpate: "));
-        for (int tries = 0; tries < 20 && session->screen_name() == "trouble"; ++tries) {
-            session->hand().chord("p");
-            pause(0.5);
-        }
+        leave_trouble(session->hand());
         session->wait_for_screen("ready");
     }
     [[nodiscard]] bool stays_off() const {

@@ -35,7 +35,47 @@ void sleep_a_little() {
     std::this_thread::sleep_for(std::chrono::milliseconds(15));
 }
 
+std::string shown_by(XHand& hand) {
+    const XHand::Window window = hand.find_window(kTitle);
+    return window.id == 0 ? "" : window.title.substr(std::string(kTitle).size());
+}
+
+/// A chord that came too late for a trouble is a pause.
+bool in_trouble(const std::string& screen) {
+    return screen == "trouble" || screen == "pause";
+}
+
 }  // namespace
+
+void press_on(XHand& hand) {
+    const XHand::Window window = hand.find_window(kTitle);
+    const std::string screen = shown_by(hand);
+    if (window.id == 0) {
+        return pause(0.1);
+    }
+    hand.focus(window);
+    const auto stays = [&] {  // for some time
+        for (int i = 0; i < 25 && shown_by(hand) == screen; ++i) {
+            sleep_a_little();
+        }
+        return shown_by(hand) == screen;
+    };
+    if (screen != "pause") {
+        hand.key(screen == "question" ? "1" : "space");
+    }
+    if (screen == "pause" || (screen == "trouble" && stays())) {
+        hand.chord("p");
+    }
+    static_cast<void>(stays());
+}
+
+void leave_trouble(XHand& hand) {
+    const auto end =
+        std::chrono::steady_clock::now() + std::chrono::duration<double>(WindowSession::kPatience);
+    while (in_trouble(shown_by(hand)) && std::chrono::steady_clock::now() < end) {
+        press_on(hand);
+    }
+}
 
 WindowSession::WindowSession(const std::vector<std::string>& arguments,
                              std::string database,
@@ -67,8 +107,7 @@ void WindowSession::wait(const std::string& what, const Seen& seen) {
 }
 
 std::string WindowSession::screen_name() {
-    const XHand::Window window = hand_.find_window(kTitle);
-    return window.id == 0 ? "" : window.title.substr(std::string(kTitle).size());
+    return shown_by(hand_);
 }
 
 XHand::Window WindowSession::wait_for_screen(const std::string& name) {
@@ -107,6 +146,28 @@ void WindowSession::press_at(const std::string& name, const std::string& key) {
         }
         return false;
     });
+}
+
+bool WindowSession::comes_to(const std::string& name) {
+    std::string seen;
+    wait("the screen \"" + name + "\" or a trouble", [&] {
+        seen = screen_name();
+        return seen == name || in_trouble(seen);
+    });
+    leave_trouble(hand_);
+    return seen == name;
+}
+
+bool WindowSession::goes_on_until(const std::function<bool()>& there) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience);
+    while (!there() && program_.running() && std::chrono::steady_clock::now() < end) {
+        if (screen_name() == "explore") {
+            pause(0.05);
+        } else {
+            press_on(hand_);
+        }
+    }
+    return there();
 }
 
 std::string WindowSession::ask(const std::string& query) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,13 @@
 #include "tests/support/xvfb.hpp"
 
 namespace palpate::tests {
+
+/// Presses once what goes on from the screen that is shown, and gives the program a moment to show
+/// another: the first answer at a question, the experimenter's chord at a pause and at a trouble
+/// (which a busy machine may make at any time) that Space does not end, elsewhere Space.
+void press_on(XHand& hand);
+/// Goes on from a trouble or a pause, where there is one.
+void leave_trouble(XHand& hand);
 
 /// The program in a real window on a screen of its own, driven by keys and clicks, looked at
 /// through its title, its output and its database. Every wait is for something to be seen, and is
@@ -46,6 +54,12 @@ public:
     /// Waits for `name`, presses `key` there until something else is shown. A press that comes too
     /// early for the screen is made again.
     void press_at(const std::string& name, const std::string& key);
+
+    /// Waits until `name` or a trouble is shown, and leaves the trouble. @return it was `name`
+    [[nodiscard]] bool comes_to(const std::string& name);
+    /// Goes on from screen to screen, whatever a busy machine ends, and explores until `there`.
+    /// @return it is, within kPatience
+    [[nodiscard]] bool goes_on_until(const std::function<bool()>& there);
 
     /// The first column of the first row of `query`, as text, read from outside; empty: no row,
     /// NULL, or no such file yet.
