@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -88,31 +89,27 @@ void count_catches(Database& database,
     }
 }
 
-double share_of(std::int64_t some, std::int64_t all) {
-    return static_cast<double>(some) / static_cast<double>(all);
-}
-
-void at_least(
-    Judgement& one, std::string_view rule, std::int64_t some, std::int64_t all, double least) {
-    if (all > 0 && share_of(some, all) < least) {
-        one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, below {}", rule, some, all,
-                                         share_of(some, all), least));
-    }
-}
-
-void check_share(
-    Judgement& one, std::string_view rule, std::int64_t some, std::int64_t all, double extreme) {
-    if (all > 0 && share_of(some, all) > extreme) {
-        one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, above {}", rule, some, all,
-                                         share_of(some, all), extreme));
+/// @param max  the share is not to be above it; else not below
+void check_share(Judgement& one,
+                 std::string_view rule,
+                 std::int64_t some,
+                 std::int64_t all,
+                 double extreme,
+                 bool max) {
+    const double share = static_cast<double>(some) / static_cast<double>(all);
+    if (all > 0 && (max ? share > extreme : share < extreme)) {
+        one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, {} {}", rule, some, all, share,
+                                         max ? "above" : "below", extreme));
     }
 }
 
 void apply(const ExclusionSpec& rules, Judgement& one) {
-    at_least(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min);
-    at_least(one, "share_correct_min", one.correct, one.main, rules.share_correct_min);
-    check_share(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
-    check_share(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max);
+    check_share(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min,
+                false);
+    check_share(one, "share_correct_min", one.correct, one.main, rules.share_correct_min, false);
+    check_share(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max,
+                true);
+    check_share(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max, true);
     if (rules.sessions_finished && one.unfinished > 0) {
         one.broken.push_back("sessions_finished: " + counted(one.unfinished, "is not", "are not"));
     }
@@ -380,6 +377,24 @@ std::string none_left_text(Database& database, std::string_view study, std::stri
         }
     }
     return text;
+}
+
+std::string one_study(Database& database,
+                      const AnswerChoice& choice,
+                      const std::set<std::string>& found,
+                      std::string_view what,
+                      std::string_view instead) {
+    if (found.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{} has no answer {} in {} sessions{}: --kind chooses others; {}{}",
+                        database.file(), what, choice.kind,
+                        choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
+                        instead, none_left_text(database, choice.study, choice.kind)));
+    }
+    if (found.size() > 1) {
+        throw std::invalid_argument(several_studies(database, found));
+    }
+    return *found.begin();
 }
 
 }  // namespace palpate::data

@@ -109,5 +109,13 @@ struct LeftOut {
 [[nodiscard]] std::string none_left_text(Database& database,
                                          std::string_view study,
                                          std::string_view kind);
+/// The one study whose answers were found. @param what  was looked for: "to fit"
+/// @param instead  what to do where nothing was found: "give another file"
+/// @throws std::invalid_argument if there are none, or several: which there are
+[[nodiscard]] std::string one_study(Database& database,
+                                    const AnswerChoice& choice,
+                                    const std::set<std::string>& found,
+                                    std::string_view what,
+                                    std::string_view instead);
 
 }  // namespace palpate::data

@@ -11,10 +11,6 @@
 namespace palpate::data {
 namespace {
 
-Json finite(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 /// "concave and flat (up to 0.21)": pairs that were never confused.
 std::string never_confused(const IdentificationReport& report,
                            const IdentifiedPerson& person,
@@ -144,7 +140,7 @@ void add_matrices(const IdentificationReport& report,
         for (const auto& row : fit->intervals) {
             Json ends = Json::array();
             for (const Interval& both : row) {
-                ends.push_back(Json::array({finite(both.low), finite(both.high)}));
+                ends.push_back({both.low, both.high});
             }
             friction["similarity_95"].push_back(ends);
         }
@@ -158,7 +154,7 @@ void add_matrices(const IdentificationReport& report,
 Json person_json(const IdentificationReport& report, const IdentifiedPerson& person) {
     Json one = {{"participant", person.name},
                 {"log_likelihood", person.thurstone.log_likelihood},
-                {"log_likelihood_nelder_mead", finite(person.thurstone.second)},
+                {"log_likelihood_nelder_mead", person.thurstone.second},
                 {"optimisers_agree", person.thurstone.agree},
                 {"deviance", person.thurstone.deviance},
                 {"df", person.thurstone.df}};
@@ -166,7 +162,7 @@ Json person_json(const IdentificationReport& report, const IdentifiedPerson& per
         return part.end == SigmaEnd::both || part.end == SigmaEnd::sharp;
     });
     for (const double criterion : person.thurstone.criteria) {
-        one["criteria"].push_back(scale ? finite(criterion) : Json(nullptr));
+        one["criteria"].push_back(scale ? Json(criterion) : Json(nullptr));
     }
     put_table(one, conditions_table(report, person));
     for (std::size_t f = 0; f < report.table.frictions.size(); ++f) {

@@ -227,10 +227,6 @@ std::string fit_text(const FitReport& report) {
 
 namespace {
 
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json curve_json(const FitReport& report, const FittedCurve& curve) {
     Json one = {{"participant", curve.answers.participant},
                 {"condition", curve.answers.condition},
@@ -248,9 +244,9 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
     one["optimisers_agree"] = curve.fit.agree;
     for (const protocols::Estimate& believed : curve.answers.believed) {
         one["posterior"].push_back({{"name", believed.name},
-                                    {"mean", number(believed.mean.value_or(std::nan("")))},
-                                    {"low_95", number(believed.low.value_or(std::nan("")))},
-                                    {"high_95", number(believed.high.value_or(std::nan("")))}});
+                                    {"mean", believed.mean.value_or(std::nan(""))},
+                                    {"low_95", believed.low.value_or(std::nan(""))},
+                                    {"high_95", believed.high.value_or(std::nan(""))}});
     }
     one["warnings"] = warnings_of(report, curve);
     return one;

@@ -110,18 +110,9 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
         }
         found.back().second.levels.push_back({row.real(3), row.integer(4), row.integer(5)});
     }
-    if (found.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{} has no answer of {} sessions{} to fit: --kind chooses others; else give a file of "
-            "two intervals, of yes-no with a graded stimulus, or of identifications{}",
-            database.file(), choice.kind,
-            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
-            none_left_text(database, choice.study, choice.kind)));
-    }
-    if (studies.size() > 1) {
-        throw std::invalid_argument(several_studies(database, studies));
-    }
-    choice.study = *studies.begin();
+    choice.study = one_study(database, choice, studies, "to fit",
+                             "else give a file of two intervals, of yes-no with a graded stimulus, "
+                             "or of identifications");
     StoredAnswers stored{
         .study = choice.study,
         .conditions = conditions_of(database, choice),

@@ -303,22 +303,12 @@ SimulatedNull simulate_null(std::span<const TwoCounts> people,
                             std::uint64_t seed,
                             std::uint64_t stream) {
     std::vector<double> ratios(samples);
-    constexpr std::size_t kShare = 25;
-    SideBySide work;
-    std::size_t last = 0;
-    for (std::size_t first = 0; first < samples; first += kShare) {
-        last = work.add([&, first] {
-            for (std::size_t s = first; s < std::min(first + kShare, samples); ++s) {
-                Pcg32 random(seed, stream + s);
-                const std::vector<TwoCounts> answers = drawn(people, null, random);
-                const MixedFit less = fit_mixed(answers, {.effect = false, .errors = false}, &null);
-                ratios[s] = likelihood_ratio(fit_mixed(answers, {.errors = false}, &less), less);
-            }
-        });
-    }
-    for (std::size_t task = 0; samples > 0 && task <= last; ++task) {
-        work.wait_for(task);
-    }
+    for_each_number(std::thread::hardware_concurrency(), samples, [&](std::size_t s) {
+        Pcg32 random(seed, stream + s);
+        const std::vector<TwoCounts> answers = drawn(people, null, random);
+        const MixedFit less = fit_mixed(answers, {.effect = false, .errors = false}, &null);
+        ratios[s] = likelihood_ratio(fit_mixed(answers, {.errors = false}, &less), less);
+    });
     // Equal counts give equal ratios but for the last digits of the search.
     const auto reached = std::ranges::count_if(
         ratios, [&](double one) { return one >= ratio - 1e-6 * std::max(1.0, ratio); });

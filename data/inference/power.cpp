@@ -1,13 +1,10 @@
 #include "data/inference/power.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <span>
-#include <thread>
 
+#include "engine/base/side_by_side.hpp"
 #include "data/inference/mixed_logit.hpp"
 #include "data/statistics/distributions.hpp"
 #include "data/statistics/paired.hpp"
@@ -16,36 +13,6 @@ namespace palpate::data {
 namespace {
 
 using protocols::PrimaryTest;
-
-/// Work on 0 ... count - 1 by several threads, each number once. @throws what the first of them
-/// threw
-template <class Work>
-void side_by_side(std::size_t threads, std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    std::mutex mutex;
-    std::exception_ptr error;
-    const auto some = [&] {
-        try {
-            for (std::size_t i = next++; i < count; i = next++) {
-                work(i);
-            }
-        } catch (...) {
-            const std::lock_guard lock(mutex);
-            error = error ? error : std::current_exception();
-            next = count;
-        }
-    };
-    {
-        std::vector<std::jthread> others;
-        for (std::size_t i = 1; i < std::min(threads, count); ++i) {
-            others.emplace_back(some);
-        }
-        some();
-    }
-    if (error) {
-        std::rethrow_exception(error);
-    }
-}
 
 std::vector<double> differences_of(std::span<const PowerPerson> people) {
     std::vector<double> differences;
@@ -144,7 +111,7 @@ PowerPoint PowerStudies::at(std::size_t participants) {
         double width = 0.0;
     };
     std::vector<Study> studies(spec_.studies);
-    side_by_side(spec_.threads, spec_.studies, [&](std::size_t study) {
+    for_each_number(spec_.threads, spec_.studies, [&](std::size_t study) {
         std::vector<PowerPerson>& people = drawn_[study];
         while (people.size() < participants) {
             people.push_back(people_(study, people.size()));

@@ -321,18 +321,8 @@ TrialTable stored_trials(Database& database, const AnswerChoice& asked) {
         before = row.text(1);
         all.push_back(trial_of(row, choice.codes, number));
     }
-    if (all.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{} has no answer of identification or yes-no in {} sessions{}: --kind chooses others; "
-            "palpate fit is for runs of a rule, palpate summary for ratings{}",
-            database.file(), choice.kind,
-            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
-            none_left_text(database, choice.study, choice.kind)));
-    }
-    if (studies.size() > 1) {
-        throw std::invalid_argument(several_studies(database, studies));
-    }
-    choice.study = *studies.begin();
+    choice.study = one_study(database, choice, studies, "of identification or yes-no",
+                             "palpate fit is for runs of a rule, palpate summary for ratings");
     LeftOut account = left_out_of(database, choice.study, choice.kind, choice.codes);
     const auto whys = whys_of(account);
     for (NamedTrial& one : all) {

@@ -173,10 +173,6 @@ std::vector<std::string> parts_of(const std::string& place) {
     return parts;
 }
 
-Json finite(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json json_of(const Cell& cell) {
     return std::visit(
         [](const auto& value) -> Json {
@@ -186,7 +182,7 @@ Json json_of(const Cell& cell) {
             } else if constexpr (std::is_same_v<Kind, Named>) {
                 return value.key;
             } else if constexpr (std::is_same_v<Kind, Interval>) {
-                return Json::array({finite(value.low), finite(value.high)});
+                return Json::array({value.low, value.high});
             } else {
                 return value;
             }

@@ -1,5 +1,6 @@
 #include "engine/base/side_by_side.hpp"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -70,6 +71,18 @@ bool SideBySide::work(Lock& lock) noexcept {
     task.done = true;
     changed_.notify_all();
     return true;
+}
+
+void for_each_number(std::size_t threads,
+                     std::size_t count,
+                     const std::function<void(std::size_t)>& work) {
+    SideBySide shared(std::min(threads, count));
+    for (std::size_t i = 0; i < count; ++i) {
+        shared.add([&work, i] { work(i); });
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        shared.wait_for(i);
+    }
 }
 
 }  // namespace palpate

@@ -49,4 +49,10 @@ private:
     std::vector<std::thread> threads_;
 };
 
+/// Work on 0 ... count - 1 by several threads, the caller's among them, each number once.
+/// @throws what the first of them threw; what has not begun by then is left out
+void for_each_number(std::size_t threads,
+                     std::size_t count,
+                     const std::function<void(std::size_t)>& work);
+
 }  // namespace palpate

@@ -218,7 +218,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
         ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
              "sim"});
     }
-    not_fitted({file}, "has no answer of real sessions to fit: --kind chooses others");
+    not_fitted({file}, "has no answer to fit in real sessions: --kind chooses others");
     const std::string counts = sql_csv(
         file,
         "SELECT participant_code AS participant, run_name AS condition, stimulus, count(*) AS n, "

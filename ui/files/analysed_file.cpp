@@ -21,6 +21,14 @@ void add_versions(CommandWords& words, std::string& versions) {
         .with_default();
 }
 
+void add_answer_words(CommandWords& words, AnswerWords& answers) {
+    add_kind(words, answers.kind, "Of a database, which sessions: real, pilot or simulated");
+    words.add("--study", answers.study, "Of a database with several studies, which");
+    words.add("--keep-codes", answers.keep_codes,
+              "Of a database: people by the lab's codes, not by their numbers in exports");
+    add_versions(words, answers.versions);
+}
+
 void analyse(data::Database& database, const std::string& versions, const std::string& study) {
     data::analyse(database,
                   versions == "together" ? data::Versions::together : data::Versions::apart, study);

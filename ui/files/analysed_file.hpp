@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "data/analysis/left_out.hpp"
 #include "data/store/database.hpp"
 #include "ui/command/command.hpp"
 
@@ -11,8 +12,33 @@ namespace palpate::ui {
 Word& add_kind(CommandWords& words, std::string& kind, std::string help);
 void add_versions(CommandWords& words, std::string& versions);
 
+/// Of an analysis of a database or of another lab's file: of a database, which answers it takes.
+struct AnswerWords {
+    std::string file;
+    std::string versions = "apart";
+    std::string kind = "real";
+    std::string study;
+    bool keep_codes = false;
+
+    [[nodiscard]] data::AnswerChoice choice() const {
+        return {.kind = kind, .study = study, .codes = keep_codes};
+    }
+    /// What `read` makes of the file, opened and seen as analyses see it, and of choice().
+    template <class Read>
+    [[nodiscard]] auto asked(const Read& read) const;
+};
+/// All of them but the file: --kind, --study, --keep-codes, --versions.
+void add_answer_words(CommandWords& words, AnswerWords& answers);
+
 /// From here on the file is seen as analyses see it (data/store/analysed.hpp).
 /// @param versions  "apart" or "together"
 void analyse(data::Database& database, const std::string& versions, const std::string& study = "");
+
+template <class Read>
+auto AnswerWords::asked(const Read& read) const {
+    data::Database database(file, data::Access::read);
+    analyse(database, versions, study);
+    return read(database, choice());
+}
 
 }  // namespace palpate::ui

@@ -6,19 +6,15 @@
 namespace palpate::ui {
 namespace {
 
-struct AuditWords {
-    std::string versions = "apart";
-    std::string database;
+struct AuditWords : AnswerWords {
     bool json = false;
-    std::string kind = "real";
-    std::string study;
     double place_mm = 2.0;
     double ratio = 1.1;
     double share = 0.005;
 };
 
 void declare(CommandWords& words, AuditWords& options) {
-    words.add("FILE", options.database, "A palpate database").required();
+    words.add("FILE", options.file, "A palpate database").required();
     words.add("--json", options.json, "For programs, to standard output");
     add_kind(words, options.kind, "Which sessions: real, pilot or simulated");
     words.add("--study", options.study, "Of a file with several studies, which");
@@ -37,12 +33,11 @@ void declare(CommandWords& words, AuditWords& options) {
 }
 
 int run(const AuditWords& words) {
-    data::Database database(words.database, data::Access::read);
-    analyse(database, words.versions, words.study);
-    const auto audit = words.json ? data::audit_json : data::audit_text;
-    say("{}",
-        audit(database, {.kind = words.kind, .study = words.study},
-              {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share}));
+    say("{}", words.asked([&](data::Database& database, const data::AnswerChoice& choice) {
+        return (words.json ? data::audit_json : data::audit_text)(
+            database, choice,
+            {.place_m = 1e-3 * words.place_mm, .ratio = words.ratio, .share = words.share});
+    }));
     return 0;
 }
 

@@ -21,9 +21,7 @@
 namespace palpate::ui {
 namespace {
 
-struct FitWords {
-    std::string versions = "apart";
-    std::string file;
+struct FitWords : AnswerWords {
     std::string function = "normal";
     std::optional<std::string> guess;
     std::string lapse = "0.02";
@@ -33,10 +31,7 @@ struct FitWords {
     std::optional<std::uint64_t> seed;
     bool json = false;
     std::string svg;
-    std::string kind = "real";
-    std::string study;
     std::vector<std::string> items;
-    bool keep_codes = false;
     std::string baseline;
 };
 
@@ -132,16 +127,12 @@ void declare_study(CommandWords& words, FitWords& options) {
     words.add("--baseline", options.baseline,
               "The condition that others are compared with; without it the first by name, of a "
               "database the first run or the least friction");
-    add_kind(words, options.kind, "Of a database, which sessions: real, pilot or simulated");
-    words.add("--study", options.study, "Of a database with several studies, which");
+    add_answer_words(words, options);
     words
         .add("--item", options.items,
              "Of identifications: NAME=VALUE, what an item is ordered by; again for each. Of a "
              "database without it the curvature")
         .again_for_each();
-    words.add("--keep-codes", options.keep_codes,
-              "Of a database: people by the lab's codes, not by their numbers in exports");
-    add_versions(words, options.versions);
 }
 
 void declare(CommandWords& words, FitWords& options) {
@@ -181,16 +172,13 @@ bool is_trial_csv(const std::string& file) {
 
 int fit_identifications(const FitWords& words, bool database) {
     data::IdentificationOptions options{.lapse = number_of("--lapse", words.lapse)};
-    data::TrialTable table;
-    if (database) {
-        data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study);
-        table = data::stored_trials(
-            file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
-        options.items = data::item_values(file, table.study);
-    } else {
-        table = data::read_trials(words.file);
-    }
+    data::TrialTable table =
+        !database ? data::read_trials(words.file)
+                  : words.asked([&](data::Database& file, const data::AnswerChoice& choice) {
+                        data::TrialTable stored = data::stored_trials(file, choice);
+                        options.items = data::item_values(file, stored.study);
+                        return stored;
+                    });
     if (!words.baseline.empty()) {
         data::compare_with(table, words.baseline);
     }
@@ -266,22 +254,12 @@ data::FitOptions options_of(const FitWords& words, bool database) {
 }
 
 data::StoredAnswers answers_of(const FitWords& words, bool database) {
-    if (!database) {
-        return {.all = data::read_answers(words.file)};
-    }
-    data::Database file(words.file, data::Access::read);
-    analyse(file, words.versions, words.study);
-    return data::stored_answers(
-        file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
+    return database ? words.asked(data::stored_answers)
+                    : data::StoredAnswers{.all = data::read_answers(words.file)};
 }
 
 bool holds_identifications(const FitWords& words, bool database) {
-    if (!database) {
-        return is_trial_csv(words.file);
-    }
-    data::Database file(words.file, data::Access::read);
-    analyse(file, words.versions, words.study);
-    return data::answers_are_names(file, {.kind = words.kind, .study = words.study});
+    return database ? words.asked(data::answers_are_names) : is_trial_csv(words.file);
 }
 
 int run(const FitWords& words) {

@@ -14,9 +14,7 @@
 namespace palpate::ui {
 namespace {
 
-struct StatsWords {
-    std::string versions = "apart";
-    std::string file;
+struct StatsWords : AnswerWords {
     bool json = false;
     std::string script;
     std::string baseline;
@@ -28,9 +26,6 @@ struct StatsWords {
     std::int64_t nodes = 15;
     double prior_scale = data::kJzsScale;
     std::optional<std::uint64_t> seed;
-    std::string kind = "real";
-    std::string study;
-    bool keep_codes = false;
 };
 
 /// How exactly it is computed, and which trials of a database are taken.
@@ -54,11 +49,7 @@ void declare_numbers(CommandWords& words, StatsWords& options) {
         .within(0.01, 100.0)
         .with_default();
     words.add("--seed", options.seed, "Of permutations and simulations; 1 without it");
-    add_kind(words, options.kind, "Of a database, which sessions: real, pilot or simulated");
-    words.add("--study", options.study, "Of a database with several studies, which");
-    words.add("--keep-codes", options.keep_codes,
-              "Of a database: people by the lab's codes, not by their numbers in exports");
-    add_versions(words, options.versions);
+    add_answer_words(words, options);
 }
 
 void declare(CommandWords& words, StatsWords& options) {
@@ -104,15 +95,9 @@ std::filesystem::path trials_beside(const std::filesystem::path& script) {
 int run(const StatsWords& words) {
     const std::filesystem::path trials_file =
         words.script.empty() ? std::filesystem::path() : trials_beside(words.script);
-    data::TrialTable table;
-    if (data::is_database(words.file)) {
-        data::Database file(words.file, data::Access::read);
-        analyse(file, words.versions, words.study);
-        table = data::stored_trials(
-            file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
-    } else {
-        table = data::read_trials(words.file, words.other_answers);
-    }
+    data::TrialTable table = data::is_database(words.file)
+                               ? words.asked(data::stored_trials)
+                               : data::read_trials(words.file, words.other_answers);
     if (!words.baseline.empty()) {
         data::compare_with(table, words.baseline);
     }

@@ -1,11 +1,8 @@
 #include "ui/session/felt_hands.hpp"
 
-#include <atomic>
-#include <exception>
-#include <mutex>
 #include <stdexcept>
-#include <thread>
 
+#include "engine/base/side_by_side.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/session.hpp"
 #include "ui/rig/interrupt.hpp"
@@ -110,30 +107,7 @@ std::vector<FeltTrial> felt_hands(const SimulatedStudy& all,
     design.catch_trials = 0;
     design.break_every = 0;
     std::vector<std::vector<FeltTrial>> felt(people);
-    std::atomic<std::size_t> next{0};
-    std::mutex mutex;
-    std::exception_ptr error;
-    const auto work = [&] {
-        try {
-            for (std::size_t i = next++; i < people; i = next++) {
-                felt[i] = felt_by(study, i);
-            }
-        } catch (...) {
-            const std::lock_guard lock(mutex);
-            error = error ? error : std::current_exception();
-            next = people;
-        }
-    };
-    {
-        std::vector<std::jthread> others;
-        for (std::size_t i = 1; i < std::min(threads, people); ++i) {
-            others.emplace_back(work);
-        }
-        work();
-    }
-    if (error) {
-        std::rethrow_exception(error);
-    }
+    for_each_number(threads, people, [&](std::size_t i) { felt[i] = felt_by(study, i); });
     std::vector<FeltTrial> together;
     for (const auto& one : felt) {
         together.insert(together.end(), one.begin(), one.end());
