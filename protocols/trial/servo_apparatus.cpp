@@ -151,35 +151,6 @@ std::string ServoApparatus::timing() const {
     return ticked ? describe(servo_at_->lateness()) : std::string();
 }
 
-SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
-                                       DrawnHand hand,
-                                       double pace,
-                                       const engine::PantographModel& model)
-    : ServoApparatus(servo_),
-      hand_(std::move(hand)),
-      device_(model, 1.0 / protocol.apparatus.rate_hz),
-      servo_(device_, servo_spec(protocol, device_), pace) {}
-
-void SimulatedApparatus::begin(const engine::SceneView& scene,
-                               const PlannedTrial& planned,
-                               std::size_t interval) {
-    device_.begin(hand_.at(planned.position, interval));
-    servo_.begin(scene);
-}
-
-GantryApparatus::GantryApparatus(const Protocol& protocol, DrawnHand hand, double pace)
-    : ServoApparatus(servo_),
-      hand_(std::move(hand)),
-      device_({}, 1.0 / protocol.apparatus.rate_hz),
-      servo_(device_, servo_spec(protocol, device_), pace) {}
-
-void GantryApparatus::begin(const engine::SceneView& scene,
-                            const PlannedTrial& planned,
-                            std::size_t interval) {
-    device_.begin(hand_.on_surface(planned.position, interval));
-    servo_.begin(scene);
-}
-
 ReplayApparatus::ReplayApparatus(const Protocol& protocol,
                                  std::vector<Recording> recordings,
                                  std::string source,

@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "engine/base/pcg32.hpp"
@@ -102,42 +104,41 @@ private:
     engine::Servo* servo_at_;
 };
 
-/// The simulated pantograph and hand on a virtual clock.
-class SimulatedApparatus : public ServoApparatus {
+/// A simulated machine and its hand on a virtual clock.
+template <class Machine, class Model>
+class MachineApparatus : public ServoApparatus {
 public:
     /// @param pace  multiple of real time, 0: as fast as the machine
-    SimulatedApparatus(const Protocol& protocol,
-                       DrawnHand hand,
-                       double pace = 0.0,
-                       const engine::PantographModel& model = {});
+    MachineApparatus(const Protocol& protocol,
+                     DrawnHand hand,
+                     double pace = 0.0,
+                     const Model& model = {})
+        : ServoApparatus(servo_),
+          hand_(std::move(hand)),
+          machine_(model, 1.0 / protocol.apparatus.rate_hz),
+          servo_(machine_, servo_spec(protocol, machine_), pace) {}
 
     void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
-               std::size_t interval) override;
-    [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
+               std::size_t interval) override {
+        if constexpr (std::is_same_v<Machine, engine::SimulatedGantry>) {
+            machine_.begin(hand_.on_surface(planned.position, interval));
+        } else {
+            machine_.begin(hand_.at(planned.position, interval));
+        }
+        servo_.begin(scene);
+    }
+    [[nodiscard]] bool hand_is_done() const noexcept override { return machine_.hand_is_done(); }
 
 private:
     DrawnHand hand_;
-    engine::SimulatedPantograph device_;
+    Machine machine_;
     engine::VirtualServo servo_;
 };
 
-/// The simulated machine of three axes and its hand, for surfaces, on a virtual clock.
-class GantryApparatus : public ServoApparatus {
-public:
-    /// @param pace  multiple of real time, 0: as fast as the machine
-    GantryApparatus(const Protocol& protocol, DrawnHand hand, double pace = 0.0);
-
-    void begin(const engine::SceneView& scene,
-               const PlannedTrial& planned,
-               std::size_t interval) override;
-    [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
-
-private:
-    DrawnHand hand_;
-    engine::SimulatedGantry device_;
-    engine::VirtualServo servo_;
-};
+using SimulatedApparatus = MachineApparatus<engine::SimulatedPantograph, engine::PantographModel>;
+/// Of three axes, for surfaces.
+using GantryApparatus = MachineApparatus<engine::SimulatedGantry, engine::GantryModel>;
 
 /// Recorded hands: interval k of the plan, counted through all its trials from 0, gets recording k
 /// modulo their number.

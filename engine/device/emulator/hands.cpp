@@ -8,6 +8,25 @@
 
 namespace palpate::engine {
 
+void GlidingHand::set_off() noexcept {
+    from_ = angles_;
+    time_ = 0.0;
+}
+
+bool GlidingHand::glide(const JointAngles& to) noexcept {
+    const double t = std::fmin(time_ / kGlide, 1.0);
+    const double share = t * t * (3.0 - 2.0 * t);
+    for (std::size_t i = 0; i < 2; ++i) {
+        angles_[i] = from_[i] + share * (to[i] - from_[i]);
+    }
+    return time_ >= kGlide;
+}
+
+Vec2 GlidingHand::place_of(const Pantograph& machine, const JointAngles& angles) noexcept {
+    const auto fix = machine.locate(angles);
+    return fix ? fix->hip : Vec2{};
+}
+
 DeskHand::DeskHand(const Calibration& machine, const Exploration& plan)
     : pantograph_(machine.pantograph), path_(plan) {
     const auto home =
@@ -22,11 +41,6 @@ DeskHand::DeskHand(const Calibration& machine, const Exploration& plan)
     start_ = *start;
 }
 
-Vec2 DeskHand::hip() const noexcept {
-    const auto fix = pantograph_.locate(angles_);
-    return fix ? fix->hip : Vec2{};
-}
-
 void DeskHand::before_set_up() noexcept {
     angles_ = home_;
     turn_to(Act::rests);
@@ -34,17 +48,7 @@ void DeskHand::before_set_up() noexcept {
 
 void DeskHand::turn_to(Act act) noexcept {
     act_ = act;
-    from_ = angles_;
-    time_ = 0.0;
-}
-
-/// At rest at both ends.
-void DeskHand::glide(const JointAngles& to) noexcept {
-    const double t = std::fmin(time_ / kGlide, 1.0);
-    const double share = t * t * (3.0 - 2.0 * t);
-    for (std::size_t i = 0; i < 2; ++i) {
-        angles_[i] = from_[i] + share * (to[i] - from_[i]);
-    }
+    set_off();
 }
 
 void DeskHand::advance(double seconds) noexcept {
@@ -58,8 +62,7 @@ void DeskHand::advance(double seconds) noexcept {
             }
             break;
         case Act::goes:
-            glide(start_);
-            if (time_ >= kGlide) {
+            if (glide(start_)) {
                 turn_to(Act::explores);
             }
             break;
@@ -70,8 +73,7 @@ void DeskHand::advance(double seconds) noexcept {
             }
             break;
         case Act::comes:
-            glide(home_);
-            if (time_ >= kGlide) {
+            if (glide(home_)) {
                 turn_to(Act::rests);
             }
             break;
@@ -110,16 +112,11 @@ void FreeHandle::let_go(const Vec2& place) {
     turn_to(Act::free);
 }
 
-Vec2 FreeHandle::place_now() const noexcept {
-    const auto fix = machine_.locate(angles_);
-    return fix ? fix->hip : Vec2{};
-}
-
 void FreeHandle::hold(bool held) {
     if (held) {
         turn_to(Act::held);
     } else if (act_ != Act::free) {
-        let_go(place_now());
+        let_go(place_of(machine_, angles_));
     }
 }
 
@@ -132,23 +129,13 @@ void FreeHandle::explore(const Exploration& plan) {
 
 void FreeHandle::turn_to(Act act) noexcept {
     act_ = act;
-    from_ = angles_;
-    time_ = 0.0;
+    set_off();
 }
 
 void FreeHandle::set_torque(const Vec3& newton_metres) noexcept {
     torque_ = gain_ * Vec2(newton_metres);
     plant_.set_torque(torque_);
     stroke_.set_torque(torque_);
-}
-
-/// At rest at both ends.
-void FreeHandle::glide() noexcept {
-    const double t = std::fmin(time_ / kGlide, 1.0);
-    const double share = t * t * (3.0 - 2.0 * t);
-    for (std::size_t i = 0; i < 2; ++i) {
-        angles_[i] = from_[i] + share * (aim_[i] - from_[i]);
-    }
 }
 
 void FreeHandle::advance(double seconds) noexcept {
@@ -161,14 +148,12 @@ void FreeHandle::advance(double seconds) noexcept {
         case Act::held:
             break;
         case Act::brings:
-            glide();
-            if (time_ >= kGlide) {
+            if (glide(aim_)) {
                 let_go(place_);
             }
             break;
         case Act::comes:
-            glide();
-            if (time_ >= kGlide) {
+            if (glide(aim_)) {
                 turn_to(Act::rests);
             }
             break;

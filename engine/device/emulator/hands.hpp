@@ -13,44 +13,60 @@
 
 namespace palpate::engine {
 
+/// A hand that takes the handle of an emulated five-bar machine from place to place, without jumps.
+class GlidingHand : public BoardPlant {
+public:
+    static constexpr double kRest = 3.0;   ///< s at home, or at the start
+    static constexpr double kGlide = 1.5;  ///< s from where it is to there
+
+    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
+    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
+
+protected:
+    /// A new act begins here and now.
+    void set_off() noexcept;
+    /// At rest at both ends. @return it is there
+    bool glide(const JointAngles& to) noexcept;
+    /// Where the handle truly is, object frame, m; (0, 0) where its angles are of no pose.
+    [[nodiscard]] static Vec2 place_of(const Pantograph& machine,
+                                       const JointAngles& angles) noexcept;
+
+    JointAngles angles_{};
+    double time_ = 0.0;  ///< s in the present act
+
+private:
+    JointAngles from_{};  ///< where it began
+};
+
 /// A firm hand on the handle of an emulated machine that stands on a desk: no torque moves it.
 /// Whenever a board is set up it has brought the handle home; it rests there, goes over to the
-/// start, explores the object, comes home, and so on. It moves without jumps, and rests nowhere but
-/// at home, so that a driver that waits for a resting handle finds it there.
-class DeskHand : public BoardPlant {
+/// start, explores the object, comes home, and so on. It rests nowhere but at home, so that a driver
+/// that waits for a resting handle finds it there.
+class DeskHand : public GlidingHand {
 public:
-    static constexpr double kRest = 3.0;   ///< s at home
-    static constexpr double kGlide = 1.5;  ///< s from home to the start, or back
-
     /// Home is Calibration::home, and without one the pose of count 0.
     /// @throws std::invalid_argument if the linkage cannot be there, or cannot reach the start
     explicit DeskHand(const Calibration& machine, const Exploration& plan = {});
 
     void set_torque(const Vec3& newton_metres) noexcept override { torque_ = newton_metres; }
     void advance(double seconds) noexcept override;
-    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
     void before_set_up() noexcept override;
 
     /// Where the handle truly is, object frame, m.
-    [[nodiscard]] Vec2 hip() const noexcept;
-    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
+    [[nodiscard]] Vec2 hip() const noexcept { return place_of(pantograph_, angles_); }
     [[nodiscard]] Vec3 torque() const noexcept { return torque_; }
 
 private:
     enum class Act : std::uint8_t { waits, rests, goes, explores, comes };
 
     void turn_to(Act act) noexcept;
-    void glide(const JointAngles& to) noexcept;
 
     Pantograph pantograph_;
     HandPath path_;
     JointAngles home_{};
     JointAngles start_{};
-    JointAngles angles_{};
-    JointAngles from_{};  ///< where the present act began
     Vec3 torque_{};
     Act act_ = Act::waits;
-    double time_ = 0.0;  ///< s in the present act
 };
 
 /// `plant` without a hand on its handle.
@@ -63,13 +79,9 @@ private:
 /// friction stops it, until a hand takes it.
 ///
 /// A hand that explores takes the handle over to the start, rests there, strokes over the object
-/// and gives way as the hand of a SimulatedPantograph does, comes back to the start, and so on. It
-/// moves without jumps.
-class FreeHandle : public BoardPlant {
+/// and gives way as the hand of a SimulatedPantograph does, comes back to the start, and so on.
+class FreeHandle : public GlidingHand {
 public:
-    static constexpr double kRest = 3.0;   ///< s at the start
-    static constexpr double kGlide = 1.5;  ///< s from where it is to the start
-
     /// At rest at `place`. @throws std::invalid_argument if it is out of reach
     FreeHandle(const PlantModel& plant, const Vec2& place);
 
@@ -91,29 +103,22 @@ public:
 
     void set_torque(const Vec3& newton_metres) noexcept override;
     void advance(double seconds) noexcept override;
-    [[nodiscard]] double angle(std::size_t axis) const noexcept override { return angles_[axis]; }
-    [[nodiscard]] const JointAngles& angles() const noexcept { return angles_; }
 
 private:
     enum class Act : std::uint8_t { free, held, brings, comes, rests, strokes };
 
     void let_go(const Vec2& place);
-    [[nodiscard]] Vec2 place_now() const noexcept;
     void turn_to(Act act) noexcept;
-    void glide() noexcept;
 
     PantographPlant plant_;   ///< nobody's
     PantographPlant stroke_;  ///< with a hand
     Pantograph machine_;
     Exploration plan_{};
-    JointAngles angles_{};
-    JointAngles from_{};  ///< where the hand set off
-    JointAngles aim_{};   ///< where to
-    Vec2 place_{};        ///< the same in the plane, where it lets go
+    JointAngles aim_{};  ///< where the hand takes it
+    Vec2 place_{};       ///< the same in the plane, where it lets go
     Vec2 gain_{1.0};
     Vec2 torque_{};
     Act act_ = Act::free;
-    double time_ = 0.0;  ///< s in the present act
 };
 
 /// The handle of an emulated machine of three straight axes, on a board: held by a hand, or free.
