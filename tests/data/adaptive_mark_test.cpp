@@ -54,7 +54,7 @@ private:
     enum class Place : std::uint8_t { first, second, question, gap, next };
 
     void at(Place place, int attempt) {
-        tests::Random random(seed_ * 7919 + static_cast<std::uint64_t>(attempt));
+        Random random(seed_ * 7919 + static_cast<std::uint64_t>(attempt));
         if (random.below(3) == 0 && random.below(5) == static_cast<int>(place) &&
             marked_.insert(attempt).second) {
             desk_.mark();
@@ -155,21 +155,20 @@ std::set<TrialId> marked(Database& database) {
 TEST_CASE("a mark at the desk does to a rule what the same mark from outside and a resume do",
           "[adaptive][desk][law]") {
     const bool staircase = GENERATE(false, true);
-    const char* rule = staircase ? tests::kStaircaseRule : tests::kQuestPlusRule;
+    const char* rule = staircase ? kStaircaseRule : kQuestPlusRule;
     const char* kind = staircase ? "two_interval" : "yes_no";
     std::size_t marks = 0;
     std::int64_t of_the_rule = 0;
     std::int64_t ruled_out = 0;
     for (std::uint64_t seed = 0; seed < 2; ++seed) {
         CAPTURE(kind, seed);
-        const tests::TemporaryFolder folder;
-        Protocol protocol = tests::adaptive_protocol(rule, kind);
+        const TemporaryFolder folder;
+        Protocol protocol = adaptive_protocol(rule, kind);
         protocol.timing.explore_min = 0.1;
         protocol.timing.explore_prompt = 0.3;
         protocol.timing.explore_timeout = 0.4;
         protocol.invalid.path_min = seed % 2 == 0 ? 0.0 : 0.03;  // some hands are slower than that
-        const data::SessionSpec spec =
-            tests::session_spec(protocol, fmt::format("P{:02}", seed + 1));
+        const data::SessionSpec spec = session_spec(protocol, fmt::format("P{:02}", seed + 1));
         Database inside(folder.file("inside.sqlite"), Access::write);
         inside.execute("PRAGMA synchronous = OFF");
         std::set<TrialId> never;

@@ -92,7 +92,7 @@ std::string content(Database& database) {
 TEST_CASE(
     "a session with a rule that was killed anywhere and resumed gives what the unbroken one gives",
     "[long][adaptive][law]") {
-    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const char* rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol(rule));
     Database whole(folder.file("whole.sqlite"), Access::write);
@@ -186,7 +186,7 @@ TEST_CASE("an answer marked after a break is forgotten by the rule, and verify k
 
 TEST_CASE("a run handed to palpate procedure gives the stored estimates and states",
           "[adaptive][law]") {
-    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const char* rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol(rule));
     Database database(folder.file("a.sqlite"), Access::write);
@@ -199,7 +199,7 @@ TEST_CASE("a run handed to palpate procedure gives the stored estimates and stat
         CHECK_THAT(
             made.procedure,
             Has(stream_origin(run_key(session_stream(spec), static_cast<std::size_t>(run)))) &&
-                !Has("P01") && !Has(tests::kSecret) && !Has(spec.protocol_hash));
+                !Has("P01") && !Has(kSecret) && !Has(spec.protocol_hash));
         data::Statement row = database.prepare(
             "SELECT stimulus, rule_outcome, state_sha256, estimates FROM analysis_trial WHERE "
             "run_trial_number IS NOT NULL AND run_number = ?1 ORDER BY run_trial_number",
@@ -227,7 +227,7 @@ TEST_CASE("verify reports every edit of what a rule chose and what intervals let
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     REQUIRE(differences(database).empty());
     for (const std::string table : {"presentation", "adaptive_step", "adaptive_plan"}) {
-        for (const std::string& column : tests::result_columns(database, {table})) {
+        for (const std::string& column : result_columns(database, {table})) {
             CAPTURE(column);
             const std::string name = column.substr(column.find('.') + 1);
             // A key that is taken, or what a CHECK refuses, is no edit.
@@ -236,7 +236,7 @@ TEST_CASE("verify reports every edit of what a rule chose and what intervals let
                 "THEN {1} + 0.25 WHEN 'text' THEN 'f' || substr({1}, 2) || 'x' ELSE 1 END WHERE "
                 "rowid = 9",
                 table, name);
-            const tests::Undone undone(database);
+            const Undone undone(database);
             try {
                 database.execute(sql.c_str());
             } catch (const data::StoreError&) {
@@ -259,7 +259,7 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
         protocol.procedure.reset();
         protocol.runs.clear();
         protocol.response = {};
-        protocol.objects = tests::small_protocol().objects;
+        protocol.objects = small_protocol().objects;
         protocol.design = {.repetitions = 2, .catch_trials = 0, .blocks = 2};
     }
     data::SessionSpec spec = session_spec(protocol);
@@ -310,8 +310,7 @@ TEST_CASE("the summary counts answers without pictures, and says what each run o
     const bool staircase = GENERATE(false, true);
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec =
-        session_spec(adaptive_protocol(staircase ? tests::kStaircaseRule : tests::kQuestPlusRule));
+    const auto spec = session_spec(adaptive_protocol(staircase ? kStaircaseRule : kQuestPlusRule));
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     const std::string text = data::summary_text(database);
     CAPTURE(text);

@@ -12,7 +12,6 @@
 using namespace palpate;
 using namespace palpate::data;
 using namespace palpate::tests;
-using tests::TemporaryFolder;
 
 TEST_CASE("a new database says whose it is, and only its owner may read it", "[store]") {
     const TemporaryFolder folder;
@@ -35,16 +34,15 @@ TEST_CASE("a file that is no palpate database is refused and stays as it is", "[
     const TemporaryFolder folder;
     const std::string text = folder.file("notes.txt");
     std::ofstream(text) << std::string(5000, 'x');
-    const std::string before = tests::slurp(text);
+    const std::string before = slurp(text);
     CHECK_THROWS_WITH(Database(text, Access::write), Has("notes.txt", "choose another file name"));
-    CHECK(tests::slurp(text) == before);
+    CHECK(slurp(text) == before);
 
     const std::string other = folder.file("other.sqlite");
-    tests::Process({"sqlite3", other, "CREATE TABLE theirs (x); INSERT INTO theirs VALUES (1);"})
-        .wait();
-    const std::string theirs = tests::slurp(other);
+    Process({"sqlite3", other, "CREATE TABLE theirs (x); INSERT INTO theirs VALUES (1);"}).wait();
+    const std::string theirs = slurp(other);
     CHECK_THROWS_WITH(Database(other, Access::write), Has("not a palpate database"));
-    CHECK(tests::slurp(other) == theirs);
+    CHECK(slurp(other) == theirs);
 }
 
 TEST_CASE("a database of another schema is refused by every command, and stays as it is",
@@ -57,7 +55,7 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
         Database(file, Access::write)
             .execute(fmt::format("PRAGMA user_version = {}", version).c_str());
     }
-    const std::string before = tests::slurp(file);
+    const std::string before = slurp(file);
     const std::string why =
         version == 0 ? "not a palpate database" : fmt::format("schema {}", version);
     CHECK_THROWS_WITH(Database(file, Access::write), Has(why));
@@ -71,10 +69,10 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
           {"merge", folder.file("all.sqlite"), file},
           {"export", file, "--format", "csv", "-o", folder.file("out")}}) {
         CAPTURE(words.front());
-        const tests::Finished refused = ran(words, 2);
+        const Finished refused = ran(words, 2);
         CHECK_THAT(refused.error, Has(why));
     }
-    CHECK(tests::slurp(file) == before);
+    CHECK(slurp(file) == before);
     for (const std::string& name : folder.names()) {
         CHECK_THAT(name, StartsWith("a.sqlite"));  // SQLite's own beside it
     }
@@ -104,7 +102,7 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
           "[store][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    static_cast<void>(data::open_session(database, tests::session_spec(tests::small_protocol())));
+    static_cast<void>(data::open_session(database, session_spec(small_protocol())));
     const char* nonsense[] = {
         "INSERT INTO participant (participant_code, subject) VALUES ('Jane Doe', 1)",
         "INSERT INTO participant (participant_code, subject) VALUES ('', 1)",

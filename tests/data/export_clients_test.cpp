@@ -34,7 +34,7 @@ struct AwkwardLab {
         run(first, "P01");
         run(second, "P01");
         run(first, "Ayse_02");
-        Process cut({tests::palpate_program(), "run", first, "--participant", "P03", "--db", file,
+        Process cut({palpate_program(), "run", first, "--participant", "P03", "--db", file,
                      "--device", "sim", "--headless", "--speed", "1"});
         for (int i = 0; i < 12'000 && running() == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(5));

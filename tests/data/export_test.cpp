@@ -38,7 +38,7 @@ std::string exported_database(const TemporaryFolder& folder) {
     const std::string file = folder.file("study.sqlite");
     Database database(file, Access::write);
     for (const char* code : {"SECRETP1", "SECRETP2", "SECRETP3"}) {
-        data::SessionSpec spec = tests::session_spec(tests::small_protocol(), code);
+        data::SessionSpec spec = session_spec(small_protocol(), code);
         spec.kind = data::RunKind::real;
         spec.key.secret = data::random_secret();
         spec.operator_name = "SECRET operator";
@@ -71,7 +71,7 @@ std::string exported_database(const TemporaryFolder& folder) {
 }  // namespace
 
 TEST_CASE("a number's text is read back to the same bits", "[export][law]") {
-    tests::Random random(GENERATE(range(0U, 4U)));
+    Random random(GENERATE(range(0U, 4U)));
     for (int i = 0; i < 50'000; ++i) {
         const std::uint64_t word = static_cast<std::uint64_t>(random.in(0.0, 0x1p32)) << 32U |
                                    static_cast<std::uint64_t>(random.in(0.0, 0x1p32));

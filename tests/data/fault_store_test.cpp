@@ -44,7 +44,7 @@ public:
 private:
     void call() {
         if (calls_-- == 0) {
-            throw tests::Killed{};
+            throw Killed{};
         }
     }
 
@@ -58,11 +58,8 @@ constexpr const char* kFelt =
 
 /// Runs a session on a database until it is finished, killed after `kill_after` calls at a time.
 /// @return how often it was killed
-int run_to_the_end(Database& database,
-                   const data::SessionSpec& spec,
-                   tests::World world,
-                   int kill_after) {
-    tests::Random random(world.seed);
+int run_to_the_end(Database& database, const data::SessionSpec& spec, World world, int kill_after) {
+    Random random(world.seed);
     for (int kills = 0;; ++kills) {
         world.faults.clear();  // a fault counts when it was written down
         for (const auto& known :
@@ -73,8 +70,8 @@ int run_to_the_end(Database& database,
         CHECK(opened.next == opened.progress.pending().next());
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         Killing killing(recorder, kill_after > 0 && kills < 8 ? random.below(kill_after) : -1);
-        tests::FaultyApparatus apparatus(world);
-        tests::Patient observer;
+        FaultyApparatus apparatus(world);
+        Patient observer;
         try {
             const SessionEnd end = run_session(spec.protocol, spec.plan, {}, opened.progress,
                                                {.apparatus = apparatus,
@@ -84,7 +81,7 @@ int run_to_the_end(Database& database,
                                                 }});
             CHECK(end.why == SessionEnd::Why::finished);
             return kills;
-        } catch (const tests::Killed&) {
+        } catch (const Killed&) {
             CHECK_FALSE(apparatus.force_on);
         }
     }
@@ -95,11 +92,11 @@ int run_to_the_end(Database& database,
 TEST_CASE(
     "resumed from its database after any kill, a session with faults runs as the unbroken one",
     "[store][fault][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
+    const auto seed = GENERATE(seeds(std::uint64_t{12}));
     CAPTURE(seed);
     const TemporaryFolder folder;
-    const auto spec = tests::session_spec(tests::short_protocol());
-    const tests::World world{.seed = seed, .fault_share = 0.3, .away = 1};
+    const auto spec = session_spec(short_protocol());
+    const World world{.seed = seed, .fault_share = 0.3, .away = 1};
     Database unbroken(folder.file("unbroken.sqlite"), Access::write);
     REQUIRE(run_to_the_end(unbroken, spec, world, 0) == 0);
     Database broken(folder.file("broken.sqlite"), Access::write);
@@ -124,20 +121,20 @@ TEST_CASE(
 TEST_CASE(
     "the last ticks before a fault are there in plain SQL, also when the trace lost its chunks",
     "[store][fault][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{10}));
+    const auto seed = GENERATE(seeds(std::uint64_t{10}));
     CAPTURE(seed);
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto spec = session_spec(small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto ticks = tests::random_ticks(seed, 1 + 11 * seed, 12345);
+    const auto ticks = random_ticks(seed, 1 + 11 * seed, 12345);
     TrialResult result;
     result.outcome = Outcome::faulted;
     result.summary.slewed_ticks = 3;
     result.summary.stale_ticks = 2;
     result.fault = Fault{.cause = engine::Trip::device_lost, .text = "gone", .last = ticks};
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
+    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.end_trial(id, result);  // no tick came through the ring
 
     auto row = database.prepare("SELECT * FROM fault_tick ORDER BY tick");
@@ -177,22 +174,21 @@ TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothi
           "[store][fault]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto spec = session_spec(small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
-    TrialResult result = tests::answered(0, true);
-    result.fault =
-        Fault{.cause = engine::Trip::late, .text = {}, .last = tests::random_ticks(1, 5)};
+    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
+    TrialResult result = answered(0, true);
+    result.fault = Fault{.cause = engine::Trip::late, .text = {}, .last = random_ticks(1, 5)};
     CHECK_THROWS_WITH(recorder.end_trial(id, result), Has("with a fault"));
     CHECK(lines(database, "SELECT count(*) FROM fault_tick") == "0 \n");
-    CHECK_NOTHROW(recorder.end_trial(id, tests::answered(0, true)));
+    CHECK_NOTHROW(recorder.end_trial(id, answered(0, true)));
     CHECK(lines(database, "SELECT count(*) FROM fault") == "0 \n");
 }
 
 TEST_CASE("a question that nobody answered in time leaves an unanswered trial, which comes again",
           "[store][session][law]") {
-    class Slow : public tests::Patient {
+    class Slow : public Patient {
     public:
         Choice choose(const TrialView& /*trial*/, const Question& /*question*/) override {
             return {.signal = ++asked % 3 == 1 ? Signal::too_late : Signal::done};
@@ -201,19 +197,18 @@ TEST_CASE("a question that nobody answered in time leaves an unanswered trial, w
     };
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::short_protocol());
+    const auto spec = session_spec(short_protocol());
     const data::OpenedSession opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    tests::World world;
-    tests::FaultyApparatus apparatus(world);
+    World world;
+    FaultyApparatus apparatus(world);
     Slow observer;
     const SessionEnd end = run_session(
         spec.protocol, spec.plan, {}, opened.progress,
         {.apparatus = apparatus, .observer = observer, .recorder = recorder, .pause = [](double) {
          }});
     CHECK(end.why == SessionEnd::Why::finished);
-    CHECK(tests::count(database, "trial WHERE outcome = 'unanswered'") == (observer.asked + 2) / 3);
-    CHECK(tests::count(database,
-                       "trial JOIN response USING (trial_id) WHERE outcome <> 'complete'") == 0);
-    CHECK(tests::count(database, "response") == tests::count(database, "plan"));
+    CHECK(count(database, "trial WHERE outcome = 'unanswered'") == (observer.asked + 2) / 3);
+    CHECK(count(database, "trial JOIN response USING (trial_id) WHERE outcome <> 'complete'") == 0);
+    CHECK(count(database, "response") == count(database, "plan"));
 }

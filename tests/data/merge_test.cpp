@@ -65,7 +65,7 @@ TEST_CASE(
     "files merged in any order, at once or one by one, again or in part before, give the same "
     "content",
     "[long][merge][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(8U));
+    const auto seed = GENERATE(seeds(8U));
     CAPTURE(seed);
     MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
@@ -110,8 +110,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
         const std::int64_t all = sessions(damaged);
         {
             Database database(damaged, Access::write);
-            tests::edit(database, table, column, tests::a_row(database, table, world.random),
-                        world.random);
+            edit(database, table, column, a_row(database, table, world.random), world.random);
         }
         const std::string out = world.folder.file("out.sqlite");
         const MergeReport report = data::merge_files(out, {damaged});
@@ -123,7 +122,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
 }
 
 TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
+    const auto seed = GENERATE(seeds(6U));
     CAPTURE(seed);
     MergeWorld world(seed);
     const std::string out = world.folder.file("out.sqlite");
@@ -317,7 +316,6 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
     run("P3", "b.sqlite");
     ran({"mark", folder.file("b.sqlite"), "12", "--invalid", "a bell"});
     const std::string out = folder.file("out.sqlite");
-    const Finished merged =
-        tests::ran({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
-    CHECK_THAT(tests::ran({"verify", out}).out, Has("3 sessions"));
+    const Finished merged = ran({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
+    CHECK_THAT(ran({"verify", out}).out, Has("3 sessions"));
 }

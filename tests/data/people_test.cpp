@@ -16,7 +16,7 @@ namespace {
 
 /// The n-th attempt at a position counts or not, the same whoever asks.
 std::string reason_of(std::size_t position, std::int64_t attempt, std::uint64_t seed) {
-    tests::Random random(seed * 1009 + position * 31 + static_cast<std::uint64_t>(attempt));
+    Random random(seed * 1009 + position * 31 + static_cast<std::uint64_t>(attempt));
     return random.in(0.0, 1.0) < 0.4 ? fmt::format("contact {} s", attempt) : std::string();
 }
 
@@ -35,17 +35,17 @@ void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, st
                 "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE plan_position = "
                 "?1",
                 at);
-            auto result = tests::answered(0, false);
+            auto result = answered(0, false);
             result.invalid = reason_of(at, attempt.integer(0), seed);
             attempt.reset();
-            const auto trial = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[at]);
+            const auto trial = begin_trial(recorder, spec.protocol, spec.plan.trials[at]);
             recorder.end_trial(trial, result);
             opened.progress = apply(std::move(opened.progress), {.trial = trial,
                                                                  .position = at,
                                                                  .outcome = result.outcome,
                                                                  .counts = result.invalid.empty()});
         }
-        static_cast<void>(tests::begin_trial(
+        static_cast<void>(begin_trial(
             recorder, spec.protocol,
             spec.plan.trials[opened.progress.pending().empty()
                                  ? 0
@@ -61,13 +61,13 @@ constexpr const char* kAnswered =
 
 TEST_CASE("with answers that do not count, a session resumed anywhere runs as the unbroken one",
           "[store][invalid][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{12}));
+    const auto seed = GENERATE(seeds(std::uint64_t{12}));
     CAPTURE(seed);
     const TemporaryFolder folder;
-    auto protocol = tests::small_protocol(2);
+    auto protocol = small_protocol(2);
     protocol.design.blocks = 2;
     protocol.invalid.max_requeues = seed % 3;
-    const auto spec = tests::session_spec(protocol);
+    const auto spec = session_spec(protocol);
     Database unbroken(folder.file("unbroken.sqlite"), Access::write);
     run_on(unbroken, spec, 1000, seed);
     Database broken(folder.file("broken.sqlite"), Access::write);
@@ -91,16 +91,16 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
           "[store][invalid][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto spec = session_spec(small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    auto bad = tests::answered(1, true);
+    auto bad = answered(1, true);
     bad.invalid = "path 12.0 mm, below 160 mm";
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
+    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.end_trial(id, bad);
     CHECK_THAT(data::summary_text(database), Has("1 answered trial is invalid"));
-    recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[1]),
-                       tests::answered(1, true));
+    recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[1]),
+                       answered(1, true));
     CHECK(lines(database,
                 "SELECT trial_id, invalid_reason FROM analysis_trial WHERE invalid_reason IS NOT "
                 "NULL") == fmt::format("{} path 12.0 mm, below 160 mm \n", id));
@@ -111,7 +111,7 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     protocols::TrialResult aborted;
     aborted.outcome = protocols::Outcome::aborted;
     aborted.invalid = "x";
-    const auto other = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
+    const auto other = begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
     CHECK_THROWS_AS(recorder.end_trial(other, aborted), std::logic_error);
 }
 
@@ -119,18 +119,17 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
           "[store][invalid][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto spec = session_spec(small_protocol());
     {
         const auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (std::size_t i = 0; i < 3; ++i) {
-            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[i]),
-                               tests::answered(0, false));
+            recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[i]),
+                               answered(0, false));
         }
         protocols::TrialResult aborted;
         aborted.outcome = protocols::Outcome::aborted;
-        recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[3]),
-                           aborted);
+        recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[3]), aborted);
         CHECK_THROWS_WITH(data::mark_invalid(database, 2, {"x"}), Has("runs now"));
     }
     CHECK_THROWS_WITH(data::mark_invalid(database, 99, {"x"}), Has("no trial 99"));
@@ -206,15 +205,15 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     {
         Database database(file, Access::write);
         for (const std::size_t number : {1U, 2U}) {
-            const auto spec = tests::session_spec(tests::small_protocol(), "P1", number);
+            const auto spec = session_spec(small_protocol(), "P1", number);
             const auto opened = data::open_session(database, spec);
             data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
-                               tests::answered(0, false));
+            recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
+                               answered(0, false));
         }
-        auto other = tests::small_protocol();
+        auto other = small_protocol();
         other.id = "other";
-        static_cast<void>(data::open_session(database, tests::session_spec(other, "P1", 1)));
+        static_cast<void>(data::open_session(database, session_spec(other, "P1", 1)));
     }
     CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
                Has("other and in small: give --study"));

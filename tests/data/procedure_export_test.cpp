@@ -7,13 +7,13 @@ using namespace palpate::tests;
 
 TEST_CASE("palpate procedure prints the stored states of every exported run",
           "[export][adaptive][law]") {
-    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const char* rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     Database database(file, Access::write);
     for (const char* who : {"P01", "P02"}) {
-        const auto spec = tests::session_spec(tests::adaptive_protocol(rule), who);
-        REQUIRE(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+        const auto spec = session_spec(adaptive_protocol(rule), who);
+        REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     }
     ran({"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")});
     std::size_t replayed = 0;
@@ -25,7 +25,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         }
         const Finished shown = ran(
             {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
-        CHECK_THAT(tests::slurp(run.path() / "CONFIG.toml"), !Has("P0"));
+        CHECK_THAT(slurp(run.path() / "CONFIG.toml"), !Has("P0"));
         data::Statement person = database.prepare(
             "SELECT participant_code FROM participant WHERE instr(?1, printf('subject-%010d_', "
             "subject))");
@@ -36,7 +36,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
             "run_trial_number IS NOT NULL AND participant_code = ?1 AND run_number = ?2 ORDER BY "
             "run_trial_number",
             who, name.back() - '0');
-        const auto lines = tests::lines_in(shown.out);
+        const auto lines = lines_in(shown.out);
         REQUIRE(lines.size() == 8);
         CHECK_THAT(lines[0], Has("state_sha256"));
         std::size_t n = 0;
@@ -57,8 +57,7 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
     const std::string file = folder.file("a.sqlite");
     {
         Database database(file, Access::write);
-        static_cast<void>(
-            data::open_session(database, tests::session_spec(tests::small_protocol())));
+        static_cast<void>(data::open_session(database, session_spec(small_protocol())));
     }
     const Finished refused = ran(
         {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")}, 2);

@@ -41,11 +41,11 @@ TEST_CASE("a server that crashes during pushes has each session once in the end"
     const std::string whole = new_database(*server, "whole");
     REQUIRE(data::push_file(file, whole).conflicts.empty());
     const std::string expected = content(whole);
-    tests::Random random(20260301);
+    Random random(20260301);
     for (int i = 0; i < 5; ++i) {
         CAPTURE(i);
         const std::string url = new_database(*server, fmt::format("crash{}", i));
-        Process push({tests::palpate_program(), "push", file, "--to", url});
+        Process push({palpate_program(), "push", file, "--to", url});
         std::this_thread::sleep_for(std::chrono::microseconds(random.below(120'000)));
         server->crash_and_restart();
         const Finished cut = push.wait();
@@ -90,8 +90,8 @@ TEST_CASE(
     std::vector<std::unique_ptr<Process>> pushes;
     for (int i = 0; i < 2; ++i) {
         for (const std::string& file : files) {
-            pushes.push_back(std::make_unique<Process>(std::vector<std::string>{
-                tests::palpate_program(), "push", file, "--to", together}));
+            pushes.push_back(std::make_unique<Process>(
+                std::vector<std::string>{palpate_program(), "push", file, "--to", together}));
         }
     }
     for (const auto& push : pushes) {
@@ -170,10 +170,9 @@ TEST_CASE(
                                        PostgresServer::kPassword);
     std::filesystem::permissions(word, std::filesystem::perms::owner_read);
     const auto by_service = [&](const std::string& certificate) {
-        return Process(
-                   {tests::palpate_program(), "push", file, "--to", "postgresql://?service=lab"},
-                   {"PGSERVICEFILE=" + service, "PGPASSFILE=" + word, "PGSSLMODE=verify-full",
-                    "PGSSLROOTCERT=" + folder.file(certificate)})
+        return Process({palpate_program(), "push", file, "--to", "postgresql://?service=lab"},
+                       {"PGSERVICEFILE=" + service, "PGPASSFILE=" + word, "PGSSLMODE=verify-full",
+                        "PGSSLROOTCERT=" + folder.file(certificate)})
             .wait()
             .code;
     };
@@ -182,7 +181,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a password in the address is not left among the words that ps shows", "[push]") {
-    if (!tests::has_libpq()) {
+    if (!has_libpq()) {
         return;
     }
     // Somebody who takes the call and says nothing.
@@ -195,11 +194,11 @@ TEST_CASE("a password in the address is not left among the words that ps shows",
     REQUIRE(listen(silent, 1) == 0);
     getsockname(silent, reinterpret_cast<sockaddr*>(&address), &size);
     const TemporaryFolder folder;
-    Process push({tests::palpate_program(), "push", a_database(folder), "--to",
+    Process push({palpate_program(), "push", a_database(folder), "--to",
                   fmt::format("postgresql://u:{}@127.0.0.1:{}/d", PostgresServer::kPassword,
                               ntohs(address.sin_port))});
     const auto words = [&push] {
-        return tests::slurp(fmt::format("/proc/{}/cmdline", push.id()));
+        return slurp(fmt::format("/proc/{}/cmdline", push.id()));
     };
     for (int i = 0; i < 3000 && words().find("://***") == std::string::npos; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -82,10 +82,10 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
     const std::string expected = content(whole);
     for (int seed = 0; seed < 3; ++seed) {
         CAPTURE(seed);
-        tests::Random random(static_cast<std::uint64_t>(seed));
+        Random random(static_cast<std::uint64_t>(seed));
         const std::string url = new_database(*server, fmt::format("cut{}", seed));
         for (int i = 0; i < 10; ++i) {
-            Process push({tests::palpate_program(), "push", file, "--to", url});
+            Process push({palpate_program(), "push", file, "--to", url});
             std::this_thread::sleep_for(std::chrono::microseconds(random.below(60'000)));
             if (random.coin()) {
                 push.signal(SIGKILL);

@@ -59,7 +59,7 @@ TEST_CASE("CSV numbers read back to the same bits", "[report][law]") {
         b.values.push_back(i == 3 ? std::numeric_limits<double>::quiet_NaN() : i * 0.1);
     }
     const std::vector<CsvColumn> columns{a, b};
-    const auto lines = palpate::tests::lines_in(csv(columns));
+    const auto lines = lines_in(csv(columns));
     REQUIRE(lines.size() == a.values.size() + 1);
     CHECK(lines[0] == "time_s,\"a, \"\"b\"\"\"");
     for (std::size_t i = 0; i < a.values.size(); ++i) {

@@ -196,7 +196,7 @@ TEST_CASE("Parquet without DuckDB is one sentence with the remedy, and nothing i
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
     ran({"demo", "--headless", "--db", file});
-    const Finished done = Process({tests::palpate_program(), "export", file, "--format", "parquet",
+    const Finished done = Process({palpate_program(), "export", file, "--format", "parquet",
                                    "--kind", "simulated", "-o", folder.file("out")},
                                   {"PALPATE_DUCKDB=/none/libduckdb.so"})
                               .wait();

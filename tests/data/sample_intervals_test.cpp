@@ -18,7 +18,7 @@ std::string brief_text(std::string_view name,
                        "[timing]\nexplore_min_s = 0.5\n");
     edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
     edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
-    return tests::short_text(name, edits);
+    return short_text(name, edits);
 }
 
 /// The first difference, by names. @param rows  of `sample`
@@ -26,7 +26,7 @@ void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRo
     REQUIRE(rows.size() == expected.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
         for (std::size_t c = 0; rows[i] != expected[i] && c < rows[i].size(); ++c) {
-            CAPTURE(i, tests::sample_columns()[c]);
+            CAPTURE(i, sample_columns()[c]);
             REQUIRE(rows[i][c] == expected[i][c]);
         }
     }
@@ -65,7 +65,7 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
         std::vector<SampleRow> both;
         for (const std::int64_t interval : {1, 2}) {
             CAPTURE(trial, interval);
-            const auto expected = tests::expected_rows(database, trial, interval);
+            const auto expected = expected_rows(database, trial, interval);
             REQUIRE(expected.size() > 100);
             require_same(
                 sql_rows(database,

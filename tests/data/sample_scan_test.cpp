@@ -8,7 +8,7 @@ using namespace palpate::tests;
 
 namespace {
 
-std::string random_condition(tests::Random& random, const std::string& trial) {
+std::string random_condition(Random& random, const std::string& trial) {
     const auto number = [&](double scale) {
         return fmt::format("{}", random.in(-0.1, 1.2) * scale);
     };
@@ -58,9 +58,9 @@ std::string random_condition(tests::Random& random, const std::string& trial) {
 
 TEST_CASE("a query gives the same rows with and without the index", "[sample][law]") {
     Opened database(demo_file());
-    const auto seed = GENERATE(palpate::tests::seeds(48U));
-    tests::Random with(seed);
-    tests::Random without(seed);
+    const auto seed = GENERATE(seeds(48U));
+    Random with(seed);
+    Random without(seed);
     const std::string columns[] = {
         "tick, time_s, hip_x_m", "time_s, hip_vx_m_per_s, hip_vy_m_per_s",
         "commanded_x_n, flags",  "tick, rendered_normal_n, mode, hip_vx_m_per_s",
@@ -150,9 +150,8 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
     for (const std::string where : {"trial_id < 6.5", "trial_id <= 6", "trial_id > 5",
                                     "trial_id BETWEEN 6 AND 6", "trial_id < 'a'"}) {
         CAPTURE(where);
-        CHECK_THAT(
-            tests::error_of(damaged, "SELECT sum(rendered_normal_n) FROM sample WHERE " + where),
-            Has("trial 6"));
+        CHECK_THAT(error_of(damaged, "SELECT sum(rendered_normal_n) FROM sample WHERE " + where),
+                   Has("trial 6"));
     }
 }
 
@@ -162,7 +161,7 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
-    tests::add_interval(database);
+    add_interval(database);
     const std::string what = GENERATE("hip_x_m", "rendered_normal_n", "count_1");
     const std::string range = "BETWEEN 4000 AND 4200";  // across the border of two chunks
     const auto joined = sql_rows(
@@ -204,8 +203,8 @@ TEST_CASE(
         CAPTURE(what, edit);
         database.execute("BEGIN");
         database.execute(edit.c_str());
-        CHECK_THAT(tests::error_of(database, query + "< 6"), Has("trial 4, interval 1: "));
-        CHECK(tests::error_of(database, query + "<> 4 AND trial_id IN (1, 5)").empty());
+        CHECK_THAT(error_of(database, query + "< 6"), Has("trial 4, interval 1: "));
+        CHECK(error_of(database, query + "<> 4 AND trial_id IN (1, 5)").empty());
         database.execute("ROLLBACK");
     }
     // Where the session says that ticks were lost, what is left can be had.
@@ -213,7 +212,7 @@ TEST_CASE(
         "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096;INSERT INTO event "
         "(session_id, event_kind, text, at_utc, trials_begun, count) VALUES (1, 'ticks lost', "
         "'4096', '', 4, 4096)");
-    CHECK(tests::error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
+    CHECK(error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
 }
 
 TEST_CASE("sample is never of another database than the one that was named", "[sample][law]") {
@@ -222,13 +221,13 @@ TEST_CASE("sample is never of another database than the one that was named", "[s
     std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
     Opened database(folder.file("d.sqlite"), data::Access::write);
     const auto count = [&] {
-        return tests::error_of(database, "SELECT count(*) FROM sample WHERE trial_id = 1");
+        return error_of(database, "SELECT count(*) FROM sample WHERE trial_id = 1");
     };
     database.execute("ATTACH ':memory:' AS mine; CREATE TABLE mine.means (x)");
     CHECK(count().empty());
     database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS b").c_str());
     CHECK_THAT(count(), Has("DETACH b"));
-    CHECK_THAT(tests::error_of(database, "SELECT count(*) FROM b.sample"), Has("DETACH b"));
+    CHECK_THAT(error_of(database, "SELECT count(*) FROM b.sample"), Has("DETACH b"));
     database.execute("DETACH b");
     CHECK(count().empty());
     database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS \"b\"\"c\"").c_str());

@@ -12,14 +12,14 @@ namespace {
 struct Wild {
     explicit Wild(const std::vector<std::size_t>& sizes)
         : database(folder.file("w.sqlite"), data::Access::write) {
-        const auto spec = tests::session_spec(tests::small_protocol());
+        const auto spec = session_spec(small_protocol());
         const auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (std::size_t i = 0; i < sizes.size(); ++i) {
-            const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[i],
-                                               {.slip_decay = 0.9, .heal_decay = 0.9});
-            recorder.append(id, tests::random_ticks(11 + i, sizes[i]));
-            recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(sizes[i])));
+            const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[i],
+                                        {.slip_decay = 0.9, .heal_decay = 0.9});
+            recorder.append(id, random_ticks(11 + i, sizes[i]));
+            recorder.end_trial(id, answered(0, true, static_cast<std::int64_t>(sizes[i])));
             ids.push_back(id);
         }
     }
@@ -34,7 +34,7 @@ TEST_CASE("every value of sample is the reader's tick to the bit", "[sample][law
     Opened database(demo_file());
     std::size_t checked = 0;
     for (std::int64_t trial = 1; trial <= 10; ++trial) {
-        const auto expected = tests::expected_rows(database, trial);
+        const auto expected = expected_rows(database, trial);
         const auto rows =
             sql_rows(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial));
         REQUIRE(rows.size() == expected.size());
@@ -52,7 +52,7 @@ TEST_CASE("every value of sample is the reader's tick to the bit", "[sample][law
 TEST_CASE("so it is where every bit was arbitrary", "[sample][law]") {
     Wild wild({1, 255, 256, 257, 5000});
     for (const std::int64_t id : wild.ids) {
-        const auto expected = tests::expected_rows(wild.database, id);
+        const auto expected = expected_rows(wild.database, id);
         const auto rows =
             sql_rows(wild.database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", id));
         REQUIRE(rows.size() == expected.size());
@@ -71,11 +71,10 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
     Opened demo(demo_file());
     data::Database& database = is_wild ? static_cast<data::Database&>(wild.database) : demo;
     const auto all = sql_rows(database, "SELECT * FROM sample WHERE trial_id = 2");
-    for (std::size_t c = 0; c < tests::sample_columns().size(); ++c) {
-        CAPTURE(tests::sample_columns()[c]);
+    for (std::size_t c = 0; c < sample_columns().size(); ++c) {
+        CAPTURE(sample_columns()[c]);
         const auto alone = sql_rows(
-            database,
-            fmt::format("SELECT {} FROM sample WHERE trial_id = 2", tests::sample_columns()[c]));
+            database, fmt::format("SELECT {} FROM sample WHERE trial_id = 2", sample_columns()[c]));
         REQUIRE(alone.size() == all.size());
         bool same = true;
         for (std::size_t i = 0; i < all.size(); ++i) {
@@ -126,8 +125,8 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    tests::Random random(seed);
+    const auto seed = GENERATE(seeds(40U));
+    Random random(seed);
     const auto chunk =
         sql_rows(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial_id = 4");
     const auto& one = chunk[random.index(chunk.size())];
@@ -197,7 +196,7 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
                                       "trial_id, interval, time_s, hip_vy_m_per_s, commanded_x_n");
     const auto once =
         sql_rows(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
-    tests::add_interval(database);
+    add_interval(database);
     const auto both =
         sql_rows(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
     REQUIRE(both.size() == 2 * once.size());

@@ -16,15 +16,15 @@ std::int64_t answer_two_and_die(Database& database, const data::SessionSpec& spe
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     for (std::size_t i = 0; i < 2; ++i) {
-        const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[i]);
-        recorder.append(id, tests::random_ticks(i, 300));
-        recorder.end_trial(id, tests::answered(0, false, 300));
+        const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[i]);
+        recorder.append(id, random_ticks(i, 300));
+        recorder.end_trial(id, answered(0, false, 300));
     }
     protocols::TrialResult aborted;
     aborted.outcome = protocols::Outcome::aborted;
-    recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[2]), aborted);
-    const auto cut = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
-    recorder.append(cut, tests::random_ticks(9, 600));
+    recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[2]), aborted);
+    const auto cut = begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
+    recorder.append(cut, random_ticks(9, 600));
     REQUIRE(recorder.save());
     return opened.id;
 }
@@ -77,8 +77,8 @@ TEST_CASE("a session goes on at the first position without an answer, other atte
                 "trace_chunk JOIN trial USING (trial_id) WHERE outcome = 'interrupted'") == 1);
     CHECK(count(database, "event WHERE event_kind = 'interrupted'") == 1);
     data::SqliteRecorder recorder(database, spec.protocol, session);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
-    recorder.end_trial(id, tests::answered(0, false));
+    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
+    recorder.end_trial(id, answered(0, false));
     CHECK(count(database, "trial WHERE plan_position = 2 AND attempt = 3") == 1);
     CHECK(data::open_session(database, spec).next == 3);
     CHECK(count(database, "analysis_trial WHERE counts") == 3);
@@ -91,8 +91,8 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     const auto spec = session_spec(small_protocol());
     const auto id = data::open_session(database, spec).id;
     data::SqliteRecorder recorder(database, spec.protocol, id);
-    static_cast<void>(tests::begin_trial(recorder, spec.protocol,
-                                         spec.plan.trials[0]));  // before it, all may change
+    static_cast<void>(begin_trial(recorder, spec.protocol,
+                                  spec.plan.trials[0]));  // before it, all may change
 
     auto changed = small_protocol();
     changed.apparatus.stiffness = 500.0;

@@ -19,7 +19,7 @@ Outline random_chain(Random& random, double size) {
     Vec2 start = size * random.point(-0.5, 0.5);
     const int count = 1 + random.below(3);
     for (int i = 0; i < count; ++i) {
-        NurbsData<2> data = tests::random_nurbs<2>(random, size, random.coin() ? 0.0 : 1.0);
+        NurbsData<2> data = random_nurbs<2>(random, size, random.coin() ? 0.0 : 1.0);
         data.points.front() = start;
         start = data.points.back();
         segments.emplace_back(data.degree, data.knots, data.points, data.weights);

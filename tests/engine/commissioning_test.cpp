@@ -139,7 +139,7 @@ TEST_CASE(
     "right machines of many kinds pass, their friction in joints or at the handle found to a "
     "tenth, and the same twice as strong or half do not",
     "[commissioning][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(8U));
+    const auto seed = GENERATE(seeds(8U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const CommissioningResult right = commissioned(plant, {}, {});
@@ -162,8 +162,7 @@ TEST_CASE(
 TEST_CASE("a motion that mass and friction do not explain blames no motor",
           "[commissioning][law]") {
     const double cable = GENERATE(1.0, 2.0, 3.0, 4.0);  // N/m: dry friction holds the handle
-    const auto seed =
-        GENERATE(take(palpate::tests::cases(std::size_t{4}), values({1U, 3U, 5U, 11U})));
+    const auto seed = GENERATE(take(cases(std::size_t{4}), values({1U, 3U, 5U, 11U})));
     CAPTURE(cable, seed);
     const PlantModel plant = some_plant(seed);
     MiswiredMachine device(plant, {}, {});
@@ -183,7 +182,7 @@ TEST_CASE(
     "a drag that grows with the square of the speed blames no motor, and air's changes nothing",
     "[commissioning][law]") {
     const double drag = GENERATE(0.01, 5.0, 100.0);  // N s^2/m^2: ten times air's, water's, oil's
-    const auto seed = GENERATE(take(palpate::tests::cases(std::size_t{2}), values({3U, 5U})));
+    const auto seed = GENERATE(take(cases(std::size_t{2}), values({3U, 5U})));
     CAPTURE(drag, seed);
     const PlantModel plant = some_plant(seed);
     MiswiredMachine device(plant, {}, {});
@@ -203,7 +202,7 @@ TEST_CASE(
 TEST_CASE(
     "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
     "[commissioning][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
+    const auto seed = GENERATE(seeds(6U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant, {}, {}).record;
@@ -256,7 +255,7 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
 
 TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no stronger motor",
           "[commissioning][safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(3U));
+    const auto seed = GENERATE(seeds(3U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const Calibration machine{.pantograph = plant.machine};

@@ -120,7 +120,7 @@ TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
 
 TEST_CASE("a force that follows the motion trips before it gave the limit and a tick",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
+    const auto seed = GENERATE(seeds(std::uint64_t{60}));
     const bool linear = GENERATE(true, false);  // -b v with b < 0, or of one size along v
     CAPTURE(seed, linear);
     Random random(seed);

@@ -94,11 +94,11 @@ TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tic
     const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
     const Scene scene(stimuli::make_outline({.curvature = kappa}),
                       {.stiffness = k, .friction = friction});
-    tests::GosOracle oracle(side, {.stiffness = k,
-                                   .mu_s = friction.mu_s,
-                                   .mu_d = friction.mu_d,
-                                   .tau_slip = friction.tau_slip,
-                                   .tau_heal = friction.tau_heal});
+    GosOracle oracle(side, {.stiffness = k,
+                            .mu_s = friction.mu_s,
+                            .mu_d = friction.mu_d,
+                            .tau_slip = friction.tau_slip,
+                            .tau_heal = friction.tau_heal});
     ContactState state;
     double worst = 0.0;
     int touched = 0;
@@ -198,7 +198,7 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
 }  // namespace
 
 TEST_CASE("with vertex slew the force never steps by more than the bound", "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
+    const auto seed = GENERATE(seeds(std::uint64_t{40}));
     const double rate = GENERATE(1000.0, 4000.0);
     CAPTURE(seed, rate);
     const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
@@ -208,7 +208,7 @@ TEST_CASE("with vertex slew the force never steps by more than the bound", "[fri
 
 TEST_CASE("round a shallow corner the force never steps by more than the bound",
           "[friction][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     CAPTURE(seed);
     const Scene scene(
         std::make_shared<const Outline>(Outline(

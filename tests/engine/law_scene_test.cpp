@@ -186,9 +186,9 @@ TEST_CASE("a law's ticks allocate nothing, give the same bits again, and bear an
         ContactState b;
         std::size_t made = 0;
         for (const Vec2& h : path) {
-            const std::size_t before = tests::allocations();
+            const std::size_t before = allocations();
             const Contact one = scene.tick(a, h);
-            made += tests::allocations() - before;
+            made += allocations() - before;
             const Contact other = scene.tick(b, h);
             REQUIRE(one.force == other.force);
             REQUIRE(one.mu == other.mu);

@@ -46,7 +46,7 @@ TEST_CASE("a NURBS curve of any degree, spacing and weights is what its definiti
 }
 
 TEST_CASE("derivatives are those of the definition", "[geometry][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
+    const auto seed = GENERATE(seeds(60U));
     CAPTURE(seed);
     Random random(1000U + seed);
     const NurbsData<2> data = random_nurbs<2>(random, 0.1, 0.5);

@@ -6,7 +6,6 @@
 
 using namespace palpate::engine;
 using namespace palpate::tests;
-using palpate::tests::Random;
 
 namespace {
 

@@ -76,7 +76,7 @@ TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][
 
 TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes",
           "[safety][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{40}));
+    const auto seed = GENERATE(seeds(std::uint64_t{40}));
     const std::size_t axis = GENERATE(0U, 1U);
     CAPTURE(seed, axis);
     Random random(seed);

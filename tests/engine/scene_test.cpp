@@ -53,7 +53,7 @@ TEST_CASE("without friction the force is K times the depth along the closest poi
 }
 
 TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     CAPTURE(seed);
     for (const double kappa : kCurvatures) {
         for (const Friction& friction : {Friction{}, kSceneFriction}) {
@@ -99,11 +99,11 @@ TEST_CASE("a tick allocates nothing", "[scene][law]") {
         const Scene scene = scene_of(-5.0, friction, kSceneSlew);
         const std::vector<Vec2> path = scene_hand(7);
         ContactState state;
-        const std::size_t before = tests::allocations();
+        const std::size_t before = allocations();
         for (const Vec2& h : path) {
             static_cast<void>(scene.tick(state, h));
         }
-        CHECK(tests::allocations() == before);
+        CHECK(allocations() == before);
     }
 }
 

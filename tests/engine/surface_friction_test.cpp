@@ -7,7 +7,7 @@ using namespace palpate::engine;
 using namespace palpate::tests;
 
 TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(10U));
+    const auto seed = GENERATE(seeds(10U));
     CAPTURE(seed);
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(plane(0.5), friction);
@@ -48,7 +48,7 @@ TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][su
 }
 
 TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(10U));
+    const auto seed = GENERATE(seeds(10U));
     CAPTURE(seed);
     const Friction friction = some_friction(seed);
     const double r = 0.05;
@@ -81,7 +81,7 @@ TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][sur
 
 TEST_CASE("the force never leaves the friction cone of the GO's own normal",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{30}));
+    const auto seed = GENERATE(seeds(std::uint64_t{30}));
     CAPTURE(seed);
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(smooth_object(seed), friction);
@@ -115,7 +115,7 @@ TEST_CASE("the force never leaves the friction cone of the GO's own normal",
 
 TEST_CASE("a contact gives back no more than was put in, whatever mu does",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{30}));
+    const auto seed = GENERATE(seeds(std::uint64_t{30}));
     CAPTURE(seed);
     const SurfaceScene scene = scene_of(smooth_object(seed), some_friction(seed));
     SurfaceState state;
@@ -145,7 +145,7 @@ TEST_CASE("a contact gives back no more than was put in, whatever mu does",
 
 TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop allow",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{30}));
+    const auto seed = GENERATE(seeds(std::uint64_t{30}));
     CAPTURE(seed);
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(smooth_object(seed), friction);
@@ -179,7 +179,7 @@ TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop al
 
 TEST_CASE("a hand at rest leaves the contact stuck, slip ends on the cone",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     CAPTURE(seed);
     const Friction friction{.mu_s = 0.5, .mu_d = 0.5};
     const SurfaceScene scene = scene_of(smooth_object(seed), friction);

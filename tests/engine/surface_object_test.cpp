@@ -30,7 +30,7 @@ TEST_CASE("a surface that is cut into four is felt as if it were whole",
     const double v = somewhere(whole.knots_v, 3, random);
     const SurfaceData knotted = turned_by(creased_u(turned_by(creased_u(whole, u), 1), v), 3);
     const Friction friction = seed % 5U == 4U ? Friction{} : some_friction(seed);
-    const SurfaceScene one = palpate::tests::scene_of(knotted, friction);
+    const SurfaceScene one = scene_of(knotted, friction);
     const SurfaceScene four = scene_of(quarters(whole, u, v, random), friction);
     SurfaceState state_one;
     SurfaceState state_four;

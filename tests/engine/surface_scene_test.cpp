@@ -50,7 +50,7 @@ TEST_CASE("the same path over a surface gives the same forces to the bit, also f
 
 TEST_CASE("not looking while out of reach changes no force on a closed surface",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
+    const auto seed = GENERATE(seeds(std::uint64_t{8}));
     CAPTURE(seed);
     const SurfaceData data = seed % 2U == 0U ? torus(0.06, 0.025) : sphere(0.04);
     const SurfaceScene plain = scene_of(data, kFriction);

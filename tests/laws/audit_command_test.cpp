@@ -28,7 +28,7 @@ TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audi
 
 TEST_CASE("a difference as large as the bound is called the same in 5 % of samples",
           "[audit][law]") {
-    tests::Random random(7);
+    Random random(7);
     constexpr int kSamples = 4000;
     const double bound = random.coin() ? 1.0 : -1.0;
     int same = 0;
@@ -49,7 +49,7 @@ TEST_CASE("a difference as large as the bound is called the same in 5 % of sampl
 
 TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not",
           "[audit][law]") {
-    const tests::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
         const auto ran =
@@ -64,7 +64,7 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
         const std::size_t at = text.find(start);
         return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
     };
-    const tests::Finished first = audit();
+    const Finished first = audit();
     CAPTURE(first.out, first.error);
     REQUIRE(first.code == 0);
     CHECK_THAT(first.out, Has("on - off"));
@@ -94,9 +94,9 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     CHECK_THAT(line_of(audit().out, "late ticks"), Has("  2  "));
     const std::string page = folder.file("page.html");
     ran({"report", file, "--kind", "simulated", "-o", page});
-    CHECK_THAT(tests::slurp(page), Has("There is no answer with friction on, so no "
-                                       "difference with it: " +
-                                       second + "."));
+    CHECK_THAT(slurp(page), Has("There is no answer with friction on, so no "
+                                "difference with it: " +
+                                second + "."));
     const auto made = nlohmann::json::parse(
         palpate_command({"audit", file, "--kind", "simulated", "--json"}).out);
     CHECK(made.at("no_answer_with").dump() ==
@@ -130,5 +130,5 @@ TEST_CASE("no number is made of the answers of who does not consent", "[audit][s
                Has("All answers: 2 people, 8 answers"));
     const std::string page = folder.file("page.html");
     ran({"report", with, "--kind", "simulated", "-o", page});
-    CHECK_THAT(tests::slurp(page), Has("left out: 1 does not consent", "2 people"));
+    CHECK_THAT(slurp(page), Has("left out: 1 does not consent", "2 people"));
 }

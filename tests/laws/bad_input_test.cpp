@@ -182,18 +182,16 @@ TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli
                          folder.file("said.sqlite"), "--headless", "--kind", kind});
     CHECK_THAT(said.error, Has("recorded as simulated, not " + kind));
     const Finished alone =
-        tests::Process(
-            {"sh", "-c", R"(mkfifo "$1"; exec 4<>"$1" 5>"$1" 4<&-; shift; exec "$@" >&5 2>&5)",
-             "sh", folder.file("pipe"), tests::palpate_program(), "run", "shape_friction_demo",
-             "--participant", "P1", "--db", file, "--headless", "--kind", kind},
-            {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
+        Process({"sh", "-c", R"(mkfifo "$1"; exec 4<>"$1" 5>"$1" 4<&-; shift; exec "$@" >&5 2>&5)",
+                 "sh", folder.file("pipe"), palpate_program(), "run", "shape_friction_demo",
+                 "--participant", "P1", "--db", file, "--headless", "--kind", kind},
+                {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
             .wait();
     CHECK(alone.code == 0);
     const Finished answers =
-        tests::Process(
-            {"sqlite3", file,
-             "SELECT count(*), min(outcome), max(outcome), (SELECT finished FROM session)"
-             " FROM trial"})
+        Process({"sqlite3", file,
+                 "SELECT count(*), min(outcome), max(outcome), (SELECT finished FROM session)"
+                 " FROM trial"})
             .wait();
     CHECK(answers.out == "10|complete|complete|1\n");
     ran({"verify", file});
@@ -324,8 +322,8 @@ TEST_CASE(
                                      "fit --json '" + data + "'", std::string("--version")}) {
         CAPTURE(words);
         const auto run = [&](const std::string& where) {
-            return tests::Process({"bash", "-o", "pipefail", "-c",
-                                   "'" + tests::palpate_program() + "' " + words + where})
+            return Process({"bash", "-o", "pipefail", "-c",
+                            "'" + palpate_program() + "' " + words + where})
                 .wait();
         };
         const Finished full = run(" >/dev/full");

@@ -27,7 +27,7 @@ bool only_shows(const std::string& text) {
 }  // namespace
 
 TEST_CASE("what a terminal is sent is only shown, whatever the bytes", "[cli][law]") {
-    tests::Random random(10);
+    Random random(10);
     for (int i = 0; i < 2'000; ++i) {
         std::string bytes;
         for (int n = random.below(30); n > 0; --n) {
@@ -90,7 +90,7 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
             0);
     std::string all;
     for (const auto& file : std::filesystem::directory_iterator(out)) {
-        all += tests::slurp(file.path());
+        all += slurp(file.path());
     }
     CHECK_THAT(all, Has("\"'=HYPERLINK(", "'@SUM(A1)", "'+1+1", ",-3"));
     CHECK(all.find("'-") == std::string::npos);
@@ -146,6 +146,5 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
     }
     const Finished json = palpate_command({"sql", db, "--json", "-c", "SELECT * FROM event"});
     std::ofstream(folder.file("rows.json")) << json.out;
-    CHECK(tests::Process({"python3", "-m", "json.tool", folder.file("rows.json")}).wait().code ==
-          0);
+    CHECK(Process({"python3", "-m", "json.tool", folder.file("rows.json")}).wait().code == 0);
 }

@@ -11,7 +11,7 @@ namespace {
 Finished calibrate(const std::string& words, int enters = 100) {
     const std::string command = "yes '' | head -n " + std::to_string(enters) + " | '" +
                                 palpate_program() + "' calibrate " + words;
-    return tests::Process({"sh", "-c", command}).wait();
+    return Process({"sh", "-c", command}).wait();
 }
 
 /// The simulated encoders' hidden error, rad.
@@ -95,9 +95,9 @@ TEST_CASE("a session whose calibration cannot be is refused before a file is mad
           "[calibration][law]") {
     const TemporaryFolder folder;
     for (const char* kind : {"pilot", "real"}) {
-        const Finished run = palpate::tests::palpate_command(
-            {"run", "shape_friction_demo", "--participant", "P1", "--db", folder.file("d.sqlite"),
-             "--kind", kind, "--device", "sim", "--calibration", "mk9"});
+        const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
+                                              "--db", folder.file("d.sqlite"), "--kind", kind,
+                                              "--device", "sim", "--calibration", "mk9"});
         CAPTURE(kind);
         check_end(run, 2, Has("there is no such calibration"));
         CHECK(folder.names().empty());
@@ -107,7 +107,7 @@ TEST_CASE("a session whose calibration cannot be is refused before a file is mad
 TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("c.toml");
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
     text.erase(0, text.find("# 2DIY, second generation"));
     text.erase(text.find("[[pantograph]]", text.find("[[pantograph]]") + 1));
     const std::string limit = "torque_limit_mn_m = 123";
@@ -120,14 +120,14 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
 
     const std::string beyond = "torque_limit_mn_m = 1000000";
     const auto checked = [&](const std::string& from, const std::string& to) {
-        std::ofstream(file) << "format = 1\n" << tests::replaced(text, from, to);
+        std::ofstream(file) << "format = 1\n" << replaced(text, from, to);
         const Finished check = ran({"check", "pilot", "--calibration", file}, 2);
         CHECK_THAT(check.error, Has(file + ":"));
         return check.error;
     };
     CHECK_THAT(checked(beyond, "torque_limit_mn_m = 124"),
                Has("a Haply board gives 0.123 at most"));
-    text = tests::replaced(text, beyond, "torque_limit_mn_m = 123");
+    text = replaced(text, beyond, "torque_limit_mn_m = 123");
     const std::size_t counts = text.find("counts_per_turn = ");
     CHECK_THAT(
         checked(text.substr(counts, text.find('\n', counts) - counts), "counts_per_turn = 1e-9"),

@@ -25,7 +25,7 @@ using namespace palpate::engine;
 namespace {
 
 const Calibration& machine() {
-    static const Calibration calibration = tests::emulated_calibration("gen3");
+    static const Calibration calibration = emulated_calibration("gen3");
     return calibration;
 }
 
@@ -33,9 +33,9 @@ const Calibration& machine() {
 class Bench : public protocols::Apparatus {
 public:
     Bench() {
-        device_ = std::make_unique<BoardDevice>(machine(), std::make_unique<BoardLink>(cable_),
-                                                haply_line,
-                                                std::make_unique<tests::ScriptedGuard>(guard_));
+        device_ =
+            std::make_unique<BoardDevice>(machine(), std::make_unique<BoardLink>(cable_),
+                                          haply_line, std::make_unique<ScriptedGuard>(guard_));
     }
 
     /// As `palpate commission` does it, at a right rig. @return its record, second mark and all
@@ -119,7 +119,7 @@ private:
 
     HaplyBoard board_{handle, machine().pantograph, *machine().haply};
     BoardCable cable_{board_};
-    tests::ScriptedGuard::Script guard_;
+    ScriptedGuard::Script guard_;
     std::unique_ptr<BoardDevice> device_;
     protocols::RigProof proof_;
     std::size_t homings_ = 0;
@@ -250,7 +250,7 @@ TEST_CASE("whatever becomes of a rig between two trials, none that is not right 
     int unasked = 0;
     int hidden = 0;
     std::string worst;
-    for (const std::uint64_t seed : tests::schedules(40)) {
+    for (const std::uint64_t seed : schedules(40)) {
         Random random(seed);
         const Change change = random_change(random);
         Bench bench;

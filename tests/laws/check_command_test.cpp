@@ -6,7 +6,7 @@ using namespace palpate::tests;
 namespace {
 
 void replace(const std::string& file, const std::string& from, const std::string& to) {
-    std::string text = tests::slurp(file);
+    std::string text = slurp(file);
     const std::size_t at = text.find(from);
     REQUIRE(at != std::string::npos);
     std::ofstream(file) << text.replace(at, from.size(), to);
@@ -22,9 +22,9 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
         ran({"new", file, "--from", from});
         CHECK_THAT(ran({"check", file}).out, StartsWith("mine: Mine\nprotocol "));
 
-        const std::string before = tests::slurp(file);
+        const std::string before = slurp(file);
         CHECK_THAT(ran({"new", file}, 2).error, Has("is there already"));
-        CHECK(tests::slurp(file) == before);
+        CHECK(slurp(file) == before);
         CHECK(folder.names() == std::vector<std::string>{"Mine.toml"});
     }
 }
@@ -49,7 +49,7 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
                               "object 2 (limit 2), friction 3 (limit 3)\n",
                               "\nduration 74 min if every trial is felt until the prompt",
                               "nothing stands against it"));
-    CHECK_THAT(tests::slurp(folder.file("objects.svg")), Has("convex_20"));
+    CHECK_THAT(slurp(folder.file("objects.svg")), Has("convex_20"));
     CHECK(folder.names() == std::vector<std::string>{"objects.svg"});
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("a rule beside a design is answered at its place, with which to keep",
     ran({"check", file});
     // Also where the design says no more than what it would be anyway.
     replace(file, "[design]\n", "[design]\nrepetitions = 10\ncatch_trials = 4\n");
-    const std::string text = tests::slurp(file);
+    const std::string text = slurp(file);
     const auto line =
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("[design]")),
                    '\n') +

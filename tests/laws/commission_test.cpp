@@ -26,7 +26,7 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
     CHECK(rig.record->device == "sim");
     CHECK(rig.record->calibration == protocols::calibration_id(rig.calibration));
     CHECK(rig.calibration.pantograph.damping == rig.record->damping);
-    CHECK(protocols::to_toml(rig.calibration, *rig.record) == tests::slurp(file));
+    CHECK(protocols::to_toml(rig.calibration, *rig.record) == slurp(file));
     const engine::PlantModel true_plant;
     CHECK(rig.record->dynamics.handle_mass == Approx(true_plant.handle_mass).epsilon(0.05));
     CHECK(rig.record->dynamics.damping.x == Approx(true_plant.damping.x).epsilon(0.05));
@@ -37,7 +37,7 @@ TEST_CASE("commission writes a calibration with the damping it found, its record
                                   "give another file to write"));
     CHECK(protocols::load_rig(file).record->device == "sim");
 
-    const std::string other = replaced(tests::slurp(file), "handle_g = ", "handle_g = 1");
+    const std::string other = replaced(slurp(file), "handle_g = ", "handle_g = 1");
     std::ofstream(file) << other;
     const Finished changed = ran({"check", "pilot", "--calibration", file}, 2);
     CHECK_THAT(changed.error, Has("changed after the rig was commissioned"));
@@ -58,7 +58,7 @@ TEST_CASE(
         if (!calibration.empty()) {
             words.insert(words.end(), {"--calibration", calibration});
         }
-        Finished end = tests::Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
+        Finished end = Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
         CHECK(end.code == 2);
         return end.error;
     };
@@ -108,7 +108,7 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
           "[commission][open][law]") {
     const TemporaryFolder folder;
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
-    FreeBoard device(folder, tests::free_udp_port());
+    FreeBoard device(folder, free_udp_port());
     const std::string commission =
         fmt::format("commission --device {} --calibration '{}' --handle-g 100 -o '{}'",
                     device.word(), calibration, folder.file("rig.toml"));
@@ -220,7 +220,7 @@ TEST_CASE(
     const bool slow = GENERATE(false, true);
     FreeBoard board(folder, slow ? "--delay-ms 6" : "");
     std::ofstream(folder.file("asked.toml"))
-        << replaced(tests::slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
+        << replaced(slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
                     slow ? "stiffness_n_per_m = 200" : "stiffness_n_per_m = 2000");
     const Finished end =
         operated(folder, board,
@@ -259,7 +259,7 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     program.type("yes");
     CHECK(eventually([&] {
         return program.program().out().find("the handle is free\n") != std::string::npos ||
-               tests::starved(program.program().error());
+               starved(program.program().error());
     }));
     CHECK(times(program.program().out(), "Type yes:") == questions);
 
@@ -271,10 +271,10 @@ TEST_CASE("commission says where home is and asks until somebody says yes, with 
     if (!program.program().running()) {
         return;  // a busy machine
     }
-    board.bring(tests::last_place(program.program().out()));
+    board.bring(last_place(program.program().out()));
     board.signal(SIGSTOP);
     program.type("");
-    tests::pause(0.3);
+    pause(0.3);
     board.signal(SIGCONT);
     const Finished end = program.program().wait();
     CHECK_THAT(end.error, Has("was opened anew while the handle was at (") || Has("did not rest") ||

@@ -14,12 +14,12 @@ using namespace palpate::tests;
 namespace {
 
 /// Presses what goes on at each screen until `name` is shown, or the program has ended.
-void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
+void press_up_to(XHand& hand, TypedTo& run, const std::string& name) {
     CHECK(eventually([&] {
         const bool there =
             hand.find_window("palpate: ").title == "palpate: " + name || !run.program().running();
         if (!there) {
-            tests::press_on(hand);
+            press_on(hand);
         }
         return there;
     }));
@@ -29,13 +29,13 @@ void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
 std::string real_words(const TemporaryFolder& folder,
                        const FreeBoard& board,
                        const std::string& rig) {
-    return tests::ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
+    return ran_words(folder, board.word()) + " --kind real --calibration '" + rig + "'";
 }
 
 /// A session in a window, as an operator opens it.
 std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
                                         FreeBoard& board,
-                                        const tests::Xvfb& screen,
+                                        const Xvfb& screen,
                                         const std::string& words) {
     std::unique_ptr<TypedTo> typed;
     for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
@@ -49,13 +49,13 @@ std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
     return typed;
 }
 
-void end_session(tests::XHand& hand, TypedTo& run) {
+void end_session(XHand& hand, TypedTo& run) {
     for (int i = 0; i < 40 && run.program().running(); ++i) {
         hand.focus(hand.find_window("palpate: "));
         hand.chord("q");
-        tests::pause(0.2);
+        pause(0.2);
         hand.key("y");
-        tests::pause(0.2);
+        pause(0.2);
     }
 }
 
@@ -68,18 +68,18 @@ TEST_CASE(
     const bool open = GENERATE(false, true);
     FreeBoard board(folder, open ? "--open" : "");
     const std::string rig = commissioned_rig(folder, board.word());
-    const tests::Xvfb screen(1280, 800);
-    tests::XHand hand(screen.display());
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
     const auto typed = opened_session(folder, board, screen, real_words(folder, board, rig));
     TypedTo& run = *typed;
     INFO(run.program().error());
-    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
     if (!open) {
         // A break asks for the handle, and by itself for no more than Space once it was proved.
         press_up_to(hand, run, "question");
         board.bring("20,89.3");
         press_up_to(hand, run, "break");
-        tests::pause(6.0);
+        pause(6.0);
         const auto window = hand.find_window("palpate: break");
         const std::uint64_t asks = hand.pixels(window);
         board.bring("0,89.3");
@@ -151,8 +151,8 @@ TEST_CASE(
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
     const std::string rig = commissioned_rig(folder, board->word());
-    const tests::Xvfb screen(1280, 800);
-    tests::XHand hand(screen.display());
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
     const auto typed = opened_session(folder, *board, screen, real_words(folder, *board, rig));
     TypedTo& run = *typed;
     INFO(run.program().error());
@@ -164,7 +164,7 @@ TEST_CASE(
     };
     press_up_to(hand, run, "explore");
     const std::string out = run.program().out();
-    const std::string mark = tests::last_place(out.substr(out.rfind("Bring the handle to")));
+    const std::string mark = last_place(out.substr(out.rfind("Bring the handle to")));
     const auto replug = [&](const std::string& words) {
         board.reset();
         std::filesystem::remove(folder.file("board"));
@@ -189,7 +189,7 @@ TEST_CASE(
         said("can go on: Ctrl+Shift+P");
         hand.focus(hand.find_window("palpate: "));
         hand.key("space");  // the participant's alone
-        tests::pause(0.5);
+        pause(0.5);
         CHECK(hand.find_window("palpate: ").title == "palpate: trouble");
         hand.chord("p");
         press_up_to(hand, run, "ready");
@@ -238,7 +238,7 @@ TEST_CASE("who is noted as not consenting is never run, and no device is touched
     ran({"participant", file, "P1", "--new", "--consent", "no"});
     const auto run = [&](const std::string& name) {
         TypedTo program(folder, name,
-                        tests::ran_words(folder, device) + " --kind real --handle-free" +
+                        ran_words(folder, device) + " --kind real --handle-free" +
                             " --calibration '" + rig + "'",
                         {"SDL_VIDEODRIVER=dummy"});
         return program.program().wait();

@@ -33,7 +33,7 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
         lasting.emplace(PressingHand::Does::presses);
         REQUIRE(lasting->feel());
         for (int i = 0; i < 600; ++i) {
-            tests::wait_a_little();
+            wait_a_little();
         }
         lasted = lasting->faults("screen_silent") == "0" && lasting->faults("let_go") == "0";
     }
@@ -63,7 +63,7 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
     // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same
     // trial.
     const auto gaps = [&] {
-        const tests::Finished finished = tests::palpate_command(
+        const Finished finished = palpate_command(
             {"sql", desk.file, "--csv", "-c",
              "SELECT count(*) FROM sample AS gap WHERE gap.flags & 136 = 128 AND "
              "gap.rendered_normal_n > 0.1 AND gap.commanded_x_n = 0 AND gap.commanded_y_n = 0 AND "
@@ -75,11 +75,11 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
     for (int attempt = 0; attempt < 12 && !seen;
          ++attempt) {  // a busy machine may stop it for longer
         REQUIRE(desk.feel());
-        tests::pause(0.3);
+        pause(0.3);
         kill(desk.board.id(), SIGSTOP);
-        tests::pause(0.020);
+        pause(0.020);
         kill(desk.board.id(), SIGCONT);
-        tests::pause(0.5);
+        pause(0.5);
         seen = gaps();
     }
     CHECK(seen);
@@ -94,7 +94,7 @@ TEST_CASE("a board that is kept from answering for 20 ms takes the force away, a
     };
     for (int attempt = 0; attempt < 12 && !reads("asked > 0.33 AND given > 0.08"); ++attempt) {
         REQUIRE(desk.feel());  // a busy machine may have ended each before the hand pressed so far
-        tests::pause(0.5);
+        pause(0.5);
     }
     CHECK(reads("asked > 0.33 AND given BETWEEN 0.08 AND 0.0902"));
 }
@@ -179,7 +179,7 @@ TEST_CASE("who lets go of the key goes on by it, and the terminal says that no c
         PressedDesk desk(PressingHand::Does::presses);
         REQUIRE(desk.feel());
         desk.session->hand().release("space");
-        tests::wait_a_little(60);
+        wait_a_little(60);
         desk.session->hand().press("space");  // who grabs it again has let go
         CHECK(desk.force_ends());
         seen = desk.waits_for_fault("let_go");

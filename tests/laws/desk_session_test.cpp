@@ -83,7 +83,7 @@ public:
                 pause(0.03);
             }
         }
-        const tests::Finished end = session_.finish();
+        const Finished end = session_.finish();
         CAPTURE(end.out, end.error);
         CHECK(end.code == 3);
     }
@@ -101,14 +101,14 @@ private:
 
 /// Two intervals, as the board can render them, on a machine that has other things to do.
 std::string board_study() {
-    std::string text = tests::adaptive_text(tests::kStaircaseRule);
-    text = tests::replaced(text, "start_mm = [0, 45]",
-                           "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = "
-                           "200\nforce_limit_n = 1.5\n[safety]\n"
-                           "late_in_a_row = 0\nlate_of_100 = 0");
-    text = tests::replaced(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
-    return tests::replaced(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
-                           "explore_prompt_s = 30\nexplore_timeout_s = 60");
+    std::string text = adaptive_text(kStaircaseRule);
+    text = replaced(text, "start_mm = [0, 45]",
+                    "start_mm = [0, 60]\nstart_radius_mm = 0\nstiffness_n_per_m = "
+                    "200\nforce_limit_n = 1.5\n[safety]\n"
+                    "late_in_a_row = 0\nlate_of_100 = 0");
+    text = replaced(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
+    return replaced(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
+                    "explore_prompt_s = 30\nexplore_timeout_s = 60");
 }
 
 constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the experimenter%'";
@@ -118,9 +118,9 @@ constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the 
 TEST_CASE("pauses and marks on every screen of a session with the pointer are obeyed",
           "[long][window][desk][law]") {
     const TemporaryFolder folder;
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    text = tests::replaced(text, "break_every = 0", "break_every = 1");
-    text = tests::replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    text = replaced(text, "break_every = 0", "break_every = 1");
+    text = replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
     Desk desk(folder, text, "mouse");
     desk.pause_at("welcome");
     desk.at("welcome", "space");
@@ -133,13 +133,13 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     };
     const auto plain = edge();
     desk.session().hand().chord("m");
-    CHECK(tests::eventually([&] { return edge() != plain; }));
+    CHECK(eventually([&] { return edge() != plain; }));
     pause(0.3);
     const auto asked = edge();
     desk.session().hand().key("y");
     desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
     desk.session().wait_for_text("nothing to mark");
-    CHECK(tests::eventually([&] {  // the answer stands where the question was
+    CHECK(eventually([&] {  // the answer stands where the question was
         const auto now = edge();
         pause(0.1);
         return now != plain && now != asked && now == edge();
@@ -185,7 +185,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are ob
     }
     desk.mark_at("end");
     desk.at("end", "space");
-    const tests::Finished end = desk.session().finish();
+    const Finished end = desk.session().finish();
     CAPTURE(end.out, end.error);
     CHECK(end.code == 0);
     CHECK(desk.session().ask(Desk::count("trial")) == "7");
@@ -241,9 +241,8 @@ TEST_CASE("on a board a pause and a mark before the first trial begin no force",
           "[window][desk][haply][law]") {
     const TemporaryFolder folder;
     const bool at_a_port = GENERATE(true, false);
-    tests::Process board(
-        {tests::palpate_program(), "haply-emulator", "--link", folder.file("board")});
-    REQUIRE(tests::eventually([&] { return std::filesystem::exists(folder.file("board")); }));
+    Process board({palpate_program(), "haply-emulator", "--link", folder.file("board")});
+    REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
     Desk desk(folder, board_study(),
               at_a_port ? "haply:" + folder.file("board") : "haply-emulator");
     desk.at("welcome", "space");

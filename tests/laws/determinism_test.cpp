@@ -9,7 +9,7 @@ namespace {
 std::string demo_hash(const std::string& file, const std::string& seed) {
     ran({"demo", "--headless", "--db", file, "--seed", seed});
     data::Database database(file, data::Access::read);
-    return tests::content_hash(database);
+    return content_hash(database);
 }
 
 }  // namespace
@@ -31,10 +31,10 @@ TEST_CASE("a wall clock that jumps by days while a session runs changes nothing 
           "[determinism][law]") {
     const TemporaryFolder folder;
     const auto hash = [&](const std::string& file, const std::vector<std::string>& environment) {
-        const tests::Finished run = tests::Process({tests::palpate_program(), "demo", "--headless",
-                                                    "--speed", "20", "--db", file, "--seed", "1"},
-                                                   environment)
-                                        .wait();
+        const Finished run = Process({palpate_program(), "demo", "--headless", "--speed", "20",
+                                      "--db", file, "--seed", "1"},
+                                     environment)
+                                 .wait();
         CAPTURE(run.error);
         REQUIRE(run.code == 0);
         ran({"verify", file});
@@ -42,7 +42,7 @@ TEST_CASE("a wall clock that jumps by days while a session runs changes nothing 
         auto days = database.prepare("SELECT count(DISTINCT date(started_utc)) FROM trial");
         REQUIRE(days.step());
         CHECK((days.integer(0) > 2) == !environment.empty());
-        return tests::content_hash(database);
+        return content_hash(database);
     };
     CHECK(hash(folder.file("a.sqlite"),
                {"LD_PRELOAD=" PALPATE_JUMPING_CLOCK, "ASAN_OPTIONS=verify_asan_link_order=0"}) ==

@@ -25,10 +25,10 @@ std::vector<std::string> words(const TemporaryFolder& folder,
 }
 
 Finished without_display(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), tests::palpate_program());
+    arguments.insert(arguments.begin(), palpate_program());
     // Leaks of the desktop libraries that SDL tries are not ours to judge.
-    return tests::Process(arguments, {"DISPLAY=:999", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER",
-                                      "ASAN_OPTIONS=detect_leaks=0"})
+    return Process(arguments, {"DISPLAY=:999", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER",
+                               "ASAN_OPTIONS=detect_leaks=0"})
         .wait();
 }
 
@@ -75,9 +75,9 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
         without_display({"doctor", "--seconds", "0.05", "--db", folder.file("d.sqlite")});
     CHECK_THAT(doctor.out, Has("fail  display"));
     CHECK(doctor.code == 1);
-    sim.insert(sim.begin(), tests::palpate_program());  // an empty driver is none, and not any
-    const Finished unseen = tests::Process(sim, {"DISPLAY=:999", "WAYLAND_DISPLAY",
-                                                 "SDL_VIDEODRIVER=", "ASAN_OPTIONS=detect_leaks=0"})
+    sim.insert(sim.begin(), palpate_program());  // an empty driver is none, and not any
+    const Finished unseen = Process(sim, {"DISPLAY=:999", "WAYLAND_DISPLAY",
+                                          "SDL_VIDEODRIVER=", "ASAN_OPTIONS=detect_leaks=0"})
                                 .wait();
     check_end(unseen, 2, Has("DISPLAY is :999, and no display can be opened"));
     CHECK(folder.names().empty());
@@ -89,16 +89,15 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
 TEST_CASE("a monitor that is not there is refused with those that are, before anything is made",
           "[cli][window][law]") {
     const TemporaryFolder folder;
-    tests::Xvfb screen(800, 600, true);
+    Xvfb screen(800, 600, true);
     for (const auto& [number, why] :
          {std::pair{"3", "there are 2 (1: "}, std::pair{"2", "monitor 1 is at the same place"}}) {
         std::vector<std::string> run = words(folder);
-        run.insert(run.begin(), tests::palpate_program());
+        run.insert(run.begin(), palpate_program());
         run.insert(run.end(), {"--monitor", number});
-        const Finished end =
-            tests::Process(run, {"DISPLAY=" + screen.display(), "WAYLAND_DISPLAY",
-                                 "SDL_VIDEODRIVER=x11", "ASAN_OPTIONS=detect_leaks=0"})
-                .wait();
+        const Finished end = Process(run, {"DISPLAY=" + screen.display(), "WAYLAND_DISPLAY",
+                                           "SDL_VIDEODRIVER=x11", "ASAN_OPTIONS=detect_leaks=0"})
+                                 .wait();
         check_end(end, 2, Has(why, "800 x 600 at (0, 0)"));
     }
     CHECK(folder.names().empty());
@@ -107,7 +106,7 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
           "[long][window][law]") {
     const TemporaryFolder folder;
-    std::string text = tests::slurp(kShortStudy);
+    std::string text = slurp(kShortStudy);
     text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
     std::ofstream(folder.file("p.toml")) << text;
     struct Place {
@@ -150,7 +149,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     const std::string where = GENERATE("explore", "question", "break");
     CAPTURE(where);
     const TemporaryFolder folder;
-    std::string text = replaced(tests::slurp(kShortStudy), "break_every = 0", "break_every = 1");
+    std::string text = replaced(slurp(kShortStudy), "break_every = 0", "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
     std::vector<std::string> run = words(folder, folder.file("p.toml"));
     run.insert(run.end(), {"--kind", "pilot"});

@@ -42,12 +42,9 @@ TEST_CASE(
             palpate_command({"doctor", "--json", "--seconds", "0.1", "--db", db});
         CAPTURE(doctor.out, doctor.error);
         std::ofstream(folder.file("doctor.json")) << doctor.out;
-        CHECK(tests::Process({"python3", "-m", "json.tool", folder.file("doctor.json")})
-                  .wait()
-                  .code == 0);
+        CHECK(Process({"python3", "-m", "json.tool", folder.file("doctor.json")}).wait().code == 0);
         const Finished read =
-            tests::Process({"python3", folder.file("reader.py"), folder.file("doctor.json")})
-                .wait();
+            Process({"python3", folder.file("reader.py"), folder.file("doctor.json")}).wait();
         CAPTURE(read.error);
         REQUIRE(read.code == 0);
         CHECK(doctor.code == (read.out == "0\n" ? 0 : 1));
@@ -76,14 +73,14 @@ TEST_CASE("without a display the doctor fails a device that run refuses for it, 
              {"sim", "SDL_VIDEODRIVER", "warn", 3}}));
     CAPTURE(device, environment);
     const std::vector<std::string> none{"DISPLAY", "WAYLAND_DISPLAY", environment};
-    tests::Process doctor({tests::palpate_program(), "doctor", "--seconds", "0.05", "--device",
-                           device, "--db", folder.file("d.sqlite")},
-                          none);
+    Process doctor({palpate_program(), "doctor", "--seconds", "0.05", "--device", device, "--db",
+                    folder.file("d.sqlite")},
+                   none);
     CHECK_THAT(doctor.wait().out, Has(status + "  display "));
-    tests::Process run({tests::palpate_program(), "run", "shape_friction_demo", "--participant",
-                        "P1", "--device", device, "--db", folder.file("d.sqlite"), "--speed", "1"},
-                       none);
-    CHECK(tests::eventually(
+    Process run({palpate_program(), "run", "shape_friction_demo", "--participant", "P1", "--device",
+                 device, "--db", folder.file("d.sqlite"), "--speed", "1"},
+                none);
+    CHECK(eventually(
         [&] { return !run.running() || run.out().find("If it ends early") != std::string::npos; }));
     run.signal(SIGTERM);
     const Finished end = run.wait();
@@ -101,32 +98,32 @@ TEST_CASE(
     "while the doctor looks at a board and calibrate reads its marks, no motor gives a torque",
     "[doctor][calibrate][haply][law]") {
     const TemporaryFolder folder;
-    tests::FreeBoard board(folder);
+    FreeBoard board(folder);
     std::set<std::string> given;
     int looks = 0;
     const auto look = [&] {
         given.insert(board.motors());
         ++looks;
     };
-    tests::Process doctor({tests::palpate_program(), "doctor", "--device", board.word(),
-                           "--seconds", "0.05", "--db", folder.file("d.sqlite")},
-                          {"DISPLAY", "WAYLAND_DISPLAY"});
+    Process doctor({palpate_program(), "doctor", "--device", board.word(), "--seconds", "0.05",
+                    "--db", folder.file("d.sqlite")},
+                   {"DISPLAY", "WAYLAND_DISPLAY"});
     while (doctor.running()) {
         look();
     }
     CHECK_THAT(doctor.out(), Has("  device "));
     CHECK(looks > 20);
 
-    tests::TypedTo calibrate(folder, "desk",
-                             "calibrate --preset 2diy_gen3 --mark 0,70 --mark=-20,70 --device " +
-                                 board.word() + " -o '" + folder.file("desk.toml") + "'");
+    TypedTo calibrate(folder, "desk",
+                      "calibrate --preset 2diy_gen3 --mark 0,70 --mark=-20,70 --device " +
+                          board.word() + " -o '" + folder.file("desk.toml") + "'");
     int brought = 0;
-    CHECK(tests::eventually([&] {
+    CHECK(eventually([&] {
         const std::string out = calibrate.program().out();
         look();
-        if (tests::times(out, "Bring the handle to") > brought) {
+        if (times(out, "Bring the handle to") > brought) {
             ++brought;
-            board.bring(tests::last_place(out));
+            board.bring(last_place(out));
             calibrate.type("");
         }
         return !calibrate.program().running();
@@ -149,12 +146,12 @@ TEST_CASE(
         std::ofstream(folder.file("board"), std::ios::binary)
             .write(reinterpret_cast<const char*>(left->view().data()),
                    static_cast<std::streamsize>(left->view().size()));
-        REQUIRE(tests::eventually([&] { return board.motors() != "0, 0"; }));
-        opens.insert(opens.begin(), tests::palpate_program());
+        REQUIRE(eventually([&] { return board.motors() != "0, 0"; }));
+        opens.insert(opens.begin(), palpate_program());
         opens.insert(opens.end(), {"--device", board.word()});
-        tests::Process program(opens, {"SDL_VIDEODRIVER=dummy"});
-        CHECK(tests::eventually([&] { return board.motors() == "0, 0"; }));
-        CHECK(tests::eventually([&] {
+        Process program(opens, {"SDL_VIDEODRIVER=dummy"});
+        CHECK(eventually([&] { return board.motors() == "0, 0"; }));
+        CHECK(eventually([&] {
             const std::string out = program.out();
             return !program.running() || out.find("Bring the handle") != std::string::npos ||
                    out.find("If it ends early") != std::string::npos;

@@ -14,7 +14,7 @@ namespace {
 const fs::path kRoot = PALPATE_SOURCE_DIR;
 
 std::vector<std::string> lines_of(const fs::path& file) {
-    return tests::lines_in(tests::slurp(file));
+    return lines_in(slurp(file));
 }
 
 std::vector<fs::path> pages() {
@@ -103,7 +103,7 @@ std::set<std::string> anchors_of(const fs::path& page) {
 std::string help_of(const std::string& command) {
     static std::map<std::string, std::string> known;
     if (!known.contains(command)) {
-        const tests::Finished help = palpate_command({command, "--help"});
+        const Finished help = palpate_command({command, "--help"});
         known[command] = help.code == 0 ? ' ' + help.out : "";
     }
     return known[command];
@@ -243,8 +243,8 @@ TEST_CASE(
             line += line.find(command) == std::string::npos ? "" : " --kind simulated";
         }
         CAPTURE(line);
-        const tests::Finished done =
-            tests::Process(
+        const Finished done =
+            Process(
                 {"sh", "-c", "cd '" + folder.path().string() + "' && RIG=--headless && " + line})
                 .wait();
         CAPTURE(done.out, done.error);
@@ -290,10 +290,10 @@ TEST_CASE("every query that a document shows in a shell answers", "[documents][l
             const bool extension = line.rfind("sqlite3 ", 0) == 0;
             const bool query = extension || line.rfind("./palpate sql ", 0) == 0;
             queries += query ? 1 : 0;
-            if (query && (!extension || tests::others_load_extension())) {
+            if (query && (!extension || others_load_extension())) {
                 CAPTURE(page, line);
                 const std::string there = "cd '" + folder.path().string() + "' && " + line;
-                const tests::Finished answer = tests::Process({"sh", "-c", there}).wait();
+                const Finished answer = Process({"sh", "-c", there}).wait();
                 CAPTURE(answer.error);
                 CHECK(answer.code == 0);
                 CHECK(answer.error.empty());
@@ -324,8 +324,7 @@ TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that 
     std::ofstream(folder.file("way.csv")) << head << "\n0,0,0.06\n0.001,0,0.03\n0.002,0.01,0.03\n";
     for (const char* command : {"render", "closest"}) {
         CAPTURE(command);
-        const tests::Finished felt =
-            ran({command, folder.file("scene.toml"), folder.file("way.csv")});
+        const Finished felt = ran({command, folder.file("scene.toml"), folder.file("way.csv")});
         CHECK(std::count(felt.out.begin(), felt.out.end(), '\n') == 4);
     }
 }

@@ -150,7 +150,7 @@ TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draw
     CHECK(difference > 0.0);
     CHECK(all["differences"][0]["p"].get<double>() < 0.05);
     CHECK_THAT(text.out, Has("on - off    threshold", "agree on 2 of 2 curves"));
-    CHECK_THAT(tests::slurp(folder.file("d.svg")), Has("<svg", "P1"));
+    CHECK_THAT(slurp(folder.file("d.svg")), Has("<svg", "P1"));
     const Finished other =
         palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200", "--seed", "2"});
     CHECK(other.out != palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200"}).out);
@@ -212,7 +212,7 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
 TEST_CASE("palpate fit of a database fits the same answers as that of their counts",
           "[fit][adaptive]") {
     const TemporaryFolder folder;
-    write(folder.file("p.toml"), tests::adaptive_text(tests::kQuestPlusRule));
+    write(folder.file("p.toml"), adaptive_text(kQuestPlusRule));
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
         ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",

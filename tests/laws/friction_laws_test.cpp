@@ -118,7 +118,7 @@ TEST_CASE(
         std::ofstream(folder.file("s.toml")) << scene_of(kWords[i], trial[0][1] == "convex");
         std::ofstream(folder.file("t.csv")) << path;
         ran({"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
-        const Rows rendered = csv_body(tests::slurp(folder.file("o.csv")));
+        const Rows rendered = csv_body(slurp(folder.file("o.csv")));
         REQUIRE(rendered.size() == ticks.size());
         std::map<std::string, int> modes;
         double worst = 0.0;

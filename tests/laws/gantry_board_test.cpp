@@ -22,7 +22,7 @@ constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
 /// Two patches of the shipped study: a hand that strokes across one is pressed somewhere on every
 /// stroke.
 std::string two_patches(int repetitions) {
-    std::string text = tests::short_text("patch_friction", {});
+    std::string text = short_text("patch_friction", {});
     const std::size_t concave = text.find("[[object]]\nname = \"concave\"");
     text.erase(concave, text.find("[[friction]]\nname = \"on\"") - concave);
     return tests::edited(
@@ -43,7 +43,7 @@ struct Desk {
         : emulator(folder, "keys", emulated(wired)) {
         emulator.type("motors");
         REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
-        tests::write(folder.file("p.toml"), two_patches(repetitions));
+        write(folder.file("p.toml"), two_patches(repetitions));
         session = std::make_unique<WindowSession>(
             std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
                                      file, "--device", "board:" + folder.file("board"),
@@ -86,7 +86,7 @@ struct Desk {
             const bool explores = session->screen_name() == "explore";
             felt = !explores ? 0 : felt > 0 || glm::length(motors()) > 0.3 ? felt + 1 : 0;
             if (felt > 70) {
-                tests::press_on(session->hand());
+                press_on(session->hand());
             }
             return session->ask("SELECT finished FROM session") == "1";
         });
@@ -130,7 +130,7 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
         const std::size_t head = csv.find('\n') + 1;
         return csv.substr(head, csv.find_first_of("\r\n", head) - head);
     };
-    const tests::Finished verify = ran({"verify", file});
+    const Finished verify = ran({"verify", file});
     CHECK_THAT(verify.out, Has("Nothing differs"));
     // HIP is computed again from the counts: with another drum they say another place.
     const std::string other = desk.folder.file("other.sqlite");
@@ -139,7 +139,7 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
         .execute(
             "UPDATE session_provenance SET value = replace(value, '[gantry.axis_z]\nradius_mm = "
             "10', '[gantry.axis_z]\nradius_mm = 10.1') WHERE key = 'calibration'");
-    const tests::Finished differs = ran({"verify", other}, 1);
+    const Finished differs = ran({"verify", other}, 1);
     CHECK_THAT(differs.out, Has("trace.hip"));
     CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
@@ -172,7 +172,7 @@ TEST_CASE("a host that is killed with its guard leaves no force on any of three 
     Desk desk;
     REQUIRE(desk.feel());
     CHECK(desk.motors().z > 0.1);
-    const pid_t guard = tests::guard_of(desk.session->program().id());
+    const pid_t guard = guard_of(desk.session->program().id());
     REQUIRE(guard > 0);
     kill(guard, SIGSTOP);
     kill(desk.session->program().id(), SIGKILL);
@@ -180,7 +180,7 @@ TEST_CASE("a host that is killed with its guard leaves no force on any of three 
     CHECK(desk.force_ends());
     for (int i = 0; i < 20; ++i) {
         CHECK(desk.motors() == engine::Vec3{});
-        tests::pause(0.01);
+        pause(0.01);
     }
 }
 
@@ -196,9 +196,8 @@ TEST_CASE("a board of three axes that is gone under a force ends the trial, and 
 TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and leaves no force",
           "[window][open][gantry][safety][law]") {
     const TemporaryFolder folder;
-    tests::write(
-        folder.file("wired.toml"),
-        tests::replaced(tests::slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
+    write(folder.file("wired.toml"),
+          replaced(slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
     Desk desk(folder.file("wired.toml"));
     CHECK(desk.ends_by("'runaway', 'energy', 'over_speed'", 1200));
     CHECK(desk.force_ends());
@@ -226,7 +225,7 @@ TEST_CASE(
     "[open][gantry]") {
     const TemporaryFolder folder;
     const auto refused = [&](const std::vector<std::string>& words) {
-        const tests::Finished done = ran(words, 2);
+        const Finished done = ran(words, 2);
         return done.error;
     };
     const std::string db = folder.file("d.sqlite");
@@ -246,9 +245,8 @@ TEST_CASE(
                Has("this machine has no Haply board"));
     CHECK(folder.names().empty());
     // A workspace that does not hold the patch.
-    tests::write(folder.file("narrow.toml"),
-                 tests::replaced(tests::slurp(kGantry), "high_mm = 60\nhome_mm = 40",
-                                 "high_mm = 25\nhome_mm = 20"));
+    write(folder.file("narrow.toml"),
+          replaced(slurp(kGantry), "high_mm = 60\nhome_mm = 40", "high_mm = 25\nhome_mm = 20"));
     TypedTo emulator(folder, "keys",
                      "haply-emulator --open --preset '" + folder.file("narrow.toml") +
                          "' --link '" + folder.file("board") + "'");

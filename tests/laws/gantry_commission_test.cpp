@@ -21,7 +21,7 @@ std::string board_words(const std::string& preset) {
 
 /// The example with another word for a key.
 std::string wired(const TemporaryFolder& folder, const std::string& key) {
-    std::string text = tests::slurp(kExample);
+    std::string text = slurp(kExample);
     const std::size_t at = text.find(key + " = \"forward\"");
     REQUIRE(at != std::string::npos);
     text.replace(at, key.size() + 12, key + " = \"backward\"");
@@ -38,7 +38,7 @@ std::string proving(const FreeBoard& board, const std::string& file) {
 /// @param home  where the handle rests at first, each time that a busy machine has it begin anew
 std::string found(const TemporaryFolder& folder, FreeBoard& board, const char* home = kAtHome) {
     const std::string file = folder.file("rig.toml");
-    const Finished end = tests::operated(folder, board, proving(board, file), home);
+    const Finished end = operated(folder, board, proving(board, file), home);
     check_end(end, 1, Has("The motors are off and nothing was written"));
     CHECK_FALSE(std::filesystem::exists(file));
     CHECK(board.motors() == "0, 0, 0");
@@ -112,12 +112,12 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
         int brought = 0;
         CHECK(eventually([&] {
             const std::string out = program.program().out();
-            if (tests::times(out, "Type yes:") > 0 && brought == 0) {
+            if (times(out, "Type yes:") > 0 && brought == 0) {
                 brought = 1;
                 program.type("yes");
             }
-            if (tests::times(out, "Bring the handle to") >= brought && brought > 0 && brought < 4) {
-                board.bring(tests::last_place(out.substr(out.rfind("Bring the handle to"))));
+            if (times(out, "Bring the handle to") >= brought && brought > 0 && brought < 4) {
+                board.bring(last_place(out.substr(out.rfind("Bring the handle to"))));
                 program.type("");
                 ++brought;
             }
@@ -127,7 +127,7 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
         program.program().signal(signal);
         const Finished end = program.program().wait();
         CAPTURE(end.error);
-        if (pushed && signal != SIGKILL && !tests::starved(end.error)) {
+        if (pushed && signal != SIGKILL && !starved(end.error)) {
             check_end(end, 3, Has("stopped; the motors are off and nothing was written"));
         }
     }
@@ -135,7 +135,7 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
     CHECK(eventually([&] { return board.motors() == "0, 0, 0"; }));
     for (int i = 0; i < 10; ++i) {
         CHECK(board.motors() == "0, 0, 0");
-        tests::pause(0.01);
+        pause(0.01);
     }
     CHECK_FALSE(std::filesystem::exists(file));
 }
@@ -146,11 +146,11 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     FreeBoard board(folder, board_words(kExample));
     board.bring("friction 0.3");  // 0.5 N move it, and 1 N tell its numbers
     board.bring("weight 0.15");
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/patch_friction.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/patch_friction.toml");
     const std::string start = "start_mm = [0, 0]";
     text.replace(text.find(start), start.size(),
                  start + "\nstart_radius_mm = 0");  // it sinks from there
-    tests::write(folder.file("p.toml"), text);
+    write(folder.file("p.toml"), text);
     const std::string db = folder.file("d.sqlite");
     const auto session = [&](const std::string& calibration) {
         return fmt::format(
@@ -159,7 +159,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
             folder.file("p.toml"), db, board.word(), calibration);
     };
     const auto refused = [&](const std::string& calibration) {
-        const Finished end = tests::operated(folder, board, session(calibration), kAtHome);
+        const Finished end = operated(folder, board, session(calibration), kAtHome);
         CHECK(end.code == 2);
         CHECK_FALSE(std::filesystem::exists(db));
         return end.error;
@@ -167,13 +167,13 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(refused(kExample), Has("no real session: nobody proved how --device",
                                       "--moved-g X_G,Y_G,Z_G -o rig.toml"));
     const std::string file = folder.file("rig.toml");
-    const Finished proved = tests::operated(folder, board, proving(board, file), kAtHome);
+    const Finished proved = operated(folder, board, proving(board, file), kAtHome);
     CAPTURE(proved.out, proved.error);
     REQUIRE(proved.code == 0);
     CHECK(board.motors() == "0, 0, 0");
     protocols::RigFile rig = protocols::load_rig(file);
     REQUIRE(rig.record);
-    CHECK(protocols::to_toml(rig.calibration, *rig.record) == tests::slurp(file));
+    CHECK(protocols::to_toml(rig.calibration, *rig.record) == slurp(file));
     CHECK(rig.calibration.gantry->damping == rig.record->damping);
     for (const engine::AxisDynamics& axis : rig.record->axes) {
         CHECK(axis.mass == Approx(0.12).epsilon(0.25));
@@ -190,8 +190,8 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(refused(folder.file("changed.toml")),
                Has("was changed after the rig was commissioned"));
 
-    const tests::Xvfb screen(1280, 800);
-    tests::XHand hand(screen.display());
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
     std::unique_ptr<TypedTo> typed;
     for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
         board.bring(kAtHome);
@@ -199,10 +199,10 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
             folder, fmt::format("run{}", attempt), session(file),
             std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-        tests::operate(*typed, board, "If it ends early");
+        operate(*typed, board, "If it ends early");
     }
     INFO(typed->program().error());
-    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
     board.bring(kAtHome);
     board.bring("explore");
     bool felt = false;
@@ -214,15 +214,15 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
             hand.focus(window);
             hand.key(window.title == "palpate: question" ? "1" : "space");
         }
-        tests::pause(0.05);
+        pause(0.05);
     }
     CHECK(felt);
     for (int i = 0; i < 40 && typed->program().running(); ++i) {
         hand.focus(hand.find_window("palpate: "));
         hand.chord("q");
-        tests::pause(0.2);
+        pause(0.2);
         hand.key("y");
-        tests::pause(0.2);
+        pause(0.2);
     }
     const Finished end = typed->program().wait();
     CHECK(end.code == 3);
@@ -237,7 +237,7 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK_THAT(row.text(1), Has("second mark met to "));
     REQUIRE(row.step());
     CHECK(row.text(0) == "rig check");
-    CHECK(tests::times(row.text(1), " % at ") == 6);
+    CHECK(times(row.text(1), " % at ") == 6);
     CHECK(row.text(2) == "real");
     ran({"verify", db});
 }

@@ -15,7 +15,7 @@ std::string by_sql(const std::string& file, const std::string& query) {
 /// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
 /// their friction does.
 std::string identified(const TemporaryFolder& folder) {
-    std::string protocol = edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+    std::string protocol = edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                                   {{"repetitions = 1", "repetitions = 2"},
                                    {"name = \"off\"", "name = \"smooth\""},
                                    {"name = \"on\"", "name = \"rough\""}});
@@ -29,7 +29,7 @@ std::string identified(const TemporaryFolder& folder) {
 }
 
 std::string graded(const TemporaryFolder& folder) {
-    write(folder.file("q.toml"), tests::adaptive_text(tests::kQuestPlusRule));
+    write(folder.file("q.toml"), adaptive_text(kQuestPlusRule));
     const std::string file = folder.file("q.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
         ran({"run", folder.file("q.toml"), "--participant", person, "--db", file, "--device",
@@ -99,7 +99,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
           "[export][stats]") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
-    std::string asked = replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+    std::string asked = replaced(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                                  "id = \"four_trials\"", "id = \"asked\"");
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
     write(folder.file("asked.toml"), asked);
@@ -140,15 +140,15 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
         "(participant_code) WHERE counts AND phase = 'main' GROUP BY 1, 3, 4, 5 ORDER BY 1, 3, 4, "
         "5");
     ran({"export", file, "--as", "quickpsy", "--kind", "all", "-o", folder.file("q")});
-    const auto ours = lines_in(tests::slurp(folder.file("q/quickpsy.csv")));
+    const auto ours = lines_in(slurp(folder.file("q/quickpsy.csv")));
     const auto theirs = lines_in(wanted);
     REQUIRE(ours.size() == theirs.size() + 1);
     CHECK(ours[0] == "participant,study,kind,condition,x,k,n");
-    CHECK_THAT(tests::slurp(folder.file("q/README.txt")),
+    CHECK_THAT(slurp(folder.file("q/README.txt")),
                Has("grouping = c('participant', 'study', 'kind', 'condition')"));
     ran({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
     std::map<std::string, std::string> files;  // by whose they are
-    for (const std::string& line : lines_in(tests::slurp(folder.file("p/index.csv")))) {
+    for (const std::string& line : lines_in(slurp(folder.file("p/index.csv")))) {
         files[line.substr(line.find(',') + 1)] = line.substr(0, line.find(','));
     }
     std::map<std::string, std::string> counts;
@@ -167,10 +167,10 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
     for (const auto& [whose, text] : counts) {
         CAPTURE(whose);
         REQUIRE(files.contains(whose));
-        CHECK(tests::slurp(folder.file("p/" + files[whose])) == text);
+        CHECK(slurp(folder.file("p/" + files[whose])) == text);
     }
     for (const char* named : {"q/quickpsy.csv", "p/index.csv", "q/README.txt", "p/README.txt"}) {
-        CHECK_THAT(tests::slurp(folder.file(named)), !Has("Ada"));
+        CHECK_THAT(slurp(folder.file(named)), !Has("Ada"));
     }
     const TemporaryFolder other;
     const Finished none = ran(
@@ -193,7 +193,7 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
         ++files;
         CAPTURE(name);
         const std::string subject = name.substr(0, name.find('_'));
-        const auto rows = lines_in(tests::slurp(entry.path()));
+        const auto rows = lines_in(slurp(entry.path()));
         const auto wanted = lines_in(by_sql(
             file,
             "SELECT row_number() OVER (ORDER BY trial_number) - 1, attempt - 1, plan_position, "

@@ -79,7 +79,7 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
     }
     const Finished shared =
         ran({"export", edited, "--kind", "all", "-o", files.folder.file("of_edited")});
-    CHECK(tests::count_of(shared.error, "view analysis_trial") == 1);  // said once
+    CHECK(count_of(shared.error, "view analysis_trial") == 1);  // said once
     // What no table takes is no merge, which leaves nothing behind.
     const std::string odd = files.with(
         "PRAGMA ignore_check_constraints = 1;UPDATE participant SET participant_code = 'a b'");
@@ -109,9 +109,9 @@ TEST_CASE("no view of a file is believed, and none keeps a command for ever", "[
                             {"export", endless, "-o", files.folder.file("shared")},
                             {"merge", files.folder.file("new.sqlite"), endless},
                             {"sql", endless, "-c", "SELECT count(*) FROM trial"}}) {
-        Words all{tests::palpate_program()};
+        Words all{palpate_program()};
         all.insert(all.end(), words.begin(), words.end());
-        const Finished done = tests::Process(all).wait(std::chrono::seconds(60));
+        const Finished done = Process(all).wait(std::chrono::seconds(60));
         CAPTURE(words.front(), done.out, done.error);
         CHECK((done.code == 1 || done.code == 2));
         CHECK_THAT(done.out + done.error, Has("table trial"));
@@ -272,12 +272,11 @@ TEST_CASE("a query that somebody pasted reads this file, and ends", "[sql][law]"
                   "b, typeof(printf('')) AS c, typeof(printf('%s', NULL)) AS d") ==
           "a,b,c,d\na-7-o''k,1 0,null,text\n");
     ran({"sql", files.clean, "-c", "SELECT count(*) FROM sample"});
-    tests::Process endless(
-        {tests::palpate_program(), "sql", files.clean, "-c",
-         "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT "
-         "max(x) FROM r",
-         "--steps", "1000000000000"});
-    tests::pause(0.5);
+    Process endless({palpate_program(), "sql", files.clean, "-c",
+                     "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT "
+                     "max(x) FROM r",
+                     "--steps", "1000000000000"});
+    pause(0.5);
     endless.signal(SIGINT);
     CHECK(endless.wait(std::chrono::seconds(60)).code == 128 + SIGINT);
 }
@@ -293,9 +292,9 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
     const std::string shared = files.folder.file("shared");
     const std::string left = shared + ".palpate-part-aBcD12";
     std::filesystem::create_directory(left);
-    tests::write(left + "/trials.csv", "subject");
+    write(left + "/trials.csv", "subject");
     const std::string near = shared + ".palpate-part-another";
-    tests::write(near, "");
+    write(near, "");
     CHECK_THAT(ran({"export", files.clean, "--kind", "all", "-o", shared}).error,
                Has("aBcD12", "it is removed"));
     CHECK(!std::filesystem::exists(left));
@@ -311,12 +310,11 @@ TEST_CASE("written files follow no link, what holds codes is its owner's, and le
     CHECK(rights(page) == 0600);
     // Whoever may write in the folder knows the process, and lays a link where it would write.
     const std::string victim = files.folder.file("victim");
-    tests::write(victim, "mine");
+    write(victim, "mine");
     const Finished linked =
-        tests::Process(
-            {"sh", "-c",
-             "ln -s \"$2\" \"$3.$$.part\"; exec \"$0\" report \"$1\" --trial 1 -o \"$3\"",
-             tests::palpate_program(), files.clean, victim, page})
+        Process({"sh", "-c",
+                 "ln -s \"$2\" \"$3.$$.part\"; exec \"$0\" report \"$1\" --trial 1 -o \"$3\"",
+                 palpate_program(), files.clean, victim, page})
             .wait();
     CAPTURE(linked.error);
     CHECK(linked.code == 0);

@@ -168,11 +168,10 @@ TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait
     CHECK_THAT(ran({"screenshots", "--font", pipe, "-o", folder.file("o")}, 2).error,
                Has("there is no such file"));
     // What comes through a pipe is read: <(...) of a shell is one. What never ends is not.
-    const Finished through =
-        tests::Process({"bash", "-c",
-                        tests::palpate_program() + " check <(cat " PALPATE_SOURCE_DIR
-                                                   "/protocols/library/stress.toml)"})
-            .wait();
+    const Finished through = Process({"bash", "-c",
+                                      palpate_program() + " check <(cat " PALPATE_SOURCE_DIR
+                                                          "/protocols/library/stress.toml)"})
+                                 .wait();
     CHECK(through.code == 0);
     CHECK_THAT(palpate_command({"check", "/dev/zero"}).error, Has("is longer than"));
     const Finished never = palpate_command({"check", pipe});  // takes its 10 s of patience
@@ -227,7 +226,7 @@ TEST_CASE("seeded nonsense of up to a megabyte ends in a sentence, never in a si
         '|');
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         CAPTURE(seed);
-        tests::Random random(seed);
+        Random random(seed);
         std::string text = seed % 2 == 0
                              ? std::string()
                              : std::string(protocols::shipped_protocols()[seed % 3].text);

@@ -22,7 +22,7 @@ std::vector<Event> random_events(Random& random) {
 TEST_CASE("whatever fails of board, wire, processes and screen together, the force ends in time",
           "[safety][law]") {
     JointTally tally;
-    for (const std::uint64_t seed : tests::schedules(2000)) {
+    for (const std::uint64_t seed : palpate::tests::schedules(2000)) {
         Random random(seed);
         const bool open = random.coin();
         const auto events = random_events(random);

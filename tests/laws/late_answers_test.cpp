@@ -24,7 +24,7 @@ public:
         type("delay 0");
         REQUIRE(eventually([&] { return std::filesystem::exists(folder_.file("board")); }));
         std::ofstream(folder_.file("p.toml"))
-            << tests::replaced(tests::pressed_study(), "dead_man = true", "dead_man = false");
+            << replaced(pressed_study(), "dead_man = true", "dead_man = false");
         std::vector<std::string> words{
             "run",           folder_.file("p.toml"),
             "--participant", "P1",
@@ -71,14 +71,14 @@ public:
         bool ended = eventually([&] { return off(); });
         for (int i = 0; i < 20 && ended; ++i) {
             ended = off();
-            tests::wait_a_little();
+            wait_a_little();
         }
         return ended;
     }
 
 private:
     TemporaryFolder folder_;
-    tests::TypedTo board_;
+    TypedTo board_;
     std::unique_ptr<WindowSession> session_;
 };
 
@@ -97,7 +97,7 @@ TEST_CASE(
         "1");
     session.wait_for_screen("trouble");
     for (int i = 0; i < 1500; ++i) {
-        tests::wait_a_little();
+        wait_a_little();
     }
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'") == "0");
     rig.type("delay 0");

@@ -262,7 +262,7 @@ TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", 
         std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
         // By another program: nothing of palpate takes part.
         const Finished edited =
-            tests::Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.sql}).wait();
+            Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.sql}).wait();
         CAPTURE(edit.sql, edited.out, edited.error);
         REQUIRE(edited.code == 0);
         CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.found));

@@ -24,7 +24,7 @@ void edit(const std::string& file, const char* sql) {
 /// not consent, an answer of B is marked, C broke the rule, D's only session was withdrawn, E; and
 /// F, who is real. Of the second X and Y.
 std::string mixed_study(const TemporaryFolder& folder) {
-    const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
+    const std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
                              "\n[exclusion]\nsessions_finished = true\n";
     std::string other = replaced(text, "mu_d = 0.5", "mu_d = 0.1");
     std::ofstream(folder.file("one.toml")) << text;
@@ -120,7 +120,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     static_cast<void>(with("report", {"-o", page, "--simulations", "0", "--bootstrap", "0"}));
     for (const auto& [command, text] :
          {std::pair{"stats", stats.out}, std::pair{"fit", with("fit").out},
-          std::pair{"audit", with("audit").out}, std::pair{"report", tests::slurp(page)}}) {
+          std::pair{"audit", with("audit").out}, std::pair{"report", slurp(page)}}) {
         CAPTURE(command, text);
         CHECK(account_in(text) == wanted);
         CHECK_THAT(text, Has(name + ", real sessions: 1 person", "sessions_finished: 1 is not",
@@ -177,7 +177,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CHECK(made["sessions"] == 4);  // of B, C, E and X
     CHECK(of_study(made["left_out"]) == account);
     const Json summed = of_study(Json::parse(ran({"summary", file, "--json"}).out)["studies"]);
-    const Json shown = page_account(tests::slurp(page));
+    const Json shown = page_account(slurp(page));
     for (const char* part : {"people", "answers", "elsewhere", "study", "kind"}) {
         CAPTURE(part);
         CHECK(summed["left_out"][part] == account[part]);
@@ -204,7 +204,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
           std::pair{"psych-ds", "README.md"}, std::pair{"psychopy", "README.txt"}}) {
         const std::string out = folder.file(format);
         ran({"export", file, "--kind", "simulated", "--as", format, "-o", out});
-        const std::string text = tests::slurp(out + '/' + readme);
+        const std::string text = slurp(out + '/' + readme);
         CAPTURE(format, text);
         const std::set<std::string> all = account_in(text);
         CHECK(std::ranges::includes(all, wanted));
@@ -215,7 +215,7 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
         "stats", {"--permutations", "0", "--simulations", "0", "--emit-r", folder.file("s.R")}));
     for (const std::string& script :
          {folder.file("csv/analysis.R"), folder.file("csv/analysis.py"), folder.file("s.R")}) {
-        const std::string text = tests::slurp(script);
+        const std::string text = slurp(script);
         CAPTURE(script, text);
         const std::set<std::string> all = account_in(text);
         CHECK(std::ranges::includes(all, wanted));
@@ -239,9 +239,9 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     const std::string said = "1 answered trial is invalid and left out:\n    palpate ";
     REQUIRE_THAT(summary, Has(said));
     const std::size_t from = summary.find(said) + said.size();
-    const std::string command = tests::palpate_program() + ' ' +
-                                summary.substr(from, summary.find('\n', from) - from) + " --csv";
-    const Finished listed = tests::Process({"sh", "-c", command}).wait();
+    const std::string command =
+        palpate_program() + ' ' + summary.substr(from, summary.find('\n', from) - from) + " --csv";
+    const Finished listed = Process({"sh", "-c", command}).wait();
     CAPTURE(command, listed.out, listed.error);
     CHECK(std::ranges::count(listed.out, '\n') == 2);
     // Where nobody is left it is said why.
@@ -286,7 +286,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
         }
         return places;
     };
-    const auto places = places_in(tests::slurp(folder.file("out") + "/trials.csv"));
+    const auto places = places_in(slurp(folder.file("out") + "/trials.csv"));
     CHECK(places == places_in(sql_csv(file,
                                       "SELECT trials_since_break FROM analysis_trial JOIN "
                                       "participant USING (participant_code) WHERE consent IS NOT "
@@ -302,10 +302,10 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
          file, "--headless"});
     // As on a full disk: no file may grow.
     const auto piped = [](const std::string& of) {  // standard output is a file too
-        return tests::Process(
+        return Process(
                    {"sh", "-c",
                     "(trap '' XFSZ; ulimit -f 0; \"$0\" summary \"$1\" 2>&1; echo code $?) | cat",
-                    tests::palpate_program(), of})
+                    palpate_program(), of})
             .wait();
     };
     CHECK_THAT(piped(file).out, Has("people: 1 in the file", "code 0"));

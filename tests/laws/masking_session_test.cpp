@@ -12,7 +12,7 @@ namespace {
 
 /// Four trials with noise and with instructions in two languages, on the pointer.
 void write_study(const std::string& file) {
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const std::string table = "[apparatus]\n";
     text.insert(text.find(table) + table.size(), "device = \"mouse\"\n");
     std::ofstream(file) << text
@@ -46,9 +46,9 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     std::vector<std::string> command = words(folder, "real");
-    command.insert(command.begin(), tests::palpate_program());
-    tests::Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
-    const tests::Finished end = program.wait(std::chrono::seconds(60));
+    command.insert(command.begin(), palpate_program());
+    Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
+    const Finished end = program.wait(std::chrono::seconds(60));
     check_end(end, 1, Has("masking noise cannot be played", "--no-sound"));
     CHECK(text_of(folder, "SELECT count(*) FROM session") == "0\n");
 }
@@ -56,7 +56,7 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
 TEST_CASE("check says how loud the noise is and what the chosen language lacks", "[sound]") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
-    const tests::Finished said = ran({"check", folder.file("p.toml")});
+    const Finished said = ran({"check", folder.file("p.toml")});
     CHECK_THAT(said.out, Has("masking noise: pink at -40 dB re full scale",
                              "[instructions.en] has no ready, [instructions.tr] has"));
 }
@@ -70,14 +70,14 @@ TEST_CASE("in a real window a trial with noise is recorded, answered and verifie
     if (declined) {
         all.emplace_back("--no-sound");
     }
-    tests::WindowSession session(all, folder.file("d.sqlite"), {"SDL_AUDIODRIVER=dummy"}, {});
+    WindowSession session(all, folder.file("d.sqlite"), {"SDL_AUDIODRIVER=dummy"}, {});
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.press_at("explore", "space");
     session.press_at("question", "1");
     session.wait_until("SELECT count(*) FROM response", "1");
     session.program().signal(SIGINT);
-    const tests::Finished end = session.finish();
+    const Finished end = session.finish();
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
     CHECK_THAT(text_of(folder, "SELECT text FROM event WHERE event_kind = 'masking'"),

@@ -65,7 +65,7 @@ TEST_CASE(
     words.insert(words.end(), how.begin(), how.end());
     const Json ours = json_of(words);
     CHECK(ours["frictions"] == Json({"-o\\\"n", "=off"}));
-    const std::string beside = tests::slurp(folder.file("r.csv"));
+    const std::string beside = slurp(folder.file("r.csv"));
     CHECK_THAT(beside, Has("'=2+5,", "'=late") && !Has("\n=") && !Has(",="));
     // palpate reads its own table back to the same names and numbers.
     words = {"stats", folder.file("r.csv")};

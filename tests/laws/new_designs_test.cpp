@@ -83,7 +83,7 @@ TEST_CASE("sequence and check show friction blocks and free forms",
     const std::string sheet = folder.file("o.svg");
     CHECK_THAT(ran({"check", kForms, "--svg", sheet, "--long"}).out,
                Has("16 main in 4 blocks", "(one a block)", "frictions of the blocks: "));
-    const std::string drawn = tests::slurp(sheet);
+    const std::string drawn = slurp(sheet);
     CHECK_THAT(drawn, Has("free form, 80", "dome"));
     const Finished sequence = ran({"sequence", kForms, "--participant", "P1"});
     CHECK_THAT(sequence.out, Has("friction blocks: row", "of 2 of the"));
@@ -98,12 +98,11 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     ran({"participant", file, "L1", "--new", "--handedness=-60"});
-    const Finished run =
-        Process({tests::palpate_program(), "run", "shape_friction", "--participant", "L1", "--db",
-                 file, "--device", "haply:/nonexistent", "--calibration",
-                 tests::commissioned_rig(folder, "haply:/nonexistent")},
-                {"SDL_VIDEODRIVER=dummy"})
-            .wait();
+    const Finished run = Process({palpate_program(), "run", "shape_friction", "--participant", "L1",
+                                  "--db", file, "--device", "haply:/nonexistent", "--calibration",
+                                  commissioned_rig(folder, "haply:/nonexistent")},
+                                 {"SDL_VIDEODRIVER=dummy"})
+                             .wait();
     check_end(run, 2, Has("asks for handedness \"right\"", "a score of -60", "pilot"));
     CHECK(one(file, "SELECT count(*) FROM session") == "0");
 }

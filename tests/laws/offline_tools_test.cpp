@@ -51,8 +51,8 @@ to_m = [0.05, 0.0]
 curvature_per_m = {}
 )",
                                                                      kappa));
-    const tests::ArcOracle arc{{-0.05, 0.0}, {0.05, 0.0}, kappa};
-    tests::GosOracle oracle(arc, {1000.0, 0.7, 0.5, 0.02, 0.1, 1e-3});
+    const ArcOracle arc{{-0.05, 0.0}, {0.05, 0.0}, kappa};
+    GosOracle oracle(arc, {1000.0, 0.7, 0.5, 0.02, 0.1, 1e-3});
     std::string path = "t_s,x_m,y_m\n";
     std::vector<Vec2> hips;
     for (int k = 0; k < 2000; ++k) {
@@ -99,9 +99,9 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
     SEEDED(random, 6U);
     const TemporaryFolder folder;
     std::string scene;
-    std::vector<tests::FootOracle> oracles;
+    std::vector<FootOracle> oracles;
     for (int i = 0; i < 3; ++i) {
-        const auto data = tests::random_nurbs<2>(random, 0.1, 1.0);
+        const auto data = random_nurbs<2>(random, 0.1, 1.0);
         oracles.emplace_back(data);
         std::vector<std::string> points;
         for (const Vec2& p : data.points) {
@@ -207,7 +207,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
           "[offline][law]") {
     const TemporaryFolder folder;
     // As docs/protocol.md shows it.
-    const std::string page = tests::slurp(PALPATE_SOURCE_DIR "/docs/protocol.md");
+    const std::string page = slurp(PALPATE_SOURCE_DIR "/docs/protocol.md");
     const std::size_t begin = page.find("degree = 3", page.find("**Curves that yield**"));
     const std::string bow = page.substr(begin, page.find("dt_s", begin) - begin);
     write(folder.file("rest.toml"), bow + "static = true\n");
@@ -235,7 +235,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     write(folder.file("motion.toml"), bow + "dt_s = 0.0001\n");
     const Finished motion = ran({"deform", folder.file("motion.toml"), "--times",
                                  "0,0.02,0.05005,0.1", "-o", folder.file("out.csv")});
-    const auto moved = columns_of(tests::slurp(folder.file("out.csv")));
+    const auto moved = columns_of(slurp(folder.file("out.csv")));
     CHECK(number(moved, "dy1_m", 0) == 0.0);
     for (std::size_t row = 1; row < 4; ++row) {
         const double t = number(moved, "t_s", row);
@@ -299,7 +299,7 @@ TEST_CASE("palpate render presses a soft object to where palpate deform has it a
     write(folder.file("t.csv"), path);
     const auto pressed = [&](double compliance) {
         ran({"render", scene(compliance), folder.file("t.csv"), "-o", folder.file("o.csv")});
-        return columns_of(tests::slurp(folder.file("o.csv")));
+        return columns_of(slurp(folder.file("o.csv")));
     };
     const auto rigid = pressed(0.0);
     const auto csv = pressed(soft);

@@ -70,7 +70,7 @@ TEST_CASE("the doctor and calibrate take an open board, and say what is wrong wi
     }
     CHECK_THAT(said, Has("\"ok\"", "its own watchdog stops it after 20 ms"));
     CHECK_THAT(doctor("2diy_gen2"), Has("add [board]"));
-    std::string other = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
+    std::string other = slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
     const std::size_t gen3 = other.find("name = \"2diy_gen3\"");
     other = "format = 1\n[[pantograph]]\n" +
             other.substr(gen3, other.find("[[pantograph]]", gen3) - gen3);

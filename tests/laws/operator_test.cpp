@@ -18,7 +18,7 @@ constexpr double kGuard = 0.75;  // s, of the studies below
 
 /// Two trials at a window: two objects without friction, answers to be confirmed.
 std::string two_trials() {
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const std::size_t on = text.find("[[friction]]\nname = \"on\"");
     text.erase(on, text.find("[design]") - on);
     text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nguard_s = 0.75");
@@ -61,7 +61,7 @@ void until_marked(WindowSession& session, const Act& act) {
 }
 
 /// Somebody who presses what helps, whatever the screen shows, until the program ends.
-void carry_on(tests::Process& program, tests::XHand& hand) {
+void carry_on(Process& program, XHand& hand) {
     std::uint64_t focused = 0;
     for (int i = 0; i < 600 && program.running(); ++i) {
         const auto window = hand.find_window("palpate: ");
@@ -88,7 +88,7 @@ TEST_CASE(
     std::ofstream(protocol) << two_trials();
     WindowSession session(
         {"run", protocol, "--participant", "P1", "--db", file, "--device", "mouse"}, file);
-    tests::XHand& hand = session.hand();
+    XHand& hand = session.hand();
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.press_at("explore", "space");
@@ -142,11 +142,10 @@ TEST_CASE(
     REQUIRE(at != std::string::npos);
     const std::string command =
         end.out.substr(at + goes_on.size(), end.out.find('\n', at) - at - goes_on.size());
-    tests::Process again(
-        {"sh", "-c", "exec " + command},
-        {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY",
-         "ASAN_OPTIONS=detect_leaks=0",
-         "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
+    Process again({"sh", "-c", "exec " + command},
+                  {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
+                   "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0",
+                   "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
     carry_on(again, hand);
     const Finished rest = again.wait();
     CAPTURE(rest.out, rest.error);
@@ -183,11 +182,11 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     WindowSession session(words("mouse.toml", "P1"), file);
     {
         std::vector<std::string> refused = words("any.toml", "P1");
-        refused.insert(refused.begin(), tests::palpate_program());
+        refused.insert(refused.begin(), palpate_program());
         refused.insert(refused.end(), {"--kind", "real"});
         const Finished end =
-            tests::Process(refused, {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
-                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"})
+            Process(refused, {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
+                              "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"})
                 .wait();
         check_end(end, 2, Has("gives no force", "device = \"mouse\"", "--kind pilot"));
     }
@@ -210,7 +209,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
           "[operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
     text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
     std::ofstream(folder.file("p.toml")) << text;
@@ -219,7 +218,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     std::vector<std::string> numbers;
     std::size_t repeats = 0;
     std::size_t alarms = 0;
-    for (const std::string& line : tests::lines_in(end.out)) {
+    for (const std::string& line : lines_in(end.out)) {
         if (line.starts_with("#")) {
             const std::string number = line.substr(line.find_first_of("pt"));
             numbers.push_back(number.substr(0, number.find("  ")));
@@ -250,18 +249,17 @@ TEST_CASE(
     "[operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string threshold =
-        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
+    std::string threshold = slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
     for (int run = 0; run < 2; ++run) {
         threshold = replaced(threshold, "\ntrials = 40", "\ntrials = 8");
     }
     std::ofstream(folder.file("p.toml")) << threshold;
     const std::vector<std::string> words{
         "run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless", "--speed"};
-    std::vector<std::string> slow{tests::palpate_program()};
+    std::vector<std::string> slow{palpate_program()};
     slow.insert(slow.end(), words.begin(), words.end());
     slow.push_back("40");
-    tests::Process program(slow, {"DISPLAY", "WAYLAND_DISPLAY"});
+    Process program(slow, {"DISPLAY", "WAYLAND_DISPLAY"});
     for (int i = 0; i < 4000 && program.out().find("practice 2 of ") == std::string::npos; ++i) {
         pause(0.01);
     }
@@ -280,7 +278,7 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
           "[window][operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     text = replaced(text, "repetitions = 1", "repetitions = 100");
     std::ofstream(folder.file("p.toml"))
         << replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
@@ -315,7 +313,7 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
 
 TEST_CASE("a trial's line says how much of it was contact, and the largest force, as the file does",
           "[window][haply][operator][law]") {
-    tests::PressedDesk desk(tests::PressingHand::Does::presses);
+    PressedDesk desk(PressingHand::Does::presses);
     WindowSession& session = *desk.session;
     const auto answered = [&] {
         return session.ask("SELECT count(*) FROM response") == "1";
@@ -324,11 +322,11 @@ TEST_CASE("a trial's line says how much of it was contact, and the largest force
         REQUIRE(desk.feel());
         pause(0.6);
         session.hand().key("Return");
-        tests::eventually([&] { return session.screen_name() != "explore"; });
+        eventually([&] { return session.screen_name() != "explore"; });
         session.hand().release("space");
         if (session.screen_name() == "question") {
             session.press_at("question", "1");
-            tests::eventually(answered);
+            eventually(answered);
         }
     }
     REQUIRE(answered());

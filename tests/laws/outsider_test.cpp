@@ -23,8 +23,8 @@ Finished run_as(const std::string& code,
     std::vector<std::string> words{"run",  kStudy, "--participant", code,
                                    "--db", file,   "--headless"};
     words.insert(words.end(), more.begin(), more.end());
-    words.insert(words.begin(), tests::palpate_program());
-    return tests::Process(words, {"DISPLAY"}).wait();  // palpate_command() would give a secret
+    words.insert(words.begin(), palpate_program());
+    return Process(words, {"DISPLAY"}).wait();  // palpate_command() would give a secret
 }
 
 /// People who ran, one after the other, as if each hand had been a person's.
@@ -52,7 +52,7 @@ using Order = std::vector<std::string>;  ///< object and friction of every trial
 /// By subject, from the exported plans.
 std::map<std::string, Order> orders_in(const fs::path& folder) {
     std::map<std::string, Order> orders;
-    for (const auto& line : csv_records(tests::slurp(folder / "plan.csv"))) {
+    for (const auto& line : csv_records(slurp(folder / "plan.csv"))) {
         orders[line.at("subject")].push_back(line.at("planned_object") + ' ' + line.at("friction"));
     }
     return orders;
@@ -94,7 +94,7 @@ std::map<std::string, std::string> identified(const fs::path& folder, const std:
 
 std::map<std::string, std::string> codes_in(const fs::path& file) {
     std::map<std::string, std::string> codes;
-    for (const auto& line : csv_records(tests::slurp(file))) {
+    for (const auto& line : csv_records(slurp(file))) {
         codes[line.at("participant_code")] = line.at("subject");
     }
     return codes;
@@ -105,7 +105,7 @@ std::string everything(const fs::path& folder) {
     std::string text;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         text += fs::relative(entry.path(), folder).string() + '\n';
-        text += entry.is_regular_file() ? tests::slurp(entry.path()) + '\n' : "";
+        text += entry.is_regular_file() ? slurp(entry.path()) + '\n' : "";
     }
     return text;
 }
@@ -197,7 +197,7 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
         CHECK_THAT(with, Has("P01"));
     }
     CHECK_THAT(palpate_command({"participant", file, "P04"}).out, Has(late.at("P04")));
-    const auto people = csv_records(tests::slurp(plain + "/participants.csv"));
+    const auto people = csv_records(slurp(plain + "/participants.csv"));
     std::map<std::string, std::string> hands;
     for (const auto& line : people) {
         CHECK_FALSE(line.contains("handedness_score"));
@@ -222,7 +222,7 @@ TEST_CASE("what an export says of time tells no date, no pause and no restart", 
     }
     const std::string out = exported(file, "csv", folder.file("out"));
     std::vector<std::string> since;
-    for (const auto& line : csv_records(tests::slurp(out + "/trials.csv"))) {
+    for (const auto& line : csv_records(slurp(out + "/trials.csv"))) {
         since.push_back(line.at("since_first_ns"));
         CHECK(line.at("session_number") ==
               "1");  // not the fourth: the ones before were of another kind
@@ -245,17 +245,17 @@ TEST_CASE(
     const auto content = [&](const std::string& name, std::vector<std::string> more) {
         REQUIRE(run_as("P01", folder.file(name), std::move(more)).code == 0);
         data::Database database(folder.file(name), data::Access::read);
-        return tests::content_hash(database);
+        return content_hash(database);
     };
     const std::string first = content("a.sqlite", {"--secret", secret});
     CHECK(content("b.sqlite", {"--secret", secret}) == first);
     CHECK(content("c.sqlite", {}) != first);
     CHECK(content("d.sqlite", {"--secret", std::string(32, '1')}) != first);
     CHECK(run_as("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
-    const std::string before = tests::slurp(folder.file("c.sqlite"));
+    const std::string before = slurp(folder.file("c.sqlite"));
     const Finished refused = run_as("P02", folder.file("c.sqlite"), {"--secret", secret});
     check_end(refused, 2, Has("a secret of its own"));
-    CHECK(tests::slurp(folder.file("c.sqlite")) == before);
+    CHECK(slurp(folder.file("c.sqlite")) == before);
     for (const std::string& wrong : {std::string("12"), std::string(32, 'g')}) {
         CHECK(run_as("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
     }

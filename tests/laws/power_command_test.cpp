@@ -14,9 +14,9 @@ const std::string kStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 /// Four trials, ten times, with a primary test of its own.
 std::string study_in(const TemporaryFolder& folder, const std::string& test) {
     std::string text = replaced(slurp(kStudy), "repetitions = 1", "repetitions = 4");
-    tests::write(folder.file("study.toml"), text + "\n[analysis]\nprimary = \"" + test + "\"\n");
-    tests::write(folder.file("quick.toml"),
-                 "format = 1\n[observer]\nnoise_per_m = 8\n[hand]\nspeed_factor = 2.5\n");
+    write(folder.file("study.toml"), text + "\n[analysis]\nprimary = \"" + test + "\"\n");
+    write(folder.file("quick.toml"),
+          "format = 1\n[observer]\nnoise_per_m = 8\n[hand]\nspeed_factor = 2.5\n");
     return folder.file("study.toml");
 }
 
@@ -121,6 +121,6 @@ TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power
     refused({"power", kStudy, "--effect", "-1", "--friction", "ice"}, "--friction ice");
     refused({"power", kStudy, "--effect", "-1", "--test", "guess"}, "--test");
     refused({"power", "curvature_2afc", "--effect", "-1"}, "no rule chooses");
-    tests::write(folder.file("bad.toml"), slurp(kStudy) + "\n[analysis]\nprimary = \"t\"\n");
+    write(folder.file("bad.toml"), slurp(kStudy) + "\n[analysis]\nprimary = \"t\"\n");
     refused({"power", folder.file("bad.toml"), "--effect", "-1"}, "primary is \"t\"");
 }

@@ -32,7 +32,7 @@ TEST_CASE("whatever is written with participants' codes is its owner's alone", "
                (entry.status().permissions() & std::filesystem::perms::others_all) ==
                    std::filesystem::perms::none));
     }
-    CHECK(tests::slurp(page).find("P1") != std::string::npos);
+    CHECK(slurp(page).find("P1") != std::string::npos);
 }
 
 TEST_CASE("a link that somebody laid leads to no file of theirs", "[privacy][law]") {
@@ -40,11 +40,10 @@ TEST_CASE("a link that somebody laid leads to no file of theirs", "[privacy][law
     const std::string victim = folder.file("victim");
     std::ofstream(victim) << "theirs";
     const auto finished = [&](const std::string& command) {
-        const Finished end =
-            tests::Process({"sh", "-c", command}, {"SDL_VIDEODRIVER=dummy"}).wait();
+        const Finished end = Process({"sh", "-c", command}, {"SDL_VIDEODRIVER=dummy"}).wait();
         CAPTURE(command, end.error);
         CHECK(end.code == 0);
-        CHECK(tests::slurp(victim) == "theirs");
+        CHECK(slurp(victim) == "theirs");
     };
     // A name that can be foretold: the process's number is the shell's.
     finished("ln -s '" + victim + "' '" + folder.file("d.sqlite") + "'.$$.part; exec '" +
@@ -71,7 +70,7 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
     REQUIRE(
         palpate_command({"export", file, "--kind", "simulated", "-o", folder.file("out")}).code ==
         0);
-    auto rows = tests::lines_in(tests::slurp(folder.file("out/events.csv")));
+    auto rows = lines_in(slurp(folder.file("out/events.csv")));
     REQUIRE_THAT(rows.at(0), Has(",event_kind,mark_undone,text,since_first_ns,"));
     rows.erase(rows.begin());
     int late = 0;
@@ -91,12 +90,11 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
 #if defined(NDEBUG) && !defined(PALPATE_SANITIZED)
 TEST_CASE("the program is built for files of strangers: canaries, checked copies, bound at once",
           "[build]") {
-    const Finished dynamic = tests::Process({"readelf", "-d", palpate_program()}).wait();
+    const Finished dynamic = Process({"readelf", "-d", palpate_program()}).wait();
     CHECK(dynamic.code == 0);
     CHECK(dynamic.out.find("BIND_NOW") != std::string::npos);
     CHECK(dynamic.out.find("PIE") != std::string::npos);
-    const Finished symbols =
-        tests::Process({"readelf", "--dyn-syms", "-W", palpate_program()}).wait();
+    const Finished symbols = Process({"readelf", "--dyn-syms", "-W", palpate_program()}).wait();
     CHECK(symbols.out.find("__stack_chk_fail") != std::string::npos);
     CHECK(symbols.out.find("_chk@GLIBC") != std::string::npos);
 }

@@ -29,8 +29,8 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
     write(folder.file("c.toml"), kWatson);
     // The published stimuli are given, since two of them tie with others.
     std::string responses = "stimulus,response\n";
-    for (std::size_t i = 0; i < tests::kLapseStimuli.size(); ++i) {
-        responses += fmt::format("{},{}\n", tests::kLapseStimuli[i], tests::kLapseAnswers[i]);
+    for (std::size_t i = 0; i < kLapseStimuli.size(); ++i) {
+        responses += fmt::format("{},{}\n", kLapseStimuli[i], kLapseAnswers[i]);
     }
     write(folder.file("r.csv"), responses);
     const Finished run = palpate_command(
@@ -47,8 +47,8 @@ TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse"
     int other = 0;
     for (std::size_t i = 1; i < 128; ++i) {
         CHECK(table[i][0] == std::to_string(i));
-        CHECK(table[i][1] == std::to_string(tests::kLapseStimuli[i - 1]));
-        other += table[i][10] == std::to_string(tests::kLapseStimuli[i]) ? 0 : 1;
+        CHECK(table[i][1] == std::to_string(kLapseStimuli[i - 1]));
+        other += table[i][10] == std::to_string(kLapseStimuli[i]) ? 0 : 1;
     }
     CHECK(other == 2);
     CHECK(table[128][4] == "-20");
@@ -67,7 +67,7 @@ TEST_CASE(
     config.replace(lapse, config.size() - lapse, "lapse = 0.02\n");
     write(folder.file("c.toml"), config);
     std::string responses = "response\n";
-    for (const char answer : tests::kThresholdAnswers) {
+    for (const char answer : kThresholdAnswers) {
         responses += std::string(1, answer) + "\n";
     }
     write(folder.file("r.csv"), responses);
@@ -75,9 +75,9 @@ TEST_CASE(
     const auto table = csv_rows(run.out);
     CHECK(fmt::format("{}", fmt::join(table[0], ",")) ==
           "trial,stimulus,response,estimate_mean,estimate_mode,entropy_bits,next_stimulus");
-    for (std::size_t i = 0; i < tests::kThresholdStimuli.size(); ++i) {
+    for (std::size_t i = 0; i < kThresholdStimuli.size(); ++i) {
         CAPTURE(i);
-        CHECK(table.at(i + 1)[1] == std::to_string(tests::kThresholdStimuli[i]));
+        CHECK(table.at(i + 1)[1] == std::to_string(kThresholdStimuli[i]));
     }
     CHECK(table[32][4] == "-20");
     // What it said is next is what it then took.

@@ -19,15 +19,15 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
     CAPTURE(opening);
     const TemporaryFolder folder;
     FreeBoard board(folder);
-    const tests::Terminal terminal;
-    tests::StopButton button(folder.file("button"));
+    const Terminal terminal;
+    StopButton button(folder.file("button"));
     const std::string made = folder.file(opening ? "d.sqlite" : "new.toml");
-    std::vector<std::string> words{
-        tests::palpate_program(), "commission", "--device", board.word(), "-o", made};
+    std::vector<std::string> words{palpate_program(), "commission", "--device",
+                                   board.word(),      "-o",         made};
     if (opening) {
-        words = {tests::palpate_program(),
+        words = {palpate_program(),
                  "run",
-                 tests::study_of_rig(folder),
+                 study_of_rig(folder),
                  "--participant",
                  "P1",
                  "--db",
@@ -38,7 +38,7 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
                  "real",
                  "--windowed",
                  "--calibration",
-                 tests::commissioned_rig(folder, board.word())};
+                 commissioned_rig(folder, board.word())};
     }
     words.insert(words.end(), {"--stop-button", folder.file("button"), "--handle-free"});
     const auto ends = [&](const std::string& way, const std::function<void(pid_t)>& act,
@@ -49,15 +49,15 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
         // A busy machine may leave the board without its turn before any pulse: then once more.
         for (int attempt = 0; attempt < 8 && !pulsed; ++attempt) {
             board.bring("0,89.3");
-            tests::Process program(words, {std::string(tests::kTerminal) + "=" + terminal.name(),
-                                           "SDL_VIDEODRIVER=dummy"});
+            Process program(
+                words, {std::string(kTerminal) + "=" + terminal.name(), "SDL_VIDEODRIVER=dummy"});
             std::size_t asked = 0;
             CHECK(eventually([&] {
                 const std::string out = program.out();
                 const std::size_t asks = out.rfind("Bring the handle to");
                 if (asks != std::string::npos && asks >= asked) {
                     asked = out.size();
-                    board.bring(tests::last_place(out.substr(asks)));
+                    board.bring(last_place(out.substr(asks)));
                     terminal.type("\n");
                 }
                 pulsed = board.motors() != "0, 0";
@@ -93,11 +93,11 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
 TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commission][haply][law]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
-    const tests::Terminal terminal;
+    const Terminal terminal;
     const std::string made = folder.file("new.toml");
-    tests::Process program({tests::palpate_program(), "commission", "--device", board.word(), "-o",
-                            made, "--handle-free"},
-                           {std::string(tests::kTerminal) + "=" + terminal.name()});
+    Process program(
+        {palpate_program(), "commission", "--device", board.word(), "-o", made, "--handle-free"},
+        {std::string(kTerminal) + "=" + terminal.name()});
     REQUIRE(
         eventually([&] { return program.out().find("Bring the handle to") != std::string::npos; }));
     bool pulsed = false;

@@ -28,15 +28,15 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
           "[protocol][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
-    const std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    const std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const std::string first = written(folder, "first.toml", text);
-    const std::string other_text = tests::replaced(
-        tests::replaced(text, "mu_d = 0.5", "mu_d = 0.1"), "repetitions = 1", "repetitions = 2");
+    const std::string other_text =
+        replaced(replaced(text, "mu_d = 0.5", "mu_d = 0.1"), "repetitions = 1", "repetitions = 2");
     std::string second = written(folder, "second.toml", other_text);
     for (int i = 0; hash_of(second) > hash_of(first); ++i) {  // by hash it would come first
-        second = written(
-            folder, "second.toml",
-            tests::replaced(other_text, "title = \"", "title = \"" + std::to_string(i) + " "));
+        second =
+            written(folder, "second.toml",
+                    replaced(other_text, "title = \"", "title = \"" + std::to_string(i) + " "));
     }
     const auto run = [&](const std::string& protocol, const char* who, const char* more = "") {
         std::vector<std::string> words{"run",  protocol, "--participant", who,
@@ -95,9 +95,9 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
             if (command == "report") {
                 all.insert(all.end(), {"-o", folder.file(more.back() + ".html")});
             }
-            tests::Finished end = palpate_command(all);
+            Finished end = palpate_command(all);
             if (command == "report" && end.code == 0) {
-                end.out = tests::slurp(folder.file(more.back() + ".html"));
+                end.out = slurp(folder.file(more.back() + ".html"));
             }
             return end;
         };

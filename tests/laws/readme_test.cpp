@@ -8,7 +8,7 @@ using namespace palpate::tests;
 namespace {
 
 std::string page(const std::string& name) {
-    return tests::slurp(PALPATE_SOURCE_DIR "/" + name);
+    return slurp(PALPATE_SOURCE_DIR "/" + name);
 }
 
 /// Every fenced block of a page in this language.
@@ -31,7 +31,7 @@ TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[re
     CHECK(queries.size() >= 3);
     for (const std::string& query : queries) {
         CAPTURE(query);
-        const tests::Finished answer = tests::Process({"sqlite3", file, query}).wait();
+        const Finished answer = Process({"sqlite3", file, query}).wait();
         CAPTURE(answer.error);
         CHECK(answer.code == 0);
         CHECK_FALSE(answer.out.empty());
@@ -41,12 +41,12 @@ TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[re
 TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law]") {
     const TemporaryFolder folder;
     ran({"demo", "--headless", "--db", folder.file("d.sqlite")});
-    const tests::Finished names =
-        tests::Process({"sqlite3", folder.file("d.sqlite"),
-                        "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})
+    const Finished names =
+        Process({"sqlite3", folder.file("d.sqlite"),
+                 "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})
             .wait();
     const std::string text = page("docs/data.md");
-    for (const std::string& name : tests::lines_in(names.out)) {
+    for (const std::string& name : lines_in(names.out)) {
         CAPTURE(name);
         CHECK(text.find("`" + name + "`") != std::string::npos);
     }
@@ -54,12 +54,12 @@ TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law
 
 TEST_CASE("uPlot lies here as its package has it, with its licence", "[docs]") {
     const std::string folder = PALPATE_SOURCE_DIR "/data/page/uplot/";
-    const std::string readme = tests::slurp(folder + "README.md");
+    const std::string readme = slurp(folder + "README.md");
     for (const char* name : {"uPlot.iife.min.js", "uPlot.min.css", "LICENSE"}) {
         CAPTURE(name);
-        CHECK_THAT(readme, Has(fmt::format("| `{}` | {} |", name,
-                                           sha256_hex(tests::slurp(folder + name)))));
+        CHECK_THAT(readme,
+                   Has(fmt::format("| `{}` | {} |", name, sha256_hex(slurp(folder + name)))));
     }
-    CHECK_THAT(tests::slurp(folder + "uPlot.iife.min.js"), Has("(v1.6.32)"));
-    CHECK_THAT(tests::slurp(folder + "LICENSE"), Has("The MIT License"));
+    CHECK_THAT(slurp(folder + "uPlot.iife.min.js"), Has("(v1.6.32)"));
+    CHECK_THAT(slurp(folder + "LICENSE"), Has("The MIT License"));
 }

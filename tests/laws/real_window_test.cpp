@@ -70,7 +70,7 @@ TEST_CASE(
     "a real pointer in a real window: choice, reaction time and exact forces are in the database",
     "[long][window][law]") {
     const TemporaryFolder folder;
-    tests::WindowSession session(
+    WindowSession session(
         {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
          folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot"},
         folder.file("d.sqlite"));
@@ -93,7 +93,7 @@ TEST_CASE(
         }
     }
     session.press_at("end", "space");
-    const tests::Finished end = session.finish();
+    const Finished end = session.finish();
     CAPTURE(end.out, end.error);
     REQUIRE(end.code == 0);
     CHECK(explore_screens.size() == 4);  // they differ in the trial's number only
@@ -111,7 +111,7 @@ TEST_CASE(
         CAPTURE(row.integer(0), row.real(1), row.text(2));
         CHECK(row.text(3) == picture.text(0));
         CHECK(row.real(4) > 0.2);
-        CHECK(row.real(4) < tests::WindowSession::kPatience);
+        CHECK(row.real(4) < WindowSession::kPatience);
         CHECK(row.real(5) >= 0.0);
         CHECK(row.text(6) == "pilot");
         CHECK(row.text(7) == "mouse");
@@ -127,7 +127,7 @@ TEST_CASE(
 TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one",
           "[window][operator][law]") {
     const TemporaryFolder folder;
-    tests::WindowSession session(
+    WindowSession session(
         {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
          folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot"},
         folder.file("d.sqlite"));
@@ -138,7 +138,7 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
     session.press_at("question", "1");
     session.wait_for_text("answered in");
     session.program().signal(SIGTERM);
-    const tests::Finished end = session.finish();
+    const Finished end = session.finish();
     CHECK_THAT(end.out, Catch::Matchers::Contains(", in contact ") &&
                             !Catch::Matchers::Contains(" N rendered at most"));
     CHECK(session.ask("SELECT contact_ticks > 0 FROM trial") == "1");
@@ -156,9 +156,9 @@ TEST_CASE(
     "[window][surface-session]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    tests::WindowSession session({"run", "patch_friction", "--participant", "P1", "--db", file,
-                                  "--device", "sim", "--windowed", "--speed", "20"},
-                                 file);
+    WindowSession session({"run", "patch_friction", "--participant", "P1", "--db", file, "--device",
+                           "sim", "--windowed", "--speed", "20"},
+                          file);
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.press_at("explore", "space");
@@ -167,7 +167,7 @@ TEST_CASE(
     session.press_at("explore", "space");
     session.wait_for_screen("question");
     session.program().signal(SIGTERM);
-    const tests::Finished end = session.finish();
+    const Finished end = session.finish();
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
     CHECK(session.ask("SELECT group_concat(outcome) FROM trial") == "complete,aborted");

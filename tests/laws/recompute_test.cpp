@@ -16,16 +16,16 @@ TEST_CASE(
         {"sql", file, "--csv", "-c", "SELECT * FROM sample ORDER BY trial_id, interval, tick"});
     REQUIRE(ticks.code == 0);
     std::ofstream(folder.file("sample.csv")) << ticks.out;
-    if (tests::Process({"python3", "-c", "import sqlite3, csv"}).wait().code != 0) {
+    if (Process({"python3", "-c", "import sqlite3, csv"}).wait().code != 0) {
         WARN("python3 with sqlite3 is not installed: not checked");
         return;
     }
     const auto recompute = [&](const std::string& of) {
-        return tests::Process({"python3", PALPATE_SOURCE_DIR "/tests/support/recompute.py", of,
-                               folder.file("sample.csv"), PALPATE_SOURCE_DIR "/docs/data.md"})
+        return Process({"python3", PALPATE_SOURCE_DIR "/tests/support/recompute.py", of,
+                        folder.file("sample.csv"), PALPATE_SOURCE_DIR "/docs/data.md"})
             .wait();
     };
-    const tests::Finished same = recompute(file);
+    const Finished same = recompute(file);
     CAPTURE(same.out, same.error);
     CHECK(same.code == 0);
     CHECK_THAT(same.out, Has("values, 0 differences"));

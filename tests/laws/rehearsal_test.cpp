@@ -15,7 +15,7 @@ namespace {
 
 /// Two trials without friction, and a break.
 std::string study(const TemporaryFolder& folder) {
-    std::string text = replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+    std::string text = replaced(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                                 "stiffness_n_per_m = 1000\nforce_limit_n = 10",
                                 "stiffness_n_per_m = 200\nforce_limit_n = 1.5");
     text = replaced(text, "break_every = 0", "break_every = 1");
@@ -27,7 +27,7 @@ std::string study(const TemporaryFolder& folder) {
 /// Two trials, as rehearsed: a hand that is typed to the emulator explores, lets go in the
 /// break, and the experimenter's keys do the rest. A busy machine makes troubles, and they take their
 /// time: each screen has its own.
-void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
+void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
     bool explores = false;
     bool felt = false;
     int troubles = 0;
@@ -50,15 +50,15 @@ void rehearse(tests::XHand& hand, TypedTo& run, FreeBoard& board) {
                 troubles = times(out, "trouble: ");
                 const std::string last = out.substr(std::min(out.rfind("trouble: "), out.size()));
                 const bool mark = last.find("to the second mark") != std::string::npos;
-                board.bring(mark ? tests::last_place(last) : "0,89.3");  // without a jump, let go
+                board.bring(mark ? last_place(last) : "0,89.3");  // without a jump, let go
                 explores = false;
             } else if (window.id != 0) {
-                tests::press_on(hand);
+                press_on(hand);
                 felt = felt && at == "palpate: explore";
             }
             course += another ? "\n" + at : ".";
             before = at;
-            tests::pause(0.3);
+            pause(0.3);
             return another || !run.program().running();
         });
     }
@@ -75,8 +75,8 @@ TEST_CASE(
     const TemporaryFolder folder;
     FreeBoard board(folder, "--open");
     const std::string rig = commissioned_rig(folder, board.word());
-    const tests::Xvfb screen(1280, 800);
-    tests::XHand hand(screen.display());
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
     const std::string words = "run '" + study(folder) + "' --participant P1 --db '" +
                               folder.file("d.sqlite") + "' --windowed --device " + board.word() +
                               " --calibration '" + rig + "'";
@@ -87,10 +87,10 @@ TEST_CASE(
             folder, fmt::format("run{}", attempt), words,
             std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-        tests::operate(*run, board, "If it ends early");
+        operate(*run, board, "If it ends early");
     }
     INFO(run->program().error());
-    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
     rehearse(hand, *run, board);
     const Finished end = run->program().wait();
     check_end(end, 0, Has("the session is recorded as simulated"));
@@ -116,28 +116,20 @@ TEST_CASE("behind a port where nobody is seen a session has to say of which kind
     const auto elsewhere = [&](std::vector<std::string> words) {  // where other processes are not
         words.insert(words.begin(),
                      {"unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc"});
-        return tests::Process(words, {"SDL_VIDEODRIVER=dummy", "PALPATE_WORD="}).wait();
+        return Process(words, {"SDL_VIDEODRIVER=dummy", "PALPATE_WORD="}).wait();
     };
     if (elsewhere({"true"}).code != 0) {
         WARN("this kernel gives no namespace of processes: not tried");
         return;
     }
-    const std::vector<std::string> run{tests::palpate_program(),
-                                       "run",
-                                       study(folder),
-                                       "--participant",
-                                       "P1",
-                                       "--db",
-                                       file,
-                                       "--device",
-                                       board.word(),
-                                       "--calibration",
-                                       "2diy_gen3"};
+    const std::vector<std::string> run{
+        palpate_program(), "run",        study(folder),   "--participant", "P1", "--db", file,
+        "--device",        board.word(), "--calibration", "2diy_gen3"};
     const Finished asked = elsewhere(run);
     check_end(asked, 2, Has("a program that this user cannot see", "--kind real"));
     CHECK_FALSE(std::filesystem::exists(file));
     const Finished doctor =
-        elsewhere({tests::palpate_program(), "doctor", "--device", board.word(), "--calibration",
+        elsewhere({palpate_program(), "doctor", "--device", board.word(), "--calibration",
                    "2diy_gen3", "--db", folder.file("e.sqlite"), "--seconds", "0.1"});
     CHECK_THAT(doctor.out, Has("run will ask for --kind"));
     std::vector<std::string> real = run;

@@ -30,7 +30,7 @@ std::string bows(Random& random) {
 }
 
 std::string sheet(Random& random) {
-    const tests::SurfaceData d = tests::bicubic_8x8(random, 0.0);
+    const SurfaceData d = bicubic_8x8(random, 0.0);
     std::vector<std::string> rows;
     for (const auto& row : d.points) {
         std::vector<std::string> points;
@@ -49,7 +49,7 @@ std::string sheet(Random& random) {
 
 TEST_CASE("out of contact render's god-object is the closest point, as `palpate closest` finds it",
           "[cli][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
+    const auto seed = GENERATE(seeds(6U));
     const bool space = seed % 2U == 1U;
     CAPTURE(seed, space);
     Random random(seed + 2900U);
@@ -117,7 +117,7 @@ TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its re
     std::string text =
         fmt::format("[renderer]\nstiffness_n_per_m = 800\ntracker = {}\n[friction]\n{}\n",
                     tracker.keys, friction);
-    for (const auto& polygon : tests::two_polygons()) {
+    for (const auto& polygon : two_polygons()) {
         text += "[[segment]]\nkind = \"nurbs\"\ndegree = 3\nknots = [0, 0, 0, 0, 1, 1, 1, 1]\n";
         std::string points;
         for (const engine::Vec2& p : polygon) {
@@ -137,7 +137,7 @@ TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its re
     REQUIRE(felt.size() == path.size());
 
     const bool rubs = law != ThesisLaw::frictionless;
-    const figures::ThesisScene scene(tests::two_cubics(), false,
+    const figures::ThesisScene scene(two_cubics(), false,
                                      {.stiffness = 800.0,
                                       .period = tick,
                                       .tracker = tracker.spec,
@@ -168,7 +168,7 @@ TEST_CASE(
     "a long path from a file, a pipe or standard input is felt alike, each row as in a shorter "
     "path",
     "[cli][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(2U));
+    const auto seed = GENERATE(seeds(2U));
     const std::string command = GENERATE(as<std::string>{}, "render", "closest");
     CAPTURE(seed, command);
     Random random(seed + 2910U);
@@ -191,10 +191,9 @@ TEST_CASE(
     write(folder.file("t.csv"), path);
     write(folder.file("few.csv"), few);
     const auto felt = [&](const std::string& shell) {
-        tests::Process process(
-            {"/bin/sh", "-c",
-             fmt::format("cd {} && P='{} {} s.toml' && {}", folder.path().string(),
-                         tests::palpate_program(), command, shell)});
+        Process process({"/bin/sh", "-c",
+                         fmt::format("cd {} && P='{} {} s.toml' && {}", folder.path().string(),
+                                     palpate_program(), command, shell)});
         Finished done = process.wait();
         CAPTURE(shell, done.error);
         REQUIRE(done.code == 0);
@@ -214,10 +213,9 @@ TEST_CASE(
     path.insert(last, "x");
     write(folder.file("bad.csv"), path);
     for (const std::string to : {"", "-o bad_o.csv"}) {
-        tests::Process process(
-            {"/bin/sh", "-c",
-             fmt::format("cd {} && {} {} s.toml bad.csv {}", folder.path().string(),
-                         tests::palpate_program(), command, to)});
+        Process process({"/bin/sh", "-c",
+                         fmt::format("cd {} && {} {} s.toml bad.csv {}", folder.path().string(),
+                                     palpate_program(), command, to)});
         const Finished done = process.wait();
         CAPTURE(to, done.error);
         CHECK(done.code == 2);

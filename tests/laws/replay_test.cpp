@@ -86,6 +86,6 @@ TEST_CASE("one named trial can be replayed for all", "[replay]") {
     const std::string first = folder.file("a.sqlite");
     ran(run(first, "sim"));
     ran(run(folder.file("b.sqlite"), "replay:" + first + ":3"));
-    const tests::Finished absent = ran(run(folder.file("c.sqlite"), "replay:" + first + ":333"), 2);
+    const Finished absent = ran(run(folder.file("c.sqlite"), "replay:" + first + ":333"), 2);
     CHECK_THAT(absent.error, Has("no trial 333"));
 }

@@ -17,11 +17,11 @@ const std::vector<std::string> kCodes{"Zanzibar7", "Quokka8", "Xylem9"};
 /// out by a rule.
 std::string made_study(const TemporaryFolder& folder) {
     std::string protocol =
-        edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+        edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                {{"repetitions = 1", "repetitions = 4"}, {"break_every = 0", "break_every = 5"}});
-    tests::write(folder.file("p.toml"), protocol +
-                                            "\n[response]\nconfidence = true\n\n[exclusion]\n"
-                                            "timed_out_share_max = 0.9\n");
+    write(folder.file("p.toml"), protocol +
+                                     "\n[response]\nconfidence = true\n\n[exclusion]\n"
+                                     "timed_out_share_max = 0.9\n");
     const std::string file = folder.file("a.sqlite");
     for (const std::string& code : kCodes) {
         ran({"run", folder.file("p.toml"), "--participant", code, "--db", file, "--device", "sim"});
@@ -66,7 +66,7 @@ std::string page_of(const std::string& file, std::vector<std::string> words = {}
     const std::string page = file + ".html";
     words.insert(words.begin(), {"report", file, "-o", page});
     ran(words);
-    return tests::slurp(page);
+    return slurp(page);
 }
 
 const std::vector<std::string> kSimulated{"--kind", "simulated"};
@@ -94,7 +94,7 @@ std::size_t check_results(const std::string& page,
     for (std::vector<std::string> command : commands) {
         command.emplace_back("--json");
         const Finished done = ran(command);
-        tests::add_numbers(Json::parse(done.out), all);
+        add_numbers(Json::parse(done.out), all);
     }
     const std::vector<std::string> numbers = tests::numbers_of(results_of(page));
     for (const std::string& number : numbers) {
@@ -160,8 +160,8 @@ void check_sources(const std::string& page, const std::string& file) {
 void check_kind(const std::string& page, const std::string& kind, const std::string& file) {
     data::Database database(file, data::Access::read);
     const auto rows = [&](const std::string& from) {
-        return fmt::format("{}\n", tests::count(database, from + " WHERE session_kind = '" + kind +
-                                                              "' AND phase = 'main'"));
+        return fmt::format("{}\n", count(database, from + " WHERE session_kind = '" + kind +
+                                                       "' AND phase = 'main'"));
     };
     const auto sources = sources_of(page);
     const auto cells = [&](const std::string& name, const std::string& what) {
@@ -293,15 +293,14 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
 
 TEST_CASE("a study with a rule is reported with psychometric functions and tracks", "[report]") {
     const TemporaryFolder folder;
-    tests::write(folder.file("p.toml"),
-                 tests::short_text("friction_threshold",
-                                   {{"explore_min_s = 2", "explore_min_s = 0.2"},
-                                    {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
-                                    {"explore_timeout_s = 15", "explore_timeout_s = 3"},
-                                    {"practice_trials = 4", "practice_trials = 1"},
-                                    {"break_min_s = 30", "break_min_s = 0"},
-                                    {"gap_s = 1", "gap_s = 0"}}) +
-                     "\n[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n");
+    write(folder.file("p.toml"),
+          short_text("friction_threshold", {{"explore_min_s = 2", "explore_min_s = 0.2"},
+                                            {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
+                                            {"explore_timeout_s = 15", "explore_timeout_s = 3"},
+                                            {"practice_trials = 4", "practice_trials = 1"},
+                                            {"break_min_s = 30", "break_min_s = 0"},
+                                            {"gap_s = 1", "gap_s = 0"}}) +
+              "\n[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n");
     const std::string file = folder.file("a.sqlite");
     for (const std::string& code : {kCodes[0]}) {
         ran({"run", folder.file("p.toml"), "--participant", code, "--db", file, "--headless"});
@@ -338,9 +337,8 @@ TEST_CASE(
     ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
          file, "--device", "sim"});
     static_cast<void>(page_of(file, kSimulated));
-    tests::write(folder.file("wide_and_narrow.html"), kWideAndNarrow);
-    const tests::Browsed shown =
-        tests::browsed(folder, folder.file("wide_and_narrow.html"), "--dump-dom");
+    write(folder.file("wide_and_narrow.html"), kWideAndNarrow);
+    const Browsed shown = browsed(folder, folder.file("wide_and_narrow.html"), "--dump-dom");
     if (!shown.there) {
         WARN("Chromium is not installed: skipped");
         return;

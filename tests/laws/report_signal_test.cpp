@@ -11,7 +11,7 @@ namespace {
 /// Four simulated people who say whether it was convex, in a file whose name is a person's code.
 std::string asked_study(const TemporaryFolder& folder) {
     std::string protocol =
-        edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+        edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                {{"repetitions = 1", "repetitions = 6"}, {"noise_per_m = 2.62", "noise_per_m = 6"}});
     write(folder.file("p.toml"),
           protocol +
@@ -42,7 +42,7 @@ TEST_CASE(
     const std::vector<std::string> words{"report", file,        "-o",       page,
                                          "--kind", "simulated", "--signal", "convex"};
     ran(words);
-    const std::string html = tests::slurp(page);
+    const std::string html = slurp(page);
     CHECK_THAT(html, Has("id=\"sensitivity\"", "Sensitivity and criterion by friction",
                          "Share correct by friction, within person", "--json --signal convex",
                          "Is confidence worth something?"));
@@ -81,7 +81,7 @@ TEST_CASE(
     std::vector<std::string> named = words;
     named.emplace_back("--keep-codes");
     ran(named);
-    CHECK_THAT(tests::slurp(page), Has("KLARA77"));
+    CHECK_THAT(slurp(page), Has("KLARA77"));
 
     const Finished none = ran(
         {"report", file, "-o", folder.file("n.html"), "--kind", "simulated", "--signal", "cube"},
@@ -92,9 +92,8 @@ TEST_CASE(
 TEST_CASE("a report of ratings has each level's share and each person's mean, as summary has them",
           "[report][summary]") {
     const TemporaryFolder folder;
-    std::string protocol =
-        replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                 "repetitions = 1", "repetitions = 6");
+    std::string protocol = replaced(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                                    "repetitions = 1", "repetitions = 6");
     write(folder.file("p.toml"),
           protocol +
               "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n"
@@ -107,8 +106,8 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     data::Database(file, data::Access::write)
         .execute("UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
     ran({"report", file, "-o", folder.file("r.html"), "--kind", "simulated"});
-    const std::string html = tests::slurp(folder.file("r.html"));
-    const auto sources = tests::sources_of(html);
+    const std::string html = slurp(folder.file("r.html"));
+    const auto sources = sources_of(html);
     for (const char* name :
          {"simulated-levels-apart.csv", "simulated-rated.csv", "simulated-times.csv",
           "simulated-deciles.csv", "simulated-sure.csv", "simulated-learning.csv"}) {
@@ -154,7 +153,7 @@ TEST_CASE("a report of ratings has each level's share and each person's mean, as
     const std::size_t results = html.find("simulated-rated-results.csv");
     REQUIRE(results != std::string::npos);
     const std::size_t href = html.find("href=\"", results) + 6;
-    const std::string csv = tests::of_address(html.substr(href, html.find('"', href) - href));
+    const std::string csv = of_address(html.substr(href, html.find('"', href) - href));
     const std::string summary = palpate_command({"summary", file}).out;
     for (const std::string object : {"convex", "concave"}) {
         const std::string of = fmt::format(

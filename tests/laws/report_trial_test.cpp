@@ -28,7 +28,7 @@ std::string page_of(const std::string& file, int trial, std::vector<std::string>
     const std::string page = file + ".html";
     words.insert(words.begin(), {"report", file, "--trial", std::to_string(trial), "-o", page});
     ran(words);
-    return tests::slurp(page);
+    return slurp(page);
 }
 
 /// Rows of a query, its head first.
@@ -57,7 +57,7 @@ std::vector<double> line_of(const Json& drawn, const std::string& name) {
     for (const Json& strip : strips) {
         for (const Json& line : strip["lines"]) {
             if (line["name"] == name) {
-                return tests::ticks_of(line["text"], line["step"]);
+                return ticks_of(line["text"], line["step"]);
             }
         }
     }
@@ -85,7 +85,7 @@ void check_ticks(const Json& drawn, const std::string& file, int trial, int inte
     }
     const auto rows = ask(file, fmt::format("{} FROM sample WHERE trial_id = {} AND interval = {}",
                                             sql, trial, interval));
-    const std::vector<double> times = tests::ticks_of(drawn["time"]["text"], drawn["time"]["step"]);
+    const std::vector<double> times = ticks_of(drawn["time"]["text"], drawn["time"]["step"]);
     REQUIRE(times.size() == rows.size() - 1);
     REQUIRE(drawn["ticks"] == times.size());
     double worst = 0.0;  // in steps
@@ -188,12 +188,12 @@ TEST_CASE(
         REQUIRE(drawn[0]["marks"].size() == 1);
         CHECK(drawn[0]["marks"][0]["at"].get<double>() ==
               Approx(number(view[1][3]) - 0.001).margin(1e-9));
-        for (const auto& [name, source] : tests::sources_of(page)) {
+        for (const auto& [name, source] : sources_of(page)) {
             CAPTURE(name);
             CHECK(sql_csv(file, source.sql) == source.csv);
             CHECK(name.starts_with("simulated-"));
         }
-        CHECK(tests::sources_of(page).size() >= 4);
+        CHECK(sources_of(page).size() >= 4);
         CHECK(page.find(kCode) == std::string::npos);
         CHECK_THAT(page, Has("content: \"SIMULATED\"", "<strong>Simulated data.</strong>",
                              "<dt>Seal</dt><dd>holds<"));
@@ -216,9 +216,9 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
           "[report]") {
     const TemporaryFolder folder;
     SECTION("the force went off: cause and instant") {
-        tests::write(folder.file("p.toml"),
-                     tests::short_text("shape_friction_demo",
-                                       {{"[safety]\n", "[safety]\nspeed_limit_m_per_s = 0.05\n"}}));
+        write(folder.file("p.toml"),
+              short_text("shape_friction_demo",
+                         {{"[safety]\n", "[safety]\nspeed_limit_m_per_s = 0.05\n"}}));
         const std::string file = session_of(folder, folder.file("p.toml"));
         const std::string page = page_of(file, 1);
         const auto fault = ask(file, "SELECT max(time_s) FROM fault_tick WHERE trial_id = 1");
@@ -231,11 +231,10 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
     }
     SECTION("two intervals, each with its own") {
         const std::string file = folder.file("two.sqlite");
-        tests::write(folder.file("p.toml"),
-                     tests::short_text("curvature_2afc",
-                                       {{"explore_min_s = 2", "explore_min_s = 0.4"},
-                                        {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
-                                        {"explore_timeout_s = 15", "explore_timeout_s = 3"}}));
+        write(folder.file("p.toml"),
+              short_text("curvature_2afc", {{"explore_min_s = 2", "explore_min_s = 0.4"},
+                                            {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
+                                            {"explore_timeout_s = 15", "explore_timeout_s = 3"}}));
         ran({"simulate", folder.file("p.toml"), "--participants", "1", "--db", file});
         const std::string page = page_of(file, 2);
         const auto drawn = drawn_in(page);
@@ -245,10 +244,10 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
         CHECK_THAT(page, Has("Exploration, interval 2", "<dt>Felt second</dt>"));
     }
     SECTION("in space") {
-        tests::write(folder.file("p.toml"),
-                     tests::short_text("patch_friction",
-                                       {{"repetitions = 5", "repetitions = 1"},
-                                        {"practice_repetitions = 1", "practice_repetitions = 0"}}));
+        write(folder.file("p.toml"),
+              short_text("patch_friction",
+                         {{"repetitions = 5", "repetitions = 1"},
+                          {"practice_repetitions = 1", "practice_repetitions = 0"}}));
         const std::string file = session_of(folder, folder.file("p.toml"));
         const std::string page = page_of(file, 2);
         const auto drawn = drawn_in(page);
@@ -291,7 +290,7 @@ TEST_CASE("a browser draws every tick of a page of a trial, without an error or 
     const TemporaryFolder folder;
     const std::string file = four_trials(folder);
     static_cast<void>(page_of(file, 2));
-    const tests::Browsed shown = tests::browsed(folder, file + ".html", "--dump-dom");
+    const Browsed shown = browsed(folder, file + ".html", "--dump-dom");
     if (!shown.there) {
         WARN("Chromium is not installed: skipped");
         return;

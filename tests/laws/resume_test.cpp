@@ -14,23 +14,15 @@ using namespace palpate::tests;
 namespace {
 
 std::vector<std::string> words(const std::string& file, const std::string& speed = "0") {
-    return {"run",
-            "shape_friction_demo",
-            "--participant",
-            "P1",
-            "--db",
-            file,
-            "--headless",
-            "--speed",
-            speed,
-            "--secret",
-            tests::kRunSecret};
+    return {"run",     "shape_friction_demo", "--participant", "P1",  "--db",
+            file,      "--headless",          "--speed",       speed, "--secret",
+            kRunSecret};
 }
 
 /// Starts a slowed-down session and waits until trial `position` has stored some of its ticks.
 std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t position) {
     std::vector<std::string> command = words(file, "40");
-    command.insert(command.begin(), tests::palpate_program());
+    command.insert(command.begin(), palpate_program());
     auto process =
         std::make_unique<Process>(command, std::vector<std::string>{"DISPLAY", "WAYLAND_DISPLAY"});
     for (int i = 0; i < 5000 && process->running(); ++i) {
@@ -125,7 +117,7 @@ private:
 /// A session at full speed with its standard output in the file `out`.
 std::unique_ptr<Process> run_into(const std::string& out, const std::string& file) {
     std::vector<std::string> command{"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"",
-                                     "sh", out,  tests::palpate_program()};
+                                     "sh", out,  palpate_program()};
     const auto rest = words(file);
     command.insert(command.end(), rest.begin(), rest.end());
     return std::make_unique<Process>(command,
@@ -159,7 +151,7 @@ TEST_CASE(
     for (std::size_t i = 0; i < broken.size(); ++i) {
         REQUIRE(broken[i].size() == unbroken[i].size());
         for (std::size_t k = 0; k < broken[i].size(); ++k) {
-            REQUIRE(tests::same_bits(broken[i][k], unbroken[i][k]));
+            REQUIRE(same_bits(broken[i][k], unbroken[i][k]));
         }
     }
     data::Database database(file, data::Access::read);

@@ -15,7 +15,7 @@ using Names = std::set<std::string>;
 namespace {
 
 std::string four_trials() {
-    return tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    return slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
 }
 
 /// Answers in words: pictures of objects have another order in each file.
@@ -24,12 +24,12 @@ constexpr const char* kYesOrNo = "\n[response]\nkind = \"yes_no\"\nquestion = \"
 /// The pictures of a protocol by the names of their screens, byte for byte.
 std::map<std::string, std::string> pictures_of(const std::string& protocol) {
     const TemporaryFolder folder;
-    tests::write(folder.file("p.toml"), protocol);
+    write(folder.file("p.toml"), protocol);
     ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"), "--width",
          "640", "--height", "480"});
     std::map<std::string, std::string> pictures;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("shots"))) {
-        pictures[entry.path().stem().string()] = tests::slurp(entry.path());
+        pictures[entry.path().stem().string()] = slurp(entry.path());
     }
     return pictures;
 }
@@ -187,7 +187,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
         replaced(four_trials(), "[apparatus]\n",
                  "language = \"" + language + "\"\n[apparatus]\ndevice = \"mouse\"\n");
     text += kYesOrNo + std::string("confirm = true\n");
-    tests::write(folder.file("p.toml"), text);
+    write(folder.file("p.toml"), text);
     ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"),
          "--language", language});
     WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db",
@@ -199,7 +199,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
         const ScreenImage wanted = read_png(folder.file("shots/" + picture + ".png"));
         ScreenImage shown;
         for (int look = 0; look < 100 && shown != wanted; ++look) {
-            tests::pause(0.1);
+            pause(0.1);
             shown = session.hand().image(window);
         }
         CHECK(shown.width == wanted.width);
@@ -213,7 +213,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
     shows("explore", "explore");  // once one may answer
     session.press_at("explore", "space");
     session.wait_for_screen("question");
-    tests::pause(0.4);  // its guard time
+    pause(0.4);  // its guard time
     session.hand().key("2");
     shows("question", "choose");
     session.hand().chord("p");
@@ -268,10 +268,10 @@ TEST_CASE("the frame of the marked answer stands clear of a question of two line
         GENERATE(std::pair{1280, 800}, std::pair{800, 600}, std::pair{1920, 1080});
     CAPTURE(width, height);
     const TemporaryFolder folder;
-    tests::write(folder.file("p.toml"),
-                 four_trials() +
-                     "\n[response]\nquestion = \"Which of the two shapes below was the one that "
-                     "you have just felt with the handle?\"\n");
+    write(folder.file("p.toml"),
+          four_trials() +
+              "\n[response]\nquestion = \"Which of the two shapes below was the one that "
+              "you have just felt with the handle?\"\n");
     const ScreenImage image = question_of(folder.file("p.toml"), width, height);
     int frame = 0;
     while (frame < height && count_in_row(image, frame, value(ui::kAccent)) < width / 10) {

@@ -119,7 +119,7 @@ std::string scene_text(const Row& trial) {
 
 /// The point of a segment of the hill, from the definition of a NURBS.
 Vec2 on_hill(std::size_t segment, double u) {
-    const auto [x, y] = tests::nurbs_point(kHill.at(segment), u);
+    const auto [x, y] = nurbs_point(kHill.at(segment), u);
     return {static_cast<double>(x), static_cast<double>(y)};
 }
 
@@ -139,7 +139,7 @@ Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& 
     std::ofstream(folder.file("s.toml")) << scene_text(trial);
     std::ofstream(folder.file("t.csv")) << path;
     ran({"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
-    felt.rendered = csv_records(tests::slurp(folder.file("o.csv")));
+    felt.rendered = csv_records(slurp(folder.file("o.csv")));
     REQUIRE(felt.rendered.size() == felt.sample.size());
     return felt;
 }
@@ -220,10 +220,10 @@ std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
         }
         const std::string stem = path.substr(0, path.size() - end.size());
         std::vector<std::string> names;
-        for (const Row& channel : csv_records(tests::slurp(stem + "_channels.tsv"), '\t')) {
+        for (const Row& channel : csv_records(slurp(stem + "_channels.tsv"), '\t')) {
             names.push_back(channel.at("name"));
         }
-        runs[path] = csv_records(tests::slurp(path), '\t', names);
+        runs[path] = csv_records(slurp(path), '\t', names);
     }
     std::vector<std::vector<Row>> all;
     for (auto& [name, rows] : runs) {

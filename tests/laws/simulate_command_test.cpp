@@ -24,7 +24,7 @@ std::string people_file() {
     const std::string file = folder.file("people.toml");
     protocols::ObserverModel model = protocols::typical_observer();
     model.hand.speed = 2.5;
-    tests::write(file, protocols::observer_text(model));
+    write(file, protocols::observer_text(model));
     return file;
 }
 
@@ -44,11 +44,10 @@ std::vector<std::string> program(std::vector<std::string> words) {
 /// All that the rows say, names and seals of sessions too.
 std::string content(const std::string& file) {
     data::Database database(file, data::Access::read);
-    return tests::content_hash(database) +
-           tests::lines(
-               database,
-               "SELECT participant_code, uuid, newest_seal, started_utc, finished_utc FROM "
-               "session JOIN participant USING (participant_id) ORDER BY session_id");
+    return content_hash(database) +
+           lines(database,
+                 "SELECT participant_code, uuid, newest_seal, started_utc, finished_utc FROM "
+                 "session JOIN participant USING (participant_id) ORDER BY session_id");
 }
 
 }  // namespace
@@ -82,7 +81,7 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
                              "#SBATCH --signal=B:TERM@60\n", "#SBATCH --requeue\n", "\nexec "}) {
         CHECK_THAT(script.out, Has(line));
     }
-    tests::write(folder.file("study.sbatch"), script.out);
+    write(folder.file("study.sbatch"), script.out);
     const auto task = Process({"sh", folder.file("study.sbatch")},
                               {"SLURM_ARRAY_TASK_ID=1", "SLURM_CPUS_PER_TASK=2",
                                "TMPDIR=" + folder.file("shards"), "SLURM_ARRAY_TASK_COUNT=1"})
@@ -132,7 +131,7 @@ TEST_CASE("a simulation that was killed or stopped goes on, and gives the same b
             words.insert(words.end(), more.begin(), more.end());
             Process run(program(words));
             while (run.running() && run.out().find("S000002") == std::string::npos) {
-                tests::pause(0.001);
+                pause(0.001);
             }
             run.signal(signal);
             const int code = run.wait().code;
@@ -188,7 +187,7 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     refused(simulate({}, "2"), "give --db FILE, or -o FOLDER");
     refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "2/2"}), "--shard 2/2");
     refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "3/4"}, "2"), "none of the 2");
-    tests::write(folder.file("bad.toml"), "format = 1\n[people]\nnoise_sd = 1\n");
+    write(folder.file("bad.toml"), "format = 1\n[people]\nnoise_sd = 1\n");
     refused({"simulate", kStudy, "--observer", folder.file("bad.toml"), "--db", file},
             "bad.toml:3:1: unknown key \"noise_sd\" in [people]: did you mean noise_sd_ln?");
 
@@ -212,16 +211,16 @@ TEST_CASE("verify asks the drawn person again: an observer that was not the one 
 TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none",
           "[simulate][law]") {
     const TemporaryFolder folder;
-    tests::write(folder.file("study.toml"),
-                 edited(slurp(kStudy), {{"repetitions = 1", "repetitions = 5"},
-                                        {"curvature_per_m = 8", "curvature_per_m = 4"},
-                                        {"curvature_per_m = -8", "curvature_per_m = -4"}}));
+    write(folder.file("study.toml"),
+          edited(slurp(kStudy), {{"repetitions = 1", "repetitions = 5"},
+                                 {"curvature_per_m = 8", "curvature_per_m = 4"},
+                                 {"curvature_per_m = -8", "curvature_per_m = -4"}}));
     /// Of the share of right answers, friction on against off: mean difference and its interval.
     const auto difference = [&](const std::string& friction) {
-        tests::write(folder.file("observer.toml"),
-                     "format = 1\n[hand]\nspeed_factor = 2.5\n[observer]\nnoise_per_m = 2.5\nlapse "
-                     "= 0\n[people]\nnoise_sd_ln = 0.2\n[friction]\n" +
-                         friction);
+        write(folder.file("observer.toml"),
+              "format = 1\n[hand]\nspeed_factor = 2.5\n[observer]\nnoise_per_m = 2.5\nlapse "
+              "= 0\n[people]\nnoise_sd_ln = 0.2\n[friction]\n" +
+                  friction);
         const std::string file = folder.file("d.sqlite");
         fs::remove(file);
         ran({"simulate", folder.file("study.toml"), "--participants", "6", "--observer",
@@ -243,7 +242,7 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const auto succeeds = [](const std::vector<std::string>& words) {
-        const tests::Finished done = ran(words);
+        const Finished done = ran(words);
         return done.out;
     };
     (void)succeeds(
@@ -256,7 +255,7 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     const std::string page = folder.file("a.html");
     (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(slurp(page), Has("No ticks are kept of these trials"));
-    const tests::Finished again =
+    const Finished again =
         ran({"run", "shape_friction_demo", "--participant", "S000001", "--db",
              folder.file("b.sqlite"), "--headless", "--device", "replay:" + file},
             1);
@@ -267,12 +266,12 @@ TEST_CASE("what simulate names as next looks at the answers of any protocol", "[
     const TemporaryFolder folder;
     const std::string rating =
         "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n";
-    const std::string rule = tests::short_text("friction_threshold", {});
+    const std::string rule = short_text("friction_threshold", {});
     for (const auto& [protocol, command] :
          {std::pair<std::string, std::string>{slurp(kStudy), "stats"},
           {slurp(kStudy) + rating, "summary"},
           {rule, "fit"}}) {
-        tests::write(folder.file("p.toml"), protocol);
+        write(folder.file("p.toml"), protocol);
         const std::string file = folder.file(command + ".sqlite");
         const Finished made = ran({"simulate", folder.file("p.toml"), "--participants", "2", "--db",
                                    file, "--no-traces"});

@@ -165,10 +165,9 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
     std::ofstream(folder.file("in.sql"))
         << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS "
            "two;\n.columns analysis_trial\nSELECT 3 AS last";
-    const Finished done =
-        Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate::tests::palpate_program(),
-                 demo_file(), folder.file("in.sql")})
-            .wait();
+    const Finished done = Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate_program(),
+                                   demo_file(), folder.file("in.sql")})
+                              .wait();
     CHECK(done.code == 1);  // one of them failed
     CHECK_THAT(done.error, Has("palpate: 5:8: no such column: fnord"));
     CHECK_THAT(done.out, Has("analysis_trial", "virtual table", "n\n--\n10\n", "two\n---\n  2\n",
@@ -179,7 +178,7 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
 }
 
 TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!palpate::tests::others_load_extension()) {
+    if (!others_load_extension()) {
         return;
     }
     if (Process({"sqlite3", "--version"}).wait().code != 0) {
@@ -198,7 +197,7 @@ TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extens
 }
 
 TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!palpate::tests::others_load_extension()) {
+    if (!others_load_extension()) {
         return;
     }
     // Some Pythons are built without extensions.
@@ -233,7 +232,7 @@ TEST_CASE("Python with the extension says what palpate sql says", "[sql][extensi
 
 TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
           "[sql][extension][law]") {
-    if (!palpate::tests::others_load_extension()) {
+    if (!others_load_extension()) {
         return;
     }
     if (Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {

@@ -12,21 +12,19 @@ using namespace palpate::tests;
 namespace {
 
 std::string four_trials() {
-    return tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    return slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
 }
 
 /// A shipped study whose gate is as it is without a word, for a busy machine.
 std::string gated(const TemporaryFolder& folder, const std::string& name) {
-    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");
     const std::string stiff = "stiffness_n_per_m = 1000";
-    text = text.find(stiff) != std::string::npos
-             ? tests::replaced(text, stiff, "stiffness_n_per_m = 200")
-             : text;
+    text = text.find(stiff) != std::string::npos ? replaced(text, stiff, "stiffness_n_per_m = 200")
+                                                 : text;
     const std::string safety = "[safety]\n";
     const std::string more = safety + "late_in_a_row = 0\nlate_of_100 = 0\n";
     const bool has = text.find(safety) != std::string::npos;
-    tests::write(folder.file("p.toml"),
-                 has ? tests::replaced(text, safety, more) : text + "\n" + more);
+    write(folder.file("p.toml"), has ? replaced(text, safety, more) : text + "\n" + more);
     return folder.file("p.toml");
 }
 
@@ -59,9 +57,9 @@ bool begins(WindowSession& session) {
 TEST_CASE("a trial begins with the handle at the start, and nowhere else",
           "[window][haply][gate][law]") {
     const TemporaryFolder folder;
-    tests::FreeBoard board(folder);
+    FreeBoard board(folder);
     std::string text =
-        tests::replaced(four_trials(), "stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
+        replaced(four_trials(), "stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
@@ -83,24 +81,24 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
          {std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P2", "--db",
                                    folder.file("second.sqlite"), "--kind", "pilot"},
           {"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
-        second.insert(second.begin(), tests::palpate_program());
+        second.insert(second.begin(), palpate_program());
         second.insert(second.end(), {"--device", board.word(), "--calibration", "2diy_gen3"});
-        const tests::Finished end = tests::Process(second, {"SDL_VIDEODRIVER=dummy"}).wait();
+        const Finished end = Process(second, {"SDL_VIDEODRIVER=dummy"}).wait();
         check_end(end, 1, Has("in use by another program, palpate"));
     }
     CHECK_FALSE(std::filesystem::exists(folder.file("second.sqlite")));
     CHECK(session.ask("SELECT min(abs(start_x_m - 0.003) < 0.0005 AND abs(start_y_m - 0.061) < "
                       "0.0005) FROM presentation") == "1");
     session.program().signal(SIGTERM);
-    const tests::Finished end = session.finish();
+    const Finished end = session.finish();
     CHECK(end.code == 3);
     CHECK_THAT(end.out, Has("four_trials: pilot, participant P1"));
     // It is a pilot: that is said before another device is looked for.
-    const std::string rig = tests::commissioned_rig(folder, "haply:/nonexistent");
-    const tests::Finished as_real =
-        tests::Process({tests::palpate_program(), "run", folder.file("p.toml"), "--participant",
-                        "P1", "--db", file, "--device", "haply:/nonexistent", "--calibration", rig},
-                       {"SDL_VIDEODRIVER=dummy"})
+    const std::string rig = commissioned_rig(folder, "haply:/nonexistent");
+    const Finished as_real =
+        Process({palpate_program(), "run", folder.file("p.toml"), "--participant", "P1", "--db",
+                 file, "--device", "haply:/nonexistent", "--calibration", rig},
+                {"SDL_VIDEODRIVER=dummy"})
             .wait();
     check_end(as_real, 2,
               Has("is a pilot session; it cannot go on as real", "--kind it was begun with",
@@ -110,9 +108,9 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
 TEST_CASE("in a ring that reaches into an object no trial begins where it does",
           "[window][haply][gate][law]") {
     const TemporaryFolder folder;
-    tests::FreeBoard board(folder);
-    std::string text = tests::replaced(four_trials(), "stiffness_n_per_m = 1000",
-                                       "start_radius_mm = 60\nstiffness_n_per_m = 200");
+    FreeBoard board(folder);
+    std::string text = replaced(four_trials(), "stiffness_n_per_m = 1000",
+                                "start_radius_mm = 60\nstiffness_n_per_m = 200");
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
@@ -133,7 +131,7 @@ TEST_CASE(
     "at the second interval, too, the handle comes to the start, and a board that is gone says",
     "[window][haply][gate][law]") {
     const TemporaryFolder folder;
-    auto board = std::make_unique<tests::FreeBoard>(folder);
+    auto board = std::make_unique<FreeBoard>(folder);
     const std::string file = folder.file("d.sqlite");
     WindowSession session(
         {"run", gated(folder, "softness_2afc"), "--participant", "P1", "--db", file, "--device",
@@ -146,7 +144,7 @@ TEST_CASE(
         session.wait_for_screen("trouble");
         std::filesystem::remove(folder.file("board"));
         std::filesystem::remove(folder.file("hand"));
-        board = std::make_unique<tests::FreeBoard>(folder);
+        board = std::make_unique<FreeBoard>(folder);
         session.wait_until("SELECT count(*) > " + back +
                                " FROM event WHERE event_kind = "
                                "'reconnect'",
@@ -155,7 +153,7 @@ TEST_CASE(
     session.press_at("welcome", "space");
     session.wait_for_screen("ready");
     replugged();
-    tests::leave_trouble(session.hand());
+    leave_trouble(session.hand());
     CHECK(session.ask("SELECT count(*) FROM trial") == "0");
     CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'fault' AND value = "
                       "'device_silent' AND trial_id IS NULL") == "1");
@@ -180,7 +178,7 @@ TEST_CASE(
     CHECK(session.screen_name() == "ready");
     CHECK(session.ask("SELECT count(*) FROM presentation") == begun);
     replugged();  // before the second interval
-    tests::leave_trouble(session.hand());
+    leave_trouble(session.hand());
     CHECK(session.ask("SELECT outcome || ' ' || (fault_cause LIKE 'device_%') FROM trial ORDER BY "
                       "trial_id DESC LIMIT 1") == "faulted 1");
     board->bring("1,58");
@@ -196,7 +194,7 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
           "[window][open][gantry][gate][law]") {
     const TemporaryFolder folder;
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
-    tests::FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
+    FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
     const std::string file = folder.file("d.sqlite");
     WindowSession session(
         {"run", gated(folder, "patch_friction"), "--participant", "P1", "--db", file, "--device",
@@ -216,8 +214,8 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
 
 TEST_CASE("a question that nobody answers ends, and its trial runs again", "[window][desk][law]") {
     const TemporaryFolder folder;
-    std::string text = tests::replaced(four_trials(), "explore_min_s = 0.5", "explore_min_s = 0.1");
-    text = tests::replaced(text, "gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3");
+    std::string text = replaced(four_trials(), "explore_min_s = 0.5", "explore_min_s = 0.1");
+    text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3");
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("d.sqlite");
     WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,

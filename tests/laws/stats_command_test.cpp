@@ -124,11 +124,11 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
                            .wait();
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
-    auto kinds = compare(tests::slurp(folder.file("again.out")), ours);
+    auto kinds = compare(slurp(folder.file("again.out")), ours);
     CHECK(kinds["of base R"] > 500);
     CHECK(kinds["of the grid"] == 14);
     CHECK(kinds["bayes_factor_10"] >= 20);
-    auto of_yes = compare(tests::slurp(folder.file("again_yes.out")), yes);
+    auto of_yes = compare(slurp(folder.file("again_yes.out")), yes);
     CHECK(of_yes["criterion"] == 6);
     CHECK(of_yes["d_prime"] == 6);
     CHECK(of_yes["brier"] == 3);
@@ -165,9 +165,9 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
     const Finished text = stats(words);
     REQUIRE(text.code == 0);
     CHECK(stats(words).out == text.out);
-    const Finished one_core = Process({"taskset", "-c", "0", tests::palpate_program(), "stats",
-                                       words[0], words[1], words[2]})
-                                  .wait();
+    const Finished one_core =
+        Process({"taskset", "-c", "0", palpate_program(), "stats", words[0], words[1], words[2]})
+            .wait();
     CHECK(one_core.out == text.out);
     const Json all = numbers_of(words);
     CHECK_THAT(text.out, Has("Nothing is excluded"));
@@ -282,7 +282,7 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
           "[stats]") {
     const TemporaryFolder folder;
     std::string protocol =
-        edited(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+        edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                {{"repetitions = 1", "repetitions = 4"}, {"break_every = 0", "break_every = 5"}});
     write(folder.file("p.toml"), protocol +
                                      "\n[response]\nconfidence = true\n\n[exclusion]\n"
@@ -302,7 +302,7 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     std::vector<std::string> scripted = words;
     scripted.insert(scripted.end(), {"--emit-r", folder.file("again.R")});
     Json ours = numbers_of(scripted);
-    CHECK_THAT(tests::slurp(folder.file("again.csv")), !Has("Ada"));
+    CHECK_THAT(slurp(folder.file("again.csv")), !Has("Ada"));
     CHECK(ours["kind"] == "simulated");
     CHECK(ours["alternatives"] == 2);
 

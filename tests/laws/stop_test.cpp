@@ -24,7 +24,7 @@ class StoppedDesk {
 public:
     StoppedDesk(const Terminal& terminal, const std::string& button)
         : desk_(PressingHand::Does::presses,
-                {std::string(tests::kTerminal) + "=" + terminal.name()},
+                {std::string(kTerminal) + "=" + terminal.name()},
                 false,
                 {"--stop-button", button}) {}
 
@@ -46,10 +46,10 @@ public:
     /// Space does not go on, the chord does.
     void goes_on() {
         session().wait_for_screen("trouble");
-        tests::pause(0.3);
+        pause(0.3);
         session().hand().focus(session().hand().find_window("palpate: "));
         session().hand().key("space");
-        tests::pause(0.3);
+        pause(0.3);
         CHECK(session().screen_name() == "trouble");
         desk_.goes_on();
     }
@@ -57,10 +57,8 @@ public:
         return desk_.session->ask(
             "SELECT count(*) FROM event WHERE event_kind = 'stop' AND value = '" + way + "'");
     }
-    [[nodiscard]] tests::WindowSession& session() { return *desk_.session; }
-    [[nodiscard]] tests::XHand::Window window() {
-        return session().hand().find_window("palpate: ");
-    }
+    [[nodiscard]] WindowSession& session() { return *desk_.session; }
+    [[nodiscard]] XHand::Window window() { return session().hand().find_window("palpate: "); }
     [[nodiscard]] PressedDesk& desk() { return desk_; }
 
 private:
@@ -78,7 +76,7 @@ TEST_CASE(
     StopButton button(folder.file("button"));
     StoppedDesk stopped(terminal, folder.file("button"));
     PressedDesk& desk = stopped.desk();
-    tests::XHand& hand = stopped.session().hand();
+    XHand& hand = stopped.session().hand();
 
     stopped.ends("keyboard elsewhere", "focus_lost", [&] { hand.take_keyboard_away(); });
     stopped.goes_on();
@@ -87,14 +85,14 @@ TEST_CASE(
     stopped.ends("terminal", "stopped", [&] { terminal.type("\n"); });
     stopped.goes_on();
     stopped.ends("palpate stop", "stopped", [&] {
-        const tests::Finished finished = ran({"stop", desk.file});
+        const Finished finished = ran({"stop", desk.file});
         CHECK_THAT(finished.out, Has("No force any more in 1 session", "participant P1"));
     });
     stopped.goes_on();
     stopped.ends("stop button", "stopped", [&] { button.send(1); });
-    tests::pause(0.3);  // and is still held
+    pause(0.3);  // and is still held
     hand.chord("p");
-    tests::pause(1.0);
+    pause(1.0);
     CHECK(stopped.session().screen_name() == "trouble");
     button.send(0);
     stopped.goes_on();
@@ -107,7 +105,7 @@ TEST_CASE(
     ran({"stop", desk.file});
     stopped.goes_on();
     hand.ask_to_close(stopped.window());  // nothing comes of it
-    tests::pause(0.3);
+    pause(0.3);
     CHECK(stopped.session().screen_name() == "ready");
     const auto at_ready = [&] {  // a busy machine may lose the board meanwhile
         if (stopped.session().screen_name() == "trouble") {
@@ -117,7 +115,7 @@ TEST_CASE(
     };
     std::uint64_t before = 0;
     CHECK(eventually([&] {
-        tests::pause(0.5);
+        pause(0.5);
         const std::uint64_t now = at_ready();
         return std::exchange(before, now) == now;
     }));
@@ -129,7 +127,7 @@ TEST_CASE(
 
     // One that hangs is said to, and stops when it goes on.
     stopped.session().program().signal(SIGSTOP);
-    const tests::Finished hung = ran({"stop", desk.file}, 1);
+    const Finished hung = ran({"stop", desk.file}, 1);
     CHECK_THAT(hung.error, Has("1 session did not answer"));
     stopped.session().program().signal(SIGCONT);
     stopped.goes_on();
@@ -138,7 +136,7 @@ TEST_CASE(
     // A button that is gone: no force, whatever anybody presses, until it is there again.
     stopped.ends("stop button gone", "stopped", [&] { button.unplug(); });
     hand.chord("p");
-    tests::pause(1.0);
+    pause(1.0);
     CHECK(stopped.session().screen_name() == "trouble");
     button.plug_in();
     stopped.session().wait_for_text("The stop button is there again");
@@ -161,11 +159,11 @@ TEST_CASE(
     const std::string size = GENERATE("--windowed", "--fullscreen");
     CAPTURE(size);
     const TemporaryFolder folder;
-    tests::WindowSession session(
+    WindowSession session(
         {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
          folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot", size},
         folder.file("d.sqlite"));
-    tests::XHand& hand = session.hand();
+    XHand& hand = session.hand();
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.wait_for_screen("explore");
@@ -174,11 +172,11 @@ TEST_CASE(
     session.wait_for_screen("trouble");
     session.wait_for_text("can go on: Ctrl+Shift+P at the participant's screen");
     hand.focus(hand.find_window("palpate: "));
-    tests::pause(0.3);
+    pause(0.3);
     hand.key("space");
-    tests::pause(0.5);
+    pause(0.5);
     CHECK(session.screen_name() == "trouble");
-    tests::leave_trouble(hand);
+    leave_trouble(hand);
     CHECK(session.screen_name() == "ready");
     CHECK(session.ask("SELECT count(*) FROM trial") == "1");
     session.program().signal(SIGTERM);
@@ -192,46 +190,43 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
     const Terminal terminal;
     const StopButton button(folder.file("button"));  // a session with one listens without a window
     const std::string file = folder.file("d.sqlite");
-    tests::Process session(
-        {tests::palpate_program(), "run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-         "--participant", "P1", "--db", file, "--headless", "--speed", "0.2", "--stop-button",
-         folder.file("button")},
-        {std::string(tests::kTerminal) + "=" + terminal.name()});
+    Process session({palpate_program(), "run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                     "--participant", "P1", "--db", file, "--headless", "--speed", "0.2",
+                     "--stop-button", folder.file("button")},
+                    {std::string(kTerminal) + "=" + terminal.name()});
     REQUIRE(
         eventually([&] { return session.out().find("If it ends early") != std::string::npos; }));
     data::Database database(file, data::Access::read);
     const auto ends = [&](const std::string& way, const std::function<void()>& act) {
         CAPTURE(way, session.out(), session.error());
-        REQUIRE(eventually(
-            [&] { return tests::count(database, "trial WHERE outcome = 'running'") > 0; }));
+        REQUIRE(eventually([&] { return count(database, "trial WHERE outcome = 'running'") > 0; }));
         const std::string stops =
             "event JOIN trial USING (trial_id) WHERE event_kind = 'stop' AND value = '" + way +
             "' AND fault_cause = 'stopped'";
-        const std::int64_t before = tests::count(database, stops);
+        const std::int64_t before = count(database, stops);
         act();
-        CHECK(eventually([&] { return tests::count(database, stops) > before; }));
+        CHECK(eventually([&] { return count(database, stops) > before; }));
     };
     ends("palpate stop", [&] {
-        tests::Finished stopped;
+        Finished stopped;
         if (geteuid() == 0) {  // another user stops what they may write to, and nothing else
             const auto as_nobody = [&](unsigned mode) {
                 std::filesystem::permissions(file, std::filesystem::perms{mode});
-                return tests::Process({"runuser", "-u", "nobody", "--", tests::palpate_program(),
-                                       "stop", file})
+                return Process({"runuser", "-u", "nobody", "--", palpate_program(), "stop", file})
                     .wait();
             };
             std::filesystem::permissions(folder.path(), std::filesystem::perms{0755});
-            const tests::Finished barred = as_nobody(0644);
+            const Finished barred = as_nobody(0644);
             check_end(barred, 1, Has("only who may write to it, or runs it"));
             stopped = as_nobody(0666);
         } else {
-            stopped = tests::palpate_command({"stop", file});
+            stopped = palpate_command({"stop", file});
         }
         CHECK_THAT(stopped.out, Has("No force any more in 1 session"));
     });
     ends("terminal", [&] { terminal.type("\n"); });
     ends("terminal", [&] { terminal.type("\x1b"); });
-    const tests::Finished gave_up = session.wait();  // nobody is there, and three were in a row
+    const Finished gave_up = session.wait();  // nobody is there, and three were in a row
     check_end(gave_up, 1, Has("3 faults in a row"));
     CHECK(terminal.as_before());
 }

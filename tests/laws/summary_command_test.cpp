@@ -40,9 +40,9 @@ std::string summary_of(const std::string& file) {
 void answer(const std::string& file, const protocols::Protocol& protocol, int people) {
     data::Database database(file, data::Access::write);
     database.execute("PRAGMA synchronous = OFF");
-    tests::Random random(11);
+    Random random(11);
     for (int person = 0; person < people; ++person) {
-        auto spec = tests::session_spec(protocol, fmt::format("P{:02}", person + 1));
+        auto spec = session_spec(protocol, fmt::format("P{:02}", person + 1));
         spec.kind = data::RunKind::real;
         const auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
@@ -52,13 +52,13 @@ void answer(const std::string& file, const protocols::Protocol& protocol, int pe
             const bool right =
                 random.in(0.0, 1.0) < share - (planned.condition.friction == 1 ? 0.1 : 0.0);
             const std::size_t felt = planned.condition.object;
-            auto result = tests::answered(right ? felt : (felt + 1) % 3, right);
+            auto result = answered(right ? felt : (felt + 1) % 3, right);
             if (protocol.response.kind != protocols::ResponseKind::identification) {
                 result.response->object = 0;
                 result.response->correct = std::nullopt;
                 result.response->place = right ? 1 : 0;
             }
-            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned), result);
+            recorder.end_trial(begin_trial(recorder, spec.protocol, planned), result);
             if (person == 0 && ++n == 20 && people > 1) {
                 break;
             }
@@ -110,7 +110,7 @@ struct RuleCase {
 };
 
 constexpr RuleCase kRules[] = {
-    {"quest_plus", tests::kQuestPlusRule, "two_interval",
+    {"quest_plus", kQuestPlusRule, "two_interval",
      R"R(g <- expand.grid(threshold = 1:9, sd = c(1, 2, 4, 8), lapse = c(0, .05))
 w <- normal(g, function(g) 1 / g$sd, function(g) g$lapse, function(g) 1 - g$lapse)
 say('threshold', g$threshold, w); say('JND', qnorm(.75) * g$sd, w); say('sd', g$sd, w); say('lapse', g$lapse, w)
@@ -207,7 +207,7 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
     }
     const TemporaryFolder folder;
     const std::string file = folder.file("people.sqlite");
-    answer(file, tests::small_protocol(9), 12);
+    answer(file, small_protocol(9), 12);
     const std::string text = summary_of(file);
     CAPTURE(text);
     const auto lines =
@@ -232,11 +232,11 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
 TEST_CASE("with one person or two, palpate summary says what can be said and what cannot",
           "[summary]") {
     const TemporaryFolder folder;
-    answer(folder.file("one.sqlite"), tests::small_protocol(4), 1);
+    answer(folder.file("one.sqlite"), small_protocol(4), 1);
     CHECK_THAT(summary_of(folder.file("one.sqlite")),
                Has("one person: how people differ is not known",
                    "of this person's own trials (Newcombe), not of people"));
-    answer(folder.file("two.sqlite"), tests::small_protocol(8), 2);
+    answer(folder.file("two.sqlite"), small_protocol(8), 2);
     CHECK_THAT(summary_of(folder.file("two.sqlite")),
                Has("within person", "sign-flip: all 4 patterns of signs",
                    "2 people are too few to show a difference: no sign-flip p is "
@@ -247,7 +247,7 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
     const bool rating = GENERATE(false, true);
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    protocols::Protocol protocol = tests::small_protocol(4);
+    protocols::Protocol protocol = small_protocol(4);
     protocol.response.kind =
         rating ? protocols::ResponseKind::rating : protocols::ResponseKind::yes_no;
     protocol.response.question = "Was it convex?";
@@ -278,7 +278,7 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const RuleCase& one = kRules[index];
     CAPTURE(one.name);
     const TemporaryFolder folder;
-    std::ofstream(folder.file("p.toml")) << tests::adaptive_text(one.rule, one.kind);
+    std::ofstream(folder.file("p.toml")) << adaptive_text(one.rule, one.kind);
     const std::string file = folder.file("a.sqlite");
     ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
     // A mark made later: its answer is left out here and there.

@@ -18,10 +18,10 @@ namespace {
 std::string study(const TemporaryFolder& folder,
                   const std::pair<std::string, std::string>& edit = {}) {
     const std::string file = folder.file("patches.toml");
-    tests::write(file, short_text("patch_friction",
-                                  {{"repetitions = 5", "repetitions = 1"},
-                                   {"practice_repetitions = 1", "practice_repetitions = 0"},
-                                   edit}));
+    write(file,
+          short_text("patch_friction", {{"repetitions = 5", "repetitions = 1"},
+                                        {"practice_repetitions = 1", "practice_repetitions = 0"},
+                                        edit}));
     return file;
 }
 

@@ -33,18 +33,18 @@ std::string refused_at_a_board(const TemporaryFolder& folder,
                                const std::string& file,
                                const std::vector<std::string>& more) {
     const TemporaryFolder rig;
-    tests::FreeBoard board(rig);
+    FreeBoard board(rig);
     std::vector<std::string> command = words(file, board.word(), more);
     std::erase(command, "--headless");
-    command.insert(command.begin(), tests::palpate_program());
-    command.insert(command.end(), {"--handle-free", "--calibration",
-                                   tests::commissioned_rig(folder, board.word())});
-    tests::Process program(command, {"SDL_VIDEODRIVER=dummy"});
+    command.insert(command.begin(), palpate_program());
+    command.insert(command.end(),
+                   {"--handle-free", "--calibration", commissioned_rig(folder, board.word())});
+    Process program(command, {"SDL_VIDEODRIVER=dummy"});
     bool still = true;
     while (program.running()) {
         still = still && board.motors() == "0, 0";
     }
-    const tests::Finished end = program.wait();
+    const Finished end = program.wait();
     CAPTURE(end.out, end.error);
     CHECK(still);
     CHECK(end.code != 0);
@@ -54,19 +54,19 @@ std::string refused_at_a_board(const TemporaryFolder& folder,
 
 /// With what was typed at its terminal beforehand.
 tests::Finished typed(std::vector<std::string> command, const char* keys) {
-    const tests::Terminal terminal;
+    const Terminal terminal;
     terminal.type(keys);
-    command.insert(command.begin(), tests::palpate_program());
-    return tests::Process(command, {std::string(tests::kTerminal) + "=" + terminal.name(),
-                                    "DISPLAY", "WAYLAND_DISPLAY"})
+    command.insert(command.begin(), palpate_program());
+    return Process(command,
+                   {std::string(kTerminal) + "=" + terminal.name(), "DISPLAY", "WAYLAND_DISPLAY"})
         .wait();
 }
 
 /// A session on a device that is broken off after its first answer.
 void break_off(const std::string& file, const std::string& device) {
     std::vector<std::string> command = words(file, device, {"--speed", "10"});
-    command.insert(command.begin(), tests::palpate_program());
-    tests::Process process(command, {"DISPLAY", "WAYLAND_DISPLAY"});
+    command.insert(command.begin(), palpate_program());
+    Process process(command, {"DISPLAY", "WAYLAND_DISPLAY"});
     for (int i = 0; i < 20000 && process.running(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         try {
@@ -135,7 +135,7 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     REQUIRE(devices.size() == 2);
     CHECK(devices.at(0).at("attempts").dump() == before);
     ran({"report", file, "--kind", "simulated", "--simulations", "0", "-o", folder.file("r.html")});
-    CHECK_THAT(tests::slurp(folder.file("r.html")), Has("sessions felt on more than one device"));
+    CHECK_THAT(slurp(folder.file("r.html")), Has("sessions felt on more than one device"));
 
     // Who says otherwise of one trial is found out, the seal left aside.
     {

@@ -54,8 +54,7 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
           "[cli][fault][law]") {
     const TemporaryFolder folder;
     const std::string protocol = folder.file("slow.toml");
-    std::string text =
-        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
     const std::string section = "[safety]\n";
     REQUIRE(text.find(section) != std::string::npos);
     text.insert(text.find(section) + section.size(), "speed_limit_m_per_s = 0.05\n");
@@ -91,8 +90,8 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
     for (int run = 1; run <= 2; ++run) {
         CAPTURE(run);
         Process program(command, {"DISPLAY", "WAYLAND_DISPLAY"});
-        REQUIRE(tests::eventually([&] { return has_ticks(file) || !program.running(); }));
-        REQUIRE(tests::eventually([&] {
+        REQUIRE(eventually([&] { return has_ticks(file) || !program.running(); }));
+        REQUIRE(eventually([&] {
             return !program.running() ||
                    column_of(file,
                              "SELECT count(*) FROM trial WHERE outcome = 'running' AND trial_id IN "
@@ -137,8 +136,7 @@ TEST_CASE("the doctor says by what margin the device can render a protocol, or t
           "[cli][doctor][law]") {
     const TemporaryFolder folder;
     const std::string stiff = folder.file("stiff.toml");
-    std::string text =
-        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
     const std::string key = "stiffness_n_per_m = ";
     const std::size_t at = text.find(key);
     REQUIRE(at != std::string::npos);
@@ -175,13 +173,12 @@ TEST_CASE("a question at the terminal obeys a signal, and nothing is begun", "[c
     const TemporaryFolder folder;
     const int number = GENERATE(SIGINT, SIGTERM, SIGHUP);
     CAPTURE(number);
-    const std::string rig = tests::commissioned_rig(folder, "haply:/nonexistent");
-    tests::TypedTo run(folder, "keys",
-                       "run pilot --participant P1 --db '" + folder.file("d.sqlite") +
-                           "' --device haply:/nonexistent --calibration '" + rig + "'",
-                       {"SDL_VIDEODRIVER=dummy"});
-    REQUIRE(tests::eventually(
-        [&] { return run.program().out().find("Type yes:") != std::string::npos; }));
+    const std::string rig = commissioned_rig(folder, "haply:/nonexistent");
+    TypedTo run(folder, "keys",
+                "run pilot --participant P1 --db '" + folder.file("d.sqlite") +
+                    "' --device haply:/nonexistent --calibration '" + rig + "'",
+                {"SDL_VIDEODRIVER=dummy"});
+    REQUIRE(eventually([&] { return run.program().out().find("Type yes:") != std::string::npos; }));
     run.program().signal(number);
     const Finished end = run.program().wait();
     check_end(end, 3, Has("stopped at the question; nothing was begun"));

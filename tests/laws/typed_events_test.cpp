@@ -19,7 +19,7 @@ std::vector<std::string> run(const std::string& file, const std::string& resume)
             "--speed",
             "0",
             "--secret",
-            tests::kRunSecret,
+            kRunSecret,
             "--resume",
             resume};
 }
@@ -42,7 +42,7 @@ void cut(const std::string& file, int attempts) {
 
 TEST_CASE("a session goes on alike whatever the sentences of its events say",
           "[laws][events][law]") {
-    const tests::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     ran(run(file, "continue"));
     cut(file, 9);

@@ -66,12 +66,12 @@ void speak_as(std::uint16_t host, std::uint16_t board, std::mt19937& rng) {
         std::generate(nonce.begin(), nonce.end(), [&] { return rng() & 0xFFU; });
         const auto torque =
             engine::open_torque(static_cast<std::uint16_t>(200 * i), {30'000, 30'000});
-        if (!tests::send_as(host, board, engine::open_datagram(nonce, torque).view())) {
+        if (!send_as(host, board, engine::open_datagram(nonce, torque).view())) {
             WARN("this user may send nothing in another program's name: not tried");
             return;
         }
         if (i % 5 == 0) {
-            tests::wait_a_little();
+            wait_a_little();
         }
     }
 }
@@ -138,16 +138,16 @@ TEST_CASE(
 TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the board",
           "[window][open][law]") {
     const TemporaryFolder folder;
-    tests::TypedTo typed(folder, "keys", "haply-emulator --open --udp 0");
+    TypedTo typed(folder, "keys", "haply-emulator --open --udp 0");
     const Process& emulator = typed.program();
     REQUIRE(eventually([&] { return emulator.out().find('\n') != std::string::npos; }));
     std::ofstream(folder.file("p.toml"))
-        << tests::replaced(tests::pressed_study(), "dead_man = true", "dead_man = false");
+        << replaced(pressed_study(), "dead_man = true", "dead_man = false");
     const std::string file = folder.file("d.sqlite");
     const std::string name = emulator.out().substr(0, emulator.out().find('\n'));
-    tests::WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,
-                                  "--device", "board:" + name, "--windowed"},
-                                 file);
+    WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,
+                           "--device", "board:" + name, "--windowed"},
+                          file);
     session.press_at("welcome", "space");
     const auto felt = [&] {
         return session.ask(
@@ -158,7 +158,7 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
     const std::string port = name.substr(name.rfind(':') + 1);
     const auto board = static_cast<std::uint16_t>(std::stoi(port));
     session.wait_for_screen("ready");
-    const std::uint16_t host = tests::host_of(board);
+    const std::uint16_t host = host_of(board);
     REQUIRE(host != 0);
     engine::UdpLink stranger({.host = "127.0.0.1", .port = port});
     REQUIRE(eventually([&] { return stranger.reopen(); }));
@@ -166,13 +166,13 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
     for (int i = 0; i < 3000; ++i) {
         static_cast<void>(stranger.send(spoilt(rng)));
         if (i % 5 == 0) {
-            tests::wait_a_little();
+            wait_a_little();
         }
         if (i % 300 == 0) {
             typed.type("motors");
         }
     }
-    CHECK(eventually([&] { return tests::times(emulator.out(), "give 0, 0 mN m") == 10; }));
+    CHECK(eventually([&] { return times(emulator.out(), "give 0, 0 mN m") == 10; }));
     const auto disturb = [&] {
         for (std::uint16_t seq = 1; seq <= 40; ++seq) {
             for (const engine::OpenBytes& body :
@@ -186,10 +186,10 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
     };
     CHECK(session.goes_on_until([&] {
         if (session.screen_name() == "explore") {
-            tests::pause(0.7);
+            pause(0.7);
             disturb();
-            tests::pause(0.8);
-            tests::press_on(session.hand());
+            pause(0.8);
+            press_on(session.hand());
         }
         return felt() == "1";
     }));

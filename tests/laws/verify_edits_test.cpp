@@ -34,17 +34,17 @@ TEST_CASE("one changed value in any column of any table of results is reported",
         if (table.view || table.name == "participant_detail") {  // kNotChecked
             continue;
         }
-        for (const std::string& name : tests::result_columns(database, {table.name})) {
+        for (const std::string& name : result_columns(database, {table.name})) {
             bool by_itself = false;
             int made = 0;
             // Some bits of a time are below what two C libraries differ by: then another edit.
             const bool sealed = only_sealed(name);
             for (std::uint64_t seed = 0; (made < 2 || !(by_itself || sealed)) && seed < 200;
                  ++seed) {
-                tests::Random random(seed + 1000 * static_cast<std::uint64_t>(columns));
-                const std::int64_t row = tests::a_row(database, table.name, random);
-                made += tests::check_edit(database, table.name, name.substr(table.name.size() + 1),
-                                          row, random, &by_itself);
+                Random random(seed + 1000 * static_cast<std::uint64_t>(columns));
+                const std::int64_t row = a_row(database, table.name, random);
+                made += check_edit(database, table.name, name.substr(table.name.size() + 1), row,
+                                   random, &by_itself);
             }
             CAPTURE(name);
             CHECK((made >= 2 || name == "trace_chunk.codec"));  // there is but one codec

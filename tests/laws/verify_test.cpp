@@ -59,11 +59,11 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
     ran({"demo", "--headless", "--db", file});
     ran({"run", "shape_friction_demo", "--participant", "P2", "--db", file, "--headless",
          "--device", "replay:" + file});
-    const std::string before = tests::slurp(file);
+    const std::string before = slurp(file);
     CHECK_THAT(ran({"verify", file}).out,
                Has("3 sessions", "participant P2, session 1 (simulated): 10 trials",
                    "\nNothing differs.\n"));
-    CHECK(tests::slurp(file) == before);
+    CHECK(slurp(file) == before);
     CHECK_THAT(ran({"verify", file, "--json"}).out,
                Has("\"differences\": 0,\n  \"missing\": 0,\n  \"findings\": []"));
 }
@@ -82,7 +82,7 @@ TEST_CASE("a session keeps which binary, which libraries and which geometry made
         id += static_cast<char>(std::stoi(value("build id").substr(i, 2), nullptr, 16));
     }
     REQUIRE(id.size() >= 8);
-    CHECK(tests::slurp(tests::palpate_program()).find(id) != std::string::npos);
+    CHECK(slurp(palpate_program()).find(id) != std::string::npos);
     for (const char* key : {"sqlite", "zlib", "nettle", "SDL2", "SDL2_ttf", "fmt", "toml++",
                             "CLI11", "libc", "kernel", "system", "processor"}) {
         CAPTURE(key);
@@ -118,15 +118,14 @@ TEST_CASE(
     write_quick_protocol(folder.file("p.toml"));
     ran(run_words(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
-    for (std::uint64_t seed = 0; seed < tests::cases(80U); ++seed) {
-        tests::Random random(seed);
+    for (std::uint64_t seed = 0; seed < cases(80U); ++seed) {
+        Random random(seed);
         const Undone undone(database);
         const std::int64_t row = a_row(database, "trace_chunk", random);
-        tests::repack(
-            database, row,
-            {"tick", "time_s", "mode", "segment", "u", "cp_x_m", "cp_y_m", "go_x_m", "go_y_m",
-             "rendered_x_n", "rendered_y_n", "rendered_normal_n", "rendered_tangential_n", "mu"},
-            random);
+        repack(database, row,
+               {"tick", "time_s", "mode", "segment", "u", "cp_x_m", "cp_y_m", "go_x_m", "go_y_m",
+                "rendered_x_n", "rendered_y_n", "rendered_normal_n", "rendered_tangential_n", "mu"},
+               random);
         const data::Verification found = data::verify(database);
         CAPTURE(seed, row);
         CHECK(found.count(FindingKind::differs) > 0);
@@ -143,7 +142,7 @@ TEST_CASE("a row that is gone is reported", "[verify][law]") {
     for (const std::string table : {"study", "participant", "plan", "picture", "trial", "response",
                                     "trace_chunk", "trace_column"}) {
         for (int i = 0; i < 8; ++i) {
-            tests::Random random(static_cast<std::uint64_t>(i));
+            Random random(static_cast<std::uint64_t>(i));
             const Undone undone(database);
             const std::int64_t row = a_row(database, table, random);
             database.run(fmt::format("DELETE FROM {} WHERE rowid = ?1", table), row);
@@ -202,7 +201,7 @@ TEST_CASE(
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
     auto words = run_words(folder, "a.sqlite");
-    words.insert(words.begin(), tests::palpate_program());
+    words.insert(words.begin(), palpate_program());
     words.insert(words.end(), {"--speed", "2"});  // longer than a slow machine takes to verify
     const std::vector<std::string> no_display{"DISPLAY", "WAYLAND_DISPLAY"};
     const auto ticks_from = [&](std::int64_t trial) {
@@ -224,8 +223,8 @@ TEST_CASE(
         CHECK_THAT(ran({"verify", file}).out, !Has("missing"));
     };
     {
-        tests::Process killed(words, no_display);
-        REQUIRE(tests::eventually([&] { return ticks_from(2) >= 2; }));
+        Process killed(words, no_display);
+        REQUIRE(eventually([&] { return ticks_from(2) >= 2; }));
         verifies();
         REQUIRE(killed.running());  // and the reader did not disturb it
         killed.signal(SIGKILL);
@@ -236,8 +235,8 @@ TEST_CASE(
     {
         // On a slow machine verify may have taken the time of another trial.
         const std::int64_t next = 1 + outcome("complete") + outcome("timed_out") + 1;
-        tests::Process stopped(words, no_display);
-        REQUIRE(tests::eventually([&] { return ticks_from(next) >= 2; }));
+        Process stopped(words, no_display);
+        REQUIRE(eventually([&] { return ticks_from(next) >= 2; }));
         stopped.signal(SIGINT);
         CHECK(stopped.wait().code == 3);
     }

@@ -47,7 +47,7 @@ private:
 template <class Wrap>
 std::string run(Database& database, const data::SessionSpec& spec, const Wrap& wrap) {
     try {
-        const auto end = tests::run_simulated(database, spec, wrap);
+        const auto end = run_simulated(database, spec, wrap);
         CHECK(end.why == protocols::SessionEnd::Why::finished);
     } catch (const data::StoreError& e) {
         return e.what();
@@ -59,7 +59,7 @@ std::string content_of_unbroken(const data::SessionSpec& spec) {
     const TemporaryFolder folder;
     const WatchedDisk unsynced(folder.path());
     Database database(folder.file("a.sqlite"), Access::write);
-    static_cast<void>(tests::run_simulated(database, spec));
+    static_cast<void>(run_simulated(database, spec));
     return content(database);
 }
 
@@ -73,7 +73,7 @@ TEST_CASE(
     const bool on_a_thread = GENERATE(false, true);
     const int when = GENERATE(range(0, 4));
     CAPTURE(adaptive, on_a_thread, when);
-    const auto spec = tests::short_session(adaptive);
+    const auto spec = short_session(adaptive);
     const TrialId trial = 2;
     const TemporaryFolder folder;
     WatchedDisk disk(folder.path());
@@ -108,7 +108,7 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
     const int error = GENERATE(EIO, ENOSPC);
     const bool for_good = GENERATE(false, true);
     CAPTURE(error, for_good);
-    const auto spec = tests::short_session(false);
+    const auto spec = short_session(false);
     const std::string whole = content_of_unbroken(spec);
     std::size_t calls = 1;
     for (std::size_t call = 0; call < calls; call += 1 + call % 29) {

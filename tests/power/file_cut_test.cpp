@@ -24,7 +24,7 @@ namespace {
 void cut_everywhere(const TemporaryFolder& folder,
                     const std::function<void()>& work,
                     const std::function<void(const TemporaryFolder&, bool)>& check,
-                    std::size_t ways = std::size(tests::kLeaves),
+                    std::size_t ways = std::size(kLeaves),
                     std::size_t step = 1) {
     WatchedDisk disk(folder.path());
     work();
@@ -35,9 +35,9 @@ void cut_everywhere(const TemporaryFolder& folder,
     for (std::size_t cut = 0; cut <= done; ++cut) {
         const bool looked_at = cut % step == 0 || cut == done;
         for (std::size_t i = 0; looked_at && i < ways; ++i) {
-            const Leaves leaves = tests::kLeaves[(cut + i) % std::size(tests::kLeaves)];
+            const Leaves leaves = kLeaves[(cut + i) % std::size(kLeaves)];
             CAPTURE(cut, done, static_cast<int>(leaves));
-            tests::Random random(cut);
+            Random random(cut);
             const TemporaryFolder left;
             model.lay_out(leaves, random, left.path());
             const WatchedDisk unsynced(left.path());
@@ -54,26 +54,25 @@ std::string everything(const fs::path& folder) {
     std::set<std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         if (entry.is_regular_file()) {
-            files.insert(fs::relative(entry.path(), folder).string() + '\n' +
-                         tests::slurp(entry.path()));
+            files.insert(fs::relative(entry.path(), folder).string() + '\n' + slurp(entry.path()));
         }
     }
     return fmt::format("{}", fmt::join(files, "\n"));
 }
 
 std::string a_session(const std::string& file, const std::string& participant) {
-    data::SessionSpec spec = tests::short_session(false);
-    spec.plan = protocols::make_plan(spec.protocol, spec.protocol_hash,
-                                     {participant, 1, tests::kSecret}, spec.seed);
-    spec.key = {participant, 1, tests::kSecret};
+    data::SessionSpec spec = short_session(false);
+    spec.plan = protocols::make_plan(spec.protocol, spec.protocol_hash, {participant, 1, kSecret},
+                                     spec.seed);
+    spec.key = {participant, 1, kSecret};
     Database database(file, Access::write);
-    CHECK(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    CHECK(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     return file;
 }
 
 std::string hash_of(const std::string& file) {
     Database database(file, Access::read);
-    return tests::content_hash(database);
+    return content_hash(database);
 }
 
 }  // namespace
@@ -158,8 +157,8 @@ TEST_CASE(
         write_new(folder.file("new.toml"), second);
     };
     cut_everywhere(folder, work, [&](const TemporaryFolder& left, bool done) {
-        const std::string text = tests::slurp(left.file("out.csv"));
+        const std::string text = slurp(left.file("out.csv"));
         CHECK((text == second || (!done && text == first)));
-        CHECK((!done || tests::slurp(left.file("new.toml")) == second));
+        CHECK((!done || slurp(left.file("new.toml")) == second));
     });
 }

@@ -24,7 +24,7 @@ Recorded record(const std::string& file,
     Recorded recorded;
     recorded.promises.push_back(
         {.answered = static_cast<std::size_t>(number(database, "SELECT count(*) FROM response"))});
-    const auto end = tests::run_simulated(database, spec, [&](protocols::Recorder& recorder) {
+    const auto end = run_simulated(database, spec, [&](protocols::Recorder& recorder) {
         return Noting(recorder, disk, recorded.promises, save_every);
     });
     CHECK(end.why == protocols::SessionEnd::Why::finished);
@@ -52,7 +52,7 @@ void check_left(const std::string& file,
         number(database, "SELECT count(*) FROM trial WHERE outcome = 'running'"));
     CHECK(data::open_session(database, spec).interrupted == running);
     if (whole != nullptr && !promised.finished) {
-        CHECK(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+        CHECK(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
         CHECK(content(database) == *whole);
         CHECK(wrong(database) == "");
     }
@@ -77,8 +77,8 @@ void cut_everywhere(const TemporaryFolder& folder,
             ++promise;
         }
         if (cut % step == seed % step) {
-            tests::Random random(seed * 1000003 + cut);
-            const Leaves leaves = tests::kLeaves[random.below(5)];
+            Random random(seed * 1000003 + cut);
+            const Leaves leaves = kLeaves[random.below(5)];
             CAPTURE(seed, cut, static_cast<int>(leaves));
             const TemporaryFolder left;
             model.lay_out(leaves, random, left.path());
@@ -98,24 +98,24 @@ TEST_CASE(
     "a power cut at any write leaves a sound file with all that was said to be saved, and the "
     "session goes on to the same answers",
     "[long][power][law]") {
-    cut_everywhere(TemporaryFolder(), tests::short_session(false), {}, 3, 0);
+    cut_everywhere(TemporaryFolder(), short_session(false), {}, 3, 0);
 }
 
 TEST_CASE("a power cut in a session with a rule loses nothing that was said to be saved",
           "[long][power][law]") {
-    cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 10, 0);
+    cut_everywhere(TemporaryFolder(), short_session(true), {}, 10, 0);
 }
 
 TEST_CASE("a power cut under the writing thread loses nothing that was said to be saved",
           "[power][law]") {
     const bool adaptive = GENERATE(false, true);
-    cut_everywhere(TemporaryFolder(), tests::short_session(adaptive),
-                   data::AsyncRecorder::kSaveOften, 16, 1);
+    cut_everywhere(TemporaryFolder(), short_session(adaptive), data::AsyncRecorder::kSaveOften, 16,
+                   1);
 }
 
 TEST_CASE("a second power cut, after a session went on from the first, loses nothing either",
           "[power][law]") {
-    const auto spec = tests::short_session(false);
+    const auto spec = short_session(false);
     const TemporaryFolder first;
     WatchedDisk disk(first.path());
     static_cast<void>(record(first.file("a.sqlite"), spec, {}, disk));
@@ -125,7 +125,7 @@ TEST_CASE("a second power cut, after a session went on from the first, loses not
         model.apply(disk.log()[call]);
     }
     const TemporaryFolder left;
-    tests::Random random(1);
+    Random random(1);
     model.lay_out(GENERATE(Leaves::everything, Leaves::sectors_512), random, left.path());
     cut_everywhere(left, spec, {}, 6, 2);
 }
@@ -133,7 +133,7 @@ TEST_CASE("a second power cut, after a session went on from the first, loses not
 TEST_CASE("many power cuts", "[.power-long]") {
     const bool adaptive = GENERATE(false, true);
     const bool on_a_thread = GENERATE(false, true);
-    cut_everywhere(TemporaryFolder(), tests::short_session(adaptive),
+    cut_everywhere(TemporaryFolder(), short_session(adaptive),
                    on_a_thread ? SaveEvery(data::AsyncRecorder::kSaveOften) : SaveEvery(), 1,
                    GENERATE(range(std::uint64_t{10}, std::uint64_t{20})));
 }

@@ -20,7 +20,7 @@ Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
 TEST_CASE(
     "every run has its trials, one half of its comparisons in each interval, within the limits",
     "[adaptive][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{60}));
+    const auto seed = GENERATE(seeds(std::uint64_t{60}));
     Protocol protocol = adaptive_protocol();
     protocol.procedure->max_run = 2;
     protocol.procedure->max_run_interval = 3;
@@ -72,7 +72,7 @@ TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[a
 }
 
 TEST_CASE("a protocol with a rule is written and read again as the same text", "[adaptive][law]") {
-    for (const char* rule : {palpate::tests::kQuestPlusRule, palpate::tests::kStaircaseRule}) {
+    for (const char* rule : {kQuestPlusRule, kStaircaseRule}) {
         const Protocol protocol = adaptive_protocol(rule);
         const std::string text = to_toml(protocol);
         CHECK(parse_protocol(text, "again.toml") == protocol);
@@ -87,10 +87,10 @@ TEST_CASE("a protocol with a rule is written and read again as the same text", "
 }
 
 TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[adaptive]") {
-    const std::string good = adaptive_text(palpate::tests::kQuestPlusRule);
-    REQUIRE(palpate::tests::refusal(good) == "accepted");
+    const std::string good = adaptive_text(kQuestPlusRule);
+    REQUIRE(refusal(good) == "accepted");
     const auto says = [&](const char* from, const char* to) {
-        const std::string what = palpate::tests::refusal(palpate::tests::replaced(good, from, to));
+        const std::string what = refusal(replaced(good, from, to));
         CHECK_THAT(what, StartsWith("p.toml:"));
         return what;
     };
@@ -133,9 +133,8 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
                Has("above 0 and at most 10"));
     CHECK_THAT(says("[[run]]\nname = \"equal\"", "[[run]]\nname = \"different\""),
                Has("a name of its own"));
-    const std::string plain =
-        palpate::tests::replaced(good, "[procedure]", "[observer]\n[procedures]");
-    CHECK_THAT(palpate::tests::refusal(plain), Has("did you mean procedure?"));
+    const std::string plain = replaced(good, "[procedure]", "[observer]\n[procedures]");
+    CHECK_THAT(refusal(plain), Has("did you mean procedure?"));
 }
 
 TEST_CASE(
@@ -176,11 +175,10 @@ TEST_CASE(
     "[adaptive][law]") {
     const auto lowest = GENERATE(values<std::pair<const char*, bool>>(
         {{"4", false}, {"5", false}, {"5.001", true}, {"8", true}}));
-    const std::string staircase =
-        palpate::tests::replaced(adaptive_text(palpate::tests::kStaircaseRule), "lowest = 5.5",
-                                 std::string("lowest = ") + lowest.first);
+    const std::string staircase = replaced(adaptive_text(kStaircaseRule), "lowest = 5.5",
+                                           std::string("lowest = ") + lowest.first);
     CAPTURE(lowest.first);
-    const std::string what = palpate::tests::refusal(staircase);
+    const std::string what = refusal(staircase);
     if (lowest.second) {
         CHECK(what == "accepted");
     } else {
@@ -197,17 +195,16 @@ TEST_CASE(
         CHECK_NOTHROW(stored_protocol(staircase));  // what was run stays readable
     }
     // One that seeks the point of equality may go to both sides of it.
-    const std::string both = palpate::tests::replaced(staircase, "down = 2", "down = 1");
-    CHECK(palpate::tests::refusal(both) == "accepted");
+    const std::string both = replaced(staircase, "down = 2", "down = 1");
+    CHECK(refusal(both) == "accepted");
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         if (shipped.name != "friction_threshold") {
             continue;
         }
         const std::string text(shipped.text);
-        CHECK(palpate::tests::refusal(text) == "accepted");
+        CHECK(refusal(text) == "accepted");
         CHECK_THAT(
-            palpate::tests::refusal(
-                palpate::tests::replaced(text, "lowest = 0.305           #", "lowest = 0.29 #")),
+            refusal(replaced(text, "lowest = 0.305           #", "lowest = 0.29 #")),
             Catch::Matchers::Matches("p\\.toml:[0-9]+:10: the rule may choose a mu_s of 0\\.29, "
                                      "and that of the standard is 0\\.3: .*"));
     }

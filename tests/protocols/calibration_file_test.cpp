@@ -10,7 +10,6 @@
 using namespace palpate::protocols;
 using namespace palpate::engine;
 using namespace palpate::tests;
-using palpate::tests::Random;
 
 namespace {
 
@@ -235,7 +234,7 @@ TEST_CASE("no calibration file, however broken, does more than be refused line b
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
         Random random(seed);
         const std::string whole = to_toml(any_calibration(random));
-        const std::string text = palpate::tests::broken(whole, random, 20);
+        const std::string text = broken(whole, random, 20);
         CAPTURE(seed, text);
         try {
             for (const Calibration& calibration : parse_calibrations(text, "c.toml")) {
@@ -245,7 +244,7 @@ TEST_CASE("no calibration file, however broken, does more than be refused line b
             ++accepted;
         } catch (const ProtocolError& error) {
             ++refused;
-            palpate::tests::check_places(error.what());
+            check_places(error.what());
         }
     }
     CHECK(accepted > 200);

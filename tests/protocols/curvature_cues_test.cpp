@@ -38,7 +38,7 @@ TEST_CASE("a deep press stretches both cues as the header says", "[observer]") {
 }
 
 TEST_CASE("a trembling hand does not bias the cues", "[observer][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     CAPTURE(seed);
     const Cues cues = felt({.curvature = 5.0, .depth = 0.001, .mu = 0.5, .tremor = 0.0002}, seed);
     CHECK(std::fabs(*cues.force - 5.0) < 0.2);

@@ -17,7 +17,7 @@ using engine::Vec2;
 namespace {
 
 std::string text_of(const std::string& file) {
-    return tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
+    return slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
 }
 
 /// The default study with other [[object]] tables.
@@ -270,13 +270,13 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
           Change{"share_correct_min = 0.3", "share_correct_min = 1.1", "give 0 to 1"},
           Change{"share_correct_min = 0.3", "catch_correct_min = 0.3", "is a free form"}}) {
         CAPTURE(change.to);
-        const std::string said = tests::refusal(replaced(study, change.from, change.to));
+        const std::string said = refusal(replaced(study, change.from, change.to));
         CHECK_THAT(said, Has(change.says));
         CHECK(said.starts_with("p.toml:"));
     }
-    CHECK_THAT(tests::refusal(with_objects(
-                   "[[object]]\nname = \"a\"\n\n[[object]]\nset = \"five_shapes\"\n\n")),
-               Has("[[object]] 1 lacks the key curvature_per_m"));
+    CHECK_THAT(
+        refusal(with_objects("[[object]]\nname = \"a\"\n\n[[object]]\nset = \"five_shapes\"\n\n")),
+        Has("[[object]] 1 lacks the key curvature_per_m"));
 }
 
 TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") {
@@ -284,7 +284,7 @@ TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") 
     const std::size_t from = text.find("[[object]]");
     const std::size_t to = text.find("[[object]]", from + 1);
     std::string copy = replaced(text.substr(from, to - from), "dome", "dome_2");
-    CHECK_THAT(tests::refusal(text.substr(0, to) + copy + text.substr(to)),
+    CHECK_THAT(refusal(text.substr(0, to) + copy + text.substr(to)),
                Has("has the outline of [[object]] 1"));
 }
 

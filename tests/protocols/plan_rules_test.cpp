@@ -124,7 +124,7 @@ TEST_CASE("repair by swaps has other runs than uniform orders of the default stu
 
 TEST_CASE("every block is balanced exactly and keeps the limits, and no two are alike",
           "[plan][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     const std::size_t blocks = GENERATE(std::size_t{1}, std::size_t{2}, std::size_t{5});
     CAPTURE(seed, blocks);
     const Plan plan = ruled_plan_of(study(5, 2, {.blocks = blocks}), seed);
@@ -161,7 +161,7 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
 
 TEST_CASE("a first-order plan has every condition after every condition once, and a trial before",
           "[plan][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     const std::size_t practice = GENERATE(std::size_t{0}, std::size_t{1});
     CAPTURE(seed, practice);
     const Plan plan = ruled_plan_of(study(3, 2,

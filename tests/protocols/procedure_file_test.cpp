@@ -288,8 +288,7 @@ TEST_CASE("no procedure file, however broken, does more than be refused line by 
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
         Random random(seed);
-        const std::string text =
-            palpate::tests::broken(std::string(kAll[seed % kAll.size()]), random, 30);
+        const std::string text = broken(std::string(kAll[seed % kAll.size()]), random, 30);
         CAPTURE(seed, text);
         try {
             Procedure procedure = parse_procedure(text, "p.toml").procedure;
@@ -298,7 +297,7 @@ TEST_CASE("no procedure file, however broken, does more than be refused line by 
                 procedure.update(procedure.next(), 1);
             }
         } catch (const ProtocolError& error) {
-            palpate::tests::check_places(error.what());
+            check_places(error.what());
         } catch (const std::invalid_argument& error) {
             // A response that a strange but possible model forbids.
             CHECK_THAT(error.what(), Has("impossible"));

@@ -7,7 +7,6 @@
 
 using namespace palpate::protocols;
 using namespace palpate::tests;
-using palpate::tests::Random;
 
 namespace {
 
@@ -100,7 +99,7 @@ TEST_CASE("the demo is ten trials of the default study", "[protocol]") {
 }
 
 TEST_CASE("what is written is read back to the last bit", "[protocol][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{300}));
+    const auto seed = GENERATE(seeds(std::uint64_t{300}));
     Random random(seed);
     const std::string file = random_file(random);
     CAPTURE(seed, file);
@@ -189,10 +188,10 @@ TEST_CASE("each key is part of the hash as soon as it differs", "[protocol][law]
 }
 
 TEST_CASE("the hash sees values, not spelling", "[protocol]") {
-    std::string text = palpate::tests::slurp(library("shape_friction.toml"));
+    std::string text = slurp(library("shape_friction.toml"));
     const std::string hash = protocol_hash(parse_protocol(text, "a"));
     const auto with = [&](const std::string& from, const std::string& to) {
-        return protocol_hash(parse_protocol(palpate::tests::replaced(text, from, to), "b"));
+        return protocol_hash(parse_protocol(replaced(text, from, to), "b"));
     };
     CHECK(with("mu_s = 0.7", "mu_s = 7.0e-1 # the same") == hash);
     CHECK(with("gap_s = 1.5", "") == hash);  // its default
@@ -213,7 +212,7 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
 TEST_CASE("every row of the keys as Markdown has five cells, and every key a meaning",
           "[protocol]") {
     std::size_t rows = 0;
-    for (const std::string& line : palpate::tests::lines_in(keys_markdown())) {
+    for (const std::string& line : lines_in(keys_markdown())) {
         if (line.starts_with("| `")) {
             CAPTURE(line);
             ++rows;
@@ -243,7 +242,7 @@ TEST_CASE("the reference for people names every key of the canonical text", "[pr
     study.safety.dead_man = true;  // or the tables would be left out
     study.invalid.max_requeues = 0;
     study.consent_required = true;
-    for (const std::string& line : palpate::tests::lines_in(to_toml(study))) {
+    for (const std::string& line : lines_in(to_toml(study))) {
         if (const auto equals = line.find(" = "); equals != std::string::npos) {
             CHECK_THAT(reference, Has(line.substr(0, equals)));
         }

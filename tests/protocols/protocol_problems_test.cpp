@@ -9,8 +9,8 @@ using namespace palpate::tests;
 namespace {
 
 std::string default_study() {
-    return palpate::tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) /
-                                 "protocols/library/shape_friction.toml");
+    return slurp(std::filesystem::path(PALPATE_SOURCE_DIR) /
+                 "protocols/library/shape_friction.toml");
 }
 
 /// One change to the default study, and what must be said about it. `at` marks, in the changed

@@ -116,7 +116,7 @@ TEST_CASE(
     "whatever faults, each position is answered once, and faulted ones come again later in their "
     "part",
     "[session][fault][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
+    const auto seed = GENERATE(seeds(std::uint64_t{100}));
     CAPTURE(seed);
     World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
     Patient observer;
@@ -161,7 +161,7 @@ TEST_CASE(
 
 TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",
           "[session][fault][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
+    const auto seed = GENERATE(seeds(std::uint64_t{100}));
     CAPTURE(seed);
     World world{.seed = seed, .fault_share = 0.3};
     const auto expected = unbroken(world);

@@ -226,7 +226,7 @@ TEST_CASE("a long trouble is a break: the rig is proved once it is over", "[sess
 
 TEST_CASE("a trip in the ramp out of the first interval lets no second one be felt",
           "[session][trust][fault][law]") {
-    const Protocol protocol = tests::adaptive_protocol();
+    const Protocol protocol = adaptive_protocol();
     World world;
     class InRamp : public ChangingRig {
     public:
@@ -261,9 +261,9 @@ TEST_CASE("a trip in the ramp out of the first interval lets no second one be fe
 TEST_CASE(
     "a device that goes while somebody is at the start is lost there, and proved before a force",
     "[session][trust][fault][law]") {
-    const std::uint64_t seed = GENERATE(palpate::tests::seeds(12U));
+    const std::uint64_t seed = GENERATE(seeds(12U));
     CAPTURE(seed);
-    const Protocol protocol = tests::adaptive_protocol();  // of two intervals
+    const Protocol protocol = adaptive_protocol();  // of two intervals
     World world;
     /// Nobody's torque reaches a device that is gone: an interval that begins there ends at once.
     class Leaves : public ChangingRig {

@@ -11,7 +11,7 @@ using engine::Vec3;
 std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
     SurfaceCase c = random_surface_case(seed, mood);
     Random random(seed + 5'000'000U);
-    const SurfaceData whole = tests::turned_by(c.data, random.below(2));
+    const SurfaceData whole = turned_by(c.data, random.below(2));
     // At a knot, mostly: there the surface is as smooth as its pieces allow.
     const auto cut = [&random](const std::vector<double>& knots) {
         const double knot = knots[random.index(knots.size())];
@@ -21,13 +21,13 @@ std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
     };
     const double v = cut(whole.knots_v);
     const bool across = random.coin();
-    const auto halves = tests::cut_u(whole, cut(whole.knots_u));
+    const auto halves = cut_u(whole, cut(whole.knots_u));
     for (const SurfaceData& half : {halves.first, halves.second}) {
         if (!across) {
             c.pieces.push_back(half);
             continue;
         }
-        const auto parts = tests::cut_u(tests::turned(half), v);  // u runs as v did
+        const auto parts = cut_u(turned(half), v);  // u runs as v did
         c.pieces.push_back(parts.first);
         c.pieces.push_back(parts.second);
     }
@@ -45,7 +45,7 @@ std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
         }
     }
     for (SurfaceData& d : c.pieces) {
-        d = tests::turned_by(d, random.below(4));
+        d = turned_by(d, random.below(4));
     }
     try {
         static_cast<void>(engine::SurfaceObject(surfaces_of(c)));
@@ -59,7 +59,7 @@ std::vector<std::shared_ptr<const engine::NurbsSurface>> surfaces_of(const Surfa
     if (c.pieces.empty()) {
         return {c.surface};
     }
-    return tests::made(c.pieces);
+    return made(c.pieces);
 }
 
 }  // namespace palpate::stress

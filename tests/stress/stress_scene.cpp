@@ -39,7 +39,7 @@ Chain random_curves(Random& random) {
     const int count = 1 + random.below(4);
     const double decades = std::array<double, 3>{0.0, 1.0, 3.0}.at(random.index(3));
     for (int i = 0; i < count; ++i) {
-        NurbsData<2> data = tests::random_nurbs<2>(random, 1.0, decades);
+        NurbsData<2> data = random_nurbs<2>(random, 1.0, decades);
         if (i > 0) {
             data.points.front() = chain.back().points.back();
         }
@@ -141,8 +141,8 @@ Chain blob(Random& random) {
 
 /// A family that breaks closest-point solvers, alone or closed by a line.
 Chain nasty(Random& random) {
-    const auto index = static_cast<std::uint64_t>(random.below(tests::kNastyCurves));
-    Chain chain{tests::nasty_family(index, random).curve};
+    const auto index = static_cast<std::uint64_t>(random.below(kNastyCurves));
+    Chain chain{nasty_family(index, random).curve};
     const Vec2 from = chain.front().points.back();
     const Vec2 to = chain.front().points.front();
     if (random.coin() && glm::length(to - from) > 1e-3) {

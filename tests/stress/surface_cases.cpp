@@ -30,11 +30,11 @@ Vec3 point(Random& random, double lo, double hi) {
 SurfaceData turned(Random& random) {
     switch (random.below(4)) {
         case 0:
-            return tests::sphere(0.5);
+            return sphere(0.5);
         case 1:
-            return tests::torus(0.35, random.in(0.02, 0.3));
+            return torus(0.35, random.in(0.02, 0.3));
         case 2:
-            return tests::cylinder(random.in(0.05, 0.5), 1.0);
+            return cylinder(random.in(0.05, 0.5), 1.0);
         default:
             break;
     }
@@ -48,8 +48,8 @@ SurfaceData turned(Random& random) {
     }
     profile.front().x = random.coin() ? 0.0 : profile.front().x;
     profile.back().x = random.coin() ? 0.0 : profile.back().x;
-    const auto knots = tests::random_knots(random, degree, count - degree - 1, false);
-    return tests::revolved(profile, weights, degree, knots);
+    const auto knots = random_knots(random, degree, count - degree - 1, false);
+    return revolved(profile, weights, degree, knots);
 }
 
 /// One or two edges are a point.
@@ -107,7 +107,7 @@ void degenerate(SurfaceData& d, Random& random) {
 SurfaceData wild_sheet(Random& random) {
     const double decades = std::array<double, 3>{0.0, 1.0, 3.0}.at(random.index(3));
     const int degree = std::array<int, 3>{1, 4, 9}.at(random.index(3));
-    SurfaceData d = tests::random_surface(random, 1.0, decades, degree, random.coin());
+    SurfaceData d = random_surface(random, 1.0, decades, degree, random.coin());
     const int how = random.below(4);
     if (how == 0) {
         collapse(d, random);
@@ -123,7 +123,7 @@ SurfaceData random_data(Random& random, Mood mood) {
             return turned(random);
         case 1: {
             SurfaceData d =
-                tests::bicubic_8x8(random, random.coin() ? 0.0 : 0.7, random.decade(-4.0, -1.5));
+                bicubic_8x8(random, random.coin() ? 0.0 : 0.7, random.decade(-4.0, -1.5));
             for (auto& row : d.points) {
                 for (Vec3& p : row) {
                     p = 10.0 * p;
@@ -132,7 +132,7 @@ SurfaceData random_data(Random& random, Mood mood) {
             return d;
         }
         case 2:
-            return tests::random_surface(random, 1.0, random.coin() ? 0.0 : 0.3, 5, false);
+            return random_surface(random, 1.0, random.coin() ? 0.0 : 0.3, 5, false);
         default:
             return wild_sheet(random);
     }
@@ -143,7 +143,7 @@ SurfaceData random_data_with_width(Random& random, Mood mood) {
     for (;;) {
         SurfaceData data = random_data(random, mood);
         try {
-            static_cast<void>(tests::make_surface(data));
+            static_cast<void>(make_surface(data));
             return data;
         } catch (const std::invalid_argument&) {
         }
@@ -358,7 +358,7 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
         const double mu_s = mu_d + (random.below(4) == 0 ? 0.0 : random.decade(-2.0, 0.3));
         c.spec.friction = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
     }
-    c.surface = std::make_shared<const engine::NurbsSurface>(tests::make_surface(c.data));
+    c.surface = std::make_shared<const engine::NurbsSurface>(make_surface(c.data));
     c.path = SpaceHand(random, c, mood).path(50 + random.index(350));
     return c;
 }

@@ -51,10 +51,9 @@ std::vector<std::size_t> pieces_at(const std::vector<double>& t, double u) {
 
 }  // namespace
 
-SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene,
-                         const std::vector<tests::SurfaceData>& data)
+SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene, const std::vector<SurfaceData>& data)
     : scene_(&scene), oracles_(data.begin(), data.end()) {
-    for (const tests::SurfaceData& piece : data) {
+    for (const SurfaceData& piece : data) {
         for (const auto& row : piece.points) {
             for (const Vec3& p : row) {
                 extent_ = std::max(extent_, largest(p));
