@@ -3,6 +3,7 @@
 #include "engine/device/drivers/haply_wire.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -11,23 +12,7 @@ namespace {
 
 // Every check of the issue's list is there once, with a status, a detail where all is well and a
 // remedy where not; prints how many have failed.
-constexpr const char* kReader = R"(
-import json, sys
-report = json.load(open(sys.argv[1]))
-assert report["palpate"], report
-checks = report["checks"]
-names = [c["name"] for c in checks]
-for name in ["device", "kinematics", "clock", "kernel", "scheduling", "memory", "processor sleep",
-             "timer slack", "jitter", "cyclictest", "host", "display", "audio", "font", "disk"]:
-    assert names.count(name) == 1, (name, names)
-for c in checks:
-    assert set(c) == {"name", "status", "detail", "remedy", "numbers"}, c
-    assert c["status"] in ("ok", "warn", "fail"), c
-    assert c["detail"], c
-    assert c["status"] == "ok" or c["remedy"], c
-    assert all(isinstance(v, (int, float)) for v in c["numbers"].values()), c
-print(sum(c["status"] == "fail" for c in checks))
-)";
+const std::string kReader = test_text("scripts/read_doctor.py");
 
 }  // namespace
 

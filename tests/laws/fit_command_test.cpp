@@ -1,49 +1,17 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/json_of.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
 
 namespace {
 
-constexpr const char* kTwoConditions = R"(stimulus,n,k,participant,condition
-1,40,2,P1,off
-2,40,5,P1,off
-3,40,11,P1,off
-4,40,19,P1,off
-5,40,30,P1,off
-6,40,36,P1,off
-7,40,39,P1,off
-1,40,1,P1,on
-2,40,3,P1,on
-3,40,4,P1,on
-4,40,12,P1,on
-5,40,21,P1,on
-6,40,33,P1,on
-7,40,37,P1,on
-)";
+const std::string kTwoConditions = test_text("two_conditions.csv");
 
 /// glm's fit of each link, the profile of the threshold by a glm through it, and the test of equal
 /// slopes.
-constexpr const char* kInR = R"R(
-d <- read.csv(commandArgs(TRUE)[1]); exact <- list(epsilon = 1e-15, maxit = 200)
-fit <- function(f, data, link) glm(f, binomial(link), data, control = exact)
-for (link in c('probit', 'logit', 'cloglog')) {
-    u <- function(p) binomial(link)$linkfun(p)
-    for (condition in c('off', 'on')) {
-        e <- d[d$condition == condition, ]
-        m <- fit(cbind(k, n - k) ~ stimulus, e, link); b <- unname(coef(m))
-        t <- (u(.5) - b[1]) / b[2]; g <- c(-1 / b[2], -t / b[2])
-        held <- function(x) { e$away <- e$stimulus - x
-            glm(cbind(k, n - k) ~ away - 1, binomial(link), e, offset = rep(u(.5), nrow(e)), control = exact) }
-        edge <- function(from, to) uniroot(function(x) deviance(held(x)) - deviance(m) - qchisq(.95, 1), c(from, to), tol = 1e-10)$root
-        cat(sprintf('%.9g\n', c(t, b[2], (u(.75) - u(.25)) / 2 / b[2], sqrt(t(g) %*% vcov(m) %*% g), sqrt(vcov(m)[2, 2]), deviance(m),
-            edge(t - 2, t), edge(t, t + 2))), sep = '')
-    }
-    p <- anova(fit(cbind(k, n - k) ~ stimulus + condition, d, link), fit(cbind(k, n - k) ~ stimulus * condition, d, link), test = 'Chisq')
-    cat(sprintf('%.9g\n', p[2, 5]))
-}
-)R";
+const std::string kInR = test_text("scripts/glm_fit.R");
 
 std::vector<double> numbers_of(const std::string& text) {
     std::istringstream stream(text);

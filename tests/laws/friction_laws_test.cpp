@@ -1,4 +1,5 @@
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -30,32 +31,7 @@ const std::vector<LawText> kWords{
     {"friction_cone", "mu_s = 0.7\nmu_d = 0.5\ntangential_stiffness_n_per_m = 600\n"},
     {"snags", kBoth}};
 
-constexpr const char* kStudy = R"(format = 1
-[study]
-id = "laws"
-title = "Laws"
-seed = 4
-participants = 1
-[[object]]
-name = "convex"
-curvature_per_m = 8
-[[object]]
-name = "concave"
-curvature_per_m = -8
-[design]
-repetitions = 1
-practice_repetitions = 0
-catch_trials = 0
-max_run_object = 0
-max_run_friction = 0
-[timing]
-explore_min_s = 0.5
-explore_prompt_s = 1.5
-explore_timeout_s = 2
-[invalid]
-contact_min_s = 0
-path_min_mm = 0
-)";
+const std::string kStudy = test_text("laws_study.toml");
 
 std::string protocol_of(std::size_t from, std::size_t to) {
     std::string text = kStudy;

@@ -2,6 +2,7 @@
 #include "tests/support/gos_oracle.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -19,16 +20,7 @@ std::map<std::string, std::vector<std::string>> columns_of(const std::string& te
     return columns;
 }
 
-constexpr const char* kContact = R"(
-[renderer]
-stiffness_n_per_m = 1000.0
-[friction]
-law = "gos"
-mu_s = 0.7
-mu_d = 0.5
-tau_slip_s = 0.02
-tau_heal_s = 0.1
-)";
+const std::string kContact = test_text("scenes/contact.toml");
 
 /// Row i of a column as a number.
 double number(const std::map<std::string, std::vector<std::string>>& csv,

@@ -1,4 +1,5 @@
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate::tests;
 
@@ -6,34 +7,9 @@ namespace {
 
 const std::string kOwnStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 
-constexpr const char* kPlaneScene = R"([renderer]
-stiffness_n_per_m = 1000.0
-[friction]
-law = "gos"
-mu_s = 0.7
-mu_d = 0.5
-tau_slip_s = 0.02
-tau_heal_s = 0.1
-[[segment]]
-kind = "line"
-from_m = [-0.05, 0.0]
-to_m = [0.05, 0.0]
-)";
+const std::string kPlaneScene = test_text("scenes/line.toml");
 
-constexpr const char* kQuestProcedure = R"(format = 1
-[procedure]
-kind = "quest_plus"
-trials = 8
-[model]
-family = "weibull_db"
-[stimuli]
-stimulus = { from = -40, to = 0, count = 41 }
-[parameters]
-threshold = { from = -40, to = 0, count = 41 }
-slope = 3.5
-guess = 0.5
-lapse = 0.02
-)";
+const std::string kQuestProcedure = test_text("procedures/quest_of_ten.toml");
 
 }  // namespace
 

@@ -1,25 +1,13 @@
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
 
 namespace {
 
-constexpr std::string_view kWatson = R"(format = 1
-[procedure]
-kind = "quest_plus"
-trials = 128
-[model]
-family = "weibull_db"
-[stimuli]
-stimulus = { from = -40, to = 0, count = 41 }
-[parameters]
-threshold = { from = -40, to = 0, count = 41 }
-slope = [2, 3, 4, 5]
-guess = 0.5
-lapse = [0.0, 0.01, 0.02, 0.03, 0.04]
-)";
+const std::string kWatson = test_text("procedures/watson.toml");
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include "tests/support/page_reader.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/studies.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -33,34 +34,7 @@ std::string made_study(const TemporaryFolder& folder) {
 }
 
 /// Looks at a.sqlite.html as a window of 1000 px and one of 390 px, a phone's, show it.
-const char* const kWideAndNarrow = R"html(
-<iframe src="a.sqlite.html" style="border: 0; width: 1000px; height: 900px"></iframe>
-<iframe src="a.sqlite.html" style="border: 0; width: 390px; height: 900px"></iframe><p></p>
-<script>
-const end_of = caption => { // of its words: the box of a table's is as wide as the table
-  const words = new Range();
-  words.selectNodeContents(caption);
-  return words.getBoundingClientRect().right;
-};
-const room_of = (caption, wide) =>
-  Math.min(wide, (caption.closest('.scroll') ?? caption).getBoundingClientRect().right + 1);
-onload = () => {
-  const seen = [];
-  for (const frame of document.querySelectorAll('iframe')) {
-    const page = frame.contentDocument, wide = page.documentElement.clientWidth;
-    for (const more of page.querySelectorAll('details')) more.open = true;
-    const captions = [...page.querySelectorAll('caption, figcaption')];
-    const labels = [...page.querySelectorAll('svg text')].map(one => {
-      const turned = one.getScreenCTM(); // px a unit of the drawing, though it be turned
-      return Math.hypot(turned.a, turned.b) * parseFloat(frame.contentWindow.getComputedStyle(one).fontSize);
-    });
-    seen.push({wide, captions: captions.length, labels: labels.length, smallest_px: Math.min(...labels),
-               cut: captions.filter(one => end_of(one) > room_of(one, wide)).length});
-  }
-  document.querySelector('p').textContent = JSON.stringify(seen);
-};
-</script>
-)html";
+const std::string kWideAndNarrow = test_text("wide_and_narrow.html");
 
 std::string page_of(const std::string& file, std::vector<std::string> words = {}) {
     const std::string page = file + ".html";

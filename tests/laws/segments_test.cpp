@@ -2,6 +2,7 @@
 
 #include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -58,48 +59,7 @@ std::string hill_tables(const std::string& head) {
     return text;
 }
 
-constexpr const char* kHills = R"(format = 1
-[study]
-id = "hills"
-title = "Hills"
-seed = 4
-participants = 1
-[apparatus]
-rate_hz = 1000
-stiffness_n_per_m = 1000
-force_limit_n = 10
-vertex_slew_mm_per_s = 200
-vertex_radius_mm = 3
-start_mm = [0, 60]
-[[object]]
-name = "curves"
-curvature_per_m = 8
-[[friction]]
-name = "off"
-law = "frictionless"
-[[friction]]
-name = "on"
-law = "gos"
-mu_s = 0.7
-mu_d = 0.5
-tau_slip_ms = 20
-tau_heal_ms = 100
-[design]
-repetitions = 1
-practice_repetitions = 0
-catch_trials = 0
-max_run_object = 0
-max_run_friction = 0
-[timing]
-explore_min_s = 0.5
-explore_prompt_s = 2
-explore_timeout_s = 3
-[invalid]
-contact_min_s = 0
-path_min_mm = 0
-[[object]]
-name = "hill"
-)";
+const std::string kHills = test_text("hills.toml");
 
 std::string scene_text(const Row& trial) {
     constexpr const char* kArc =

@@ -3,6 +3,7 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/json_of.hpp"
 #include "tests/support/studies.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -66,117 +67,17 @@ void answer(const std::string& file, const protocols::Protocol& protocol, int pe
     }
 }
 
-constexpr const char* kPeopleInR = R"R(
-w <- function(k, n) prop.test(k, n, correct = FALSE)$conf.int   # Wilson's
-p <- function(f) cat(f, '\n', sep = '')
-conditions <- sort(unique(d$friction))
-for (i in seq_len(nrow(d))) p(with(d[i, ], sprintf('%2d    %2d  %.3f  %.3f to %.3f', k, n, k / n,
-    max(0, w(k, n)[1]), min(1, w(k, n)[2]))))
-s <- xtabs(k / n ~ person + friction, d)
-for (f in conditions) {
-    x <- s[, f]; m <- mean(x)
-    h <- qt(.975, length(x) - 1) * sd(x) / sqrt(length(x)) / (m * (1 - m))
-    p(sprintf('%.3f  %.3f to %.3f      %d', m, plogis(qlogis(m) - h), plogis(qlogis(m) + h), length(x)))
-}
-x <- s[, 'on'] - s[, 'off']; t <- t.test(x)
-flips <- as.matrix(expand.grid(rep(list(c(-1, 1)), length(x)))) %*% x
-p(sprintf('%.3f  %.3f to %.3f      %d        %.3f', mean(x), t$conf.int[1], t$conf.int[2], length(x),
-    mean(abs(flips) >= abs(sum(x)) - 1e-9)))
-)R";
+const std::string kPeopleInR = test_text("scripts/people.R");
 
 /// mean, sd and quantiles of a posterior on a grid, after the name that the summary gives them.
-constexpr const char* kRulesInR = R"R(
-say <- function(name, v, w) {
-    o <- order(v); v <- v[o]; w <- w[o] / sum(w)
-    m <- sum(v * w); s <- sqrt(sum(w * (v - m)^2)); k <- cumsum(w)
-    cat(sprintf('%s %.12g %.12g %.12g %.12g\n', name, m, s, v[which(k >= .025)[1]],
-        v[which(k >= .975)[1]]))
-}
-normal <- function(g, b, lo, hi) {
-    w <- rep(1, nrow(g))
-    for (i in seq_len(nrow(d))) {
-        q <- lo(g) + (hi(g) - lo(g)) * pnorm(b(g) * (d$stimulus[i] - g$threshold))
-        w <- w * if (d$outcome[i] == 1) q else 1 - q
-    }
-    w
-}
-)R";
+const std::string kRulesInR = test_text("scripts/rules.R");
 
-struct RuleCase {
-    const char* name;
-    const char* rule;
-    const char* kind;
-    const char* script;
-};
-
-constexpr RuleCase kRules[] = {
-    {"quest_plus", kQuestPlusRule, "two_interval",
-     R"R(g <- expand.grid(threshold = 1:9, sd = c(1, 2, 4, 8), lapse = c(0, .05))
-w <- normal(g, function(g) 1 / g$sd, function(g) g$lapse, function(g) 1 - g$lapse)
-say('threshold', g$threshold, w); say('JND', qnorm(.75) * g$sd, w); say('sd', g$sd, w); say('lapse', g$lapse, w)
-)R"},
-    {"psi", R"(kind = "psi"
-trials = 7
-[procedure.model]
-family = "normal"
-lapse_form = "upper"
-[procedure.stimuli]
-stimulus = { from = -3, to = 13, step = 2 }
-[procedure.parameters]
-threshold = { from = 1, to = 9, step = 1 }
-log10_slope = [-0.6, -0.3, 0.0, 0.3]
-guess = 0.02
-lapse = 0.02
-)",
-     "yes_no",
-     R"R(g <- expand.grid(threshold = 1:9, log10_slope = c(-.6, -.3, 0, .3))
-w <- normal(g, function(g) 10^g$log10_slope, function(g) .02, function(g) .98)
-say('threshold', g$threshold, w); say('JND', qnorm(.75) / 10^g$log10_slope, w); say('log10_slope', g$log10_slope, w)
-)R"},
-    {"quest", R"(kind = "quest"
-trials = 7
-[procedure.quest]
-guess = 8
-sd = 3
-p_threshold = 0.8
-beta = 1.5
-delta = 0.02
-gamma = 0.5
-grain = 0.05
-range = 10
-lowest = 5.5
-highest = 15
-)",
-     "two_interval",
-     R"R(x <- 8 + (-100:100) * .05; w <- dnorm(x, 8, 3)
-core <- function(u) .02 * .5 + .98 * (.5 + .5 * (1 - exp(-10^(1.5 * u))))
-e <- uniroot(function(u) core(u) - .8, c(-3, 3), tol = 1e-13)$root
-for (i in seq_len(nrow(d))) {
-    q <- core(8 + round((d$stimulus[i] - 8) / .05) * .05 - x + e); w <- w * if (d$outcome[i] == 1) q else 1 - q
-}
-say('threshold', x, w)
-)R"},
-    {"staircase", R"(kind = "staircase"
-[[procedure.staircase]]
-name = "down"
-start = 12
-down = 2
-step_up = [4, 2, 1]
-lowest = 5.5
-highest = 15
-trials = 24
-average = 4
-)",
-     "two_interval",
-     R"R(r <- c(); last <- 0; row <- 0; before <- -1
-for (i in seq_len(nrow(d))) {
-    row <- if (d$outcome[i] == before) row + 1 else 1; before <- d$outcome[i]
-    turn <- if (before == 0) 1 else if (row == 2) -1 else 0
-    if (turn != 0) { row <- 0; if (last != 0 && turn != last) r <- c(r, d$stimulus[i]); last <- turn }
-}
-r <- tail(r, 4); cat(sprintf('down %.12g %.12g %d\n', mean(r), sd(r), length(r)))
-)R"},
-};
+/// A kind of rule, and what it is asked: tests/texts has the rule, and it in R.
+using RuleCase = std::pair<const char*, const char*>;
+constexpr RuleCase kRules[] = {{"quest_plus", "two_interval"},
+                               {"psi", "yes_no"},
+                               {"quest", "two_interval"},
+                               {"staircase", "two_interval"}};
 
 /// A line of R's: a name, then the numbers of the summary's row of that name.
 void same_numbers(const std::string& line, const Json& rows, const std::string& run) {
@@ -275,10 +176,12 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
         return;
     }
     const auto index = GENERATE(range(0, 4));
-    const RuleCase& one = kRules[index];
-    CAPTURE(one.name);
+    const auto& [rule, kind] = kRules[index];
+    CAPTURE(rule);
     const TemporaryFolder folder;
-    std::ofstream(folder.file("p.toml")) << adaptive_text(one.rule, one.kind);
+    std::ofstream(folder.file("p.toml")) << adaptive_text(
+        index == 0 ? kQuestPlusRule : test_text(fmt::format("procedures/rule_{}.toml", rule)),
+        kind);
     const std::string file = folder.file("a.sqlite");
     ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
     // A mark made later: its answer is left out here and there.
@@ -301,7 +204,7 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
                              "run_trial_number "
                              "IS NOT NULL AND run_number = {} AND counts ORDER BY run_trial_number",
                              number),
-                 std::string(kRulesInR) + one.script);
+                 kRulesInR + test_text(fmt::format("scripts/rule_{}.R", rule)));
         const std::string name = number == 0 ? "equal" : "different";
         CHECK(all.at("runs").at(static_cast<std::size_t>(number)).at("marked") ==
               (number == 1 && index != 3 ? 1 : 0));

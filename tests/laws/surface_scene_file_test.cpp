@@ -1,19 +1,12 @@
 #include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate::tests;
 
 namespace {
 
-constexpr const char* kFelt = R"([renderer]
-stiffness_n_per_m = 700
-[friction]
-law = "gos"
-mu_s = 0.6
-mu_d = 0.4
-tau_slip_s = 0.02
-tau_heal_s = 0.1
-)";
+const std::string kFelt = test_text("scenes/felt.toml");
 
 /// x from `from` to `to`, y from -0.05 to 0.05, z = slope x.
 std::string plate(double from, double to, double slope, const std::string& more = "") {

@@ -2,6 +2,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -9,131 +10,22 @@ using namespace palpate::tests;
 
 namespace {
 
-constexpr std::string_view kQuestPlus = R"(format = 1
-[procedure]
-kind = "quest_plus"
-trials = 128
-nuisance = ["lapse"]
-entropy_bits = 0.5
-[model]
-kind = "psychometric"
-family = "weibull_db"
-lapse_form = "upper"
-slope_as = "slope"
-[stimuli]
-stimulus = { from = -40, to = 0, step = 1 }
-[parameters]
-threshold = { from = -40, to = 0, count = 41 }
-slope = [2, 3, 4, 5]
-guess = 0.5
-lapse = [0.0, 0.02, 0.04]
-[prior]
-threshold = { mean = -20, sd = 10 }
-lapse = [2, 1, 1]
-)";
+const std::string kQuestPlus = test_text("procedures/quest_plus.toml");
 
-constexpr std::string_view kStaircases = R"(format = 1
-[procedure]
-kind = "staircase"
-[stream]
-origin = "00112233445566778899aabbccddeeff"
-[[staircase]]
-name = "low"
-start = 4.0
-up = 1
-down = 2
-step_up = [2.0, 1.0]
-step_down = [2.0, 1.0]
-scale = "linear"
-fast_start = true
-lowest = 0.0
-highest = 20.0
-reversals = 8
-average = 6
-[[staircase]]
-start = 16
-step_up = 1
-target = 0.75
-trials = 30
-)";
+const std::string kStaircases = test_text("procedures/staircases.toml");
 
-constexpr std::string_view kQuest = R"(format = 1
-[procedure]
-kind = "quest"
-trials = 10
-[quest]
-guess = 50
-sd = 50
-p_threshold = 0.82
-beta = 3.5
-delta = 0.01
-gamma = 0.5
-grain = 0.01
-range = 100
-rule = "quantile"
-lowest = 0
-highest = 100
-[stream]
-seed = 11
-)";
+const std::string kQuest = test_text("procedures/quest.toml");
 
-constexpr std::string_view kPsi = R"(format = 1
-[procedure]
-kind = "psi"
-[model]
-family = "normal"
-lapse_form = "two_sided"
-[stimuli]
-stimulus = { from = -3, to = 3, count = 13 }
-[parameters]
-threshold = { from = -2, to = 2, count = 17 }
-log10_slope = { from = -0.5, to = 1.0, count = 7 }
-lapse = 0.02
-)";
+const std::string kPsi = test_text("procedures/psi.toml");
 
-constexpr std::string_view kIdentification = R"(format = 1
-[procedure]
-kind = "quest_plus"
-[model]
-kind = "identification"
-alternatives = [-10, -5, 0, 5, 10]
-[stimuli]
-stimulus = [-10, -5, 0, 5, 10]
-[parameters]
-noise = { from = 1, to = 7, count = 13 }
-bias = { from = -3, to = 3, count = 13 }
-lapse = 0.02
-)";
+const std::string kIdentification = test_text("procedures/identification.toml");
 
-constexpr std::string_view kCovariate = R"(format = 1
-[procedure]
-kind = "quest_plus"
-[model]
-kind = "covariate"
-family = "logistic"
-[stimuli]
-stimulus = { from = -3, to = 3, count = 7 }
-covariate = [0.0, 0.5]
-[parameters]
-threshold = { from = -2, to = 2, count = 9 }
-tilt = { from = -1, to = 1, count = 5 }
-slope = [1, 2]
-guess = 0.5
-lapse = 0.02
-)";
+const std::string kCovariate = test_text("procedures/covariate.toml");
 
-constexpr std::string_view kConstant = R"(format = 1
-[procedure]
-kind = "constant"
-[constant]
-stimuli = [1, 2, 3, 4]
-repetitions = 5
-in_blocks = true
-outcomes = 3
-)";
+const std::string kConstant = test_text("procedures/constant.toml");
 
-constexpr std::array kAll{kQuestPlus,      kStaircases, kQuest,   kPsi,
-                          kIdentification, kCovariate,  kConstant};
+const std::vector<std::string> kAll{kQuestPlus,      kStaircases, kQuest,   kPsi,
+                                    kIdentification, kCovariate,  kConstant};
 
 std::string problems(std::string_view text) {
     try {
