@@ -3,6 +3,7 @@
 #include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::data;
@@ -43,20 +44,10 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
     Database database(folder.file("a.sqlite"), Access::write);
     fill(database, 1);
     const std::string before = tests::content_hash(database);
-    const char* edits[] = {
-        "UPDATE response SET correct = 1 - correct WHERE trial_id = 3",
-        "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial_id = 1",
-        "UPDATE plan SET planned_object = planned_object || '2' WHERE plan_position = 2",
-        "UPDATE session SET seed = '8'",
-        "UPDATE presentation SET slip_decay = 0.5 WHERE trial_id = 2",
-        "UPDATE event SET text = 'another' WHERE event_kind = 'note'",
-        "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096",
-        "UPDATE picture SET picture_place = 2 - picture_place + 10",
-    };
-    for (const char* sql : edits) {
+    for (const std::string& sql : tests::lines_in(tests::test_text("edits/hashed.sql"))) {
         CAPTURE(sql);
         database.execute("SAVEPOINT edit");
-        database.execute(sql);
+        database.execute(sql.c_str());
         CHECK(tests::content_hash(database) != before);
         database.execute("ROLLBACK TO edit; RELEASE edit");
     }

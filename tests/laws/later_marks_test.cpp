@@ -1,5 +1,6 @@
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -89,54 +90,15 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
           "note,left early,Bo,\nmark,sneezed,,5\nparticipant,handedness 80,Ada,\n"
           "participant,consent yes,Ada,\n");
     CHECK_THAT(said({"verify", study.after, "--json"}), Has(head));
-    struct Edit {
-        const char* sql;
-        const char* found;
-    };
-    for (const Edit& edit : {
-             Edit{"DELETE FROM event WHERE event_id = (SELECT max(event_id) FROM event)",
-                  "session.newest_seal"},
-             Edit{"DELETE FROM event WHERE event_kind = 'participant'; DELETE FROM event WHERE "
-                  "trial_id = 5; UPDATE trial SET invalid_reason = NULL WHERE trial_id = 5",
-                  "session.newest_seal"},
-             Edit{"DELETE FROM event WHERE trial_id = 2 AND event_kind = 'mark'; UPDATE trial SET "
-                  "invalid_reason = NULL WHERE trial_id = 2",
-                  "event.seal (note"},
-             Edit{"UPDATE event SET text = 'bored' WHERE trial_id = 2; UPDATE "
-                  "trial SET invalid_reason = 'bored' WHERE trial_id = 2",
-                  "trial 2, event.seal (mark"},
-             Edit{"UPDATE trial SET invalid_reason = 'bored' WHERE trial_id = 2",
-                  "trial 2, trial.invalid_reason"},
-             Edit{"UPDATE event SET trials_begun = 3 WHERE trial_id = 2",
-                  "trial 2, event.seal (mark"},
-             Edit{"UPDATE event SET part = 1 WHERE event_kind = 'note'", "event.seal (note"},
-             Edit{"UPDATE event SET value = '-80' WHERE key = 'handedness'",
-                  "event.seal (participant"},
-             Edit{"UPDATE trial SET invalid_reason = NULL WHERE trial_id = 5",
-                  "trial 5, trial.invalid_reason"},
-             Edit{"UPDATE event SET operator = NULL WHERE text = 'left early'", "event.seal (note"},
-             Edit{"UPDATE event SET at_utc = '2020-01-01T00:00:00.000Z' WHERE event_kind = 'note'",
-                  "event.seal (note"},
-             Edit{"UPDATE event SET event_id = event_id + 1000 WHERE text = 'hand rested'",
-                  "event.seal (mark"},
-             Edit{"INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES "
-                  "(1, 'note', 'x', '', 10)",
-                  "stored NULL"},
-             Edit{"UPDATE session SET newest_seal = NULL", "session.newest_seal"},
-             Edit{"UPDATE participant SET handedness = -80", "participant demo handedness"},
-             Edit{"UPDATE participant SET consent = NULL", "participant demo consent"},
-             Edit{"UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events "
-                  "= NULL",
-                  "event.seal (note"},
-         }) {
+    for (const auto& edit : test_rows("edits/mark_edits.tsv")) {
         const std::string file = study.copy("edited.sqlite");
         {
             data::Database database(file, data::Access::write);
-            database.execute(edit.sql);
+            database.execute(edit.at(0).c_str());
             database.checkpoint();
         }
-        CAPTURE(edit.sql);
-        CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.found));
+        CAPTURE(edit);
+        CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.at(1)));
     }
 }
 
@@ -233,38 +195,14 @@ TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", 
     const std::string clean = folder.file("clean.sqlite");
     ran({"demo", "--headless", "--db", clean});
     data::Database(clean, data::Access::write).checkpoint();
-    struct Edit {
-        const char* sql;
-        const char* found;
-    };
-    for (const Edit& edit : {
-             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, ' CHECK"
-                  " (correct IN (0, 1))', '') WHERE name = 'response'",
-                  "table response"},
-             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, "
-                  "'STRICT',"
-                  " '') WHERE name = 'trial'",
-                  "table trial"},
-             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'NOT"
-                  " NULL', '') WHERE name = 'event'",
-                  "table event"},
-             Edit{"PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE type = 'index' AND"
-                  " tbl_name = 'picture'",
-                  "index sqlite_autoindex_picture_1"},
-             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, "
-                  "'seal_events;',"
-                  " 'seal_events + 0;') || ' ' WHERE name = 'analysis_trial'",
-                  "view analysis_trial"},
-             Edit{"DROP VIEW fault", "view fault: stored it is not there"},
-             Edit{"CREATE TRIGGER t AFTER INSERT ON response BEGIN SELECT 1; END", "trigger t"},
-         }) {
+    for (const auto& edit : test_rows("edits/schema_edits.tsv")) {
         const std::string file = folder.file("edited.sqlite");
         std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
         // By another program: nothing of palpate takes part.
         const Finished edited =
-            Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.sql}).wait();
-        CAPTURE(edit.sql, edited.out, edited.error);
+            Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.at(0)}).wait();
+        CAPTURE(edit, edited.out, edited.error);
         REQUIRE(edited.code == 0);
-        CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.found));
+        CHECK_THAT(ran({"verify", file}, 1).out, Has(edit.at(1)));
     }
 }

@@ -8,6 +8,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -231,47 +232,11 @@ TEST_CASE("a polygon that meets itself is found, and no other", "[free_forms][la
 }
 
 TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
-    struct Change {
-        const char* from;
-        const char* to;
-        const char* says;
-    };
     const std::string study = text_of("tests/golden/free_forms.toml");
-    for (const Change& change :
-         {Change{"to_m = [-0.04, 0.0]", "to_m = [-0.04, 0.001]",
-                 "the object dome is open: its last segment ends 1 mm from where"},
-          Change{"from_m = [0.04, 0.0]\nto_m = [-0.04", "from_m = [0.04, 0.002]\nto_m = [-0.04",
-                 "the object dome cannot be built: segment 1 starts 0.002"},
-          Change{"[0.0, 0.06], [0.04, 0.03], [0.04, 0.0]]",
-                 "[0.0, 0.06], [-0.06, 0.03], [0.04, 0.0]]", "the outline of dome meets itself"},
-          Change{"degree = 3", "degree = 12", "degree"},
-          Change{"knots = [0, 0, 0, 0, 1, 2, 2, 2, 2]", "knots = [0, 0, 0, 0, 1, 2, 2, 2]",
-                 "[[object.segment]] 1 of [[object]] 1"},
-          Change{"degree = 3\n", "", "lacks the key degree"},
-          Change{"degree = 3", "degre = 3", "did you mean degree?"},
-          Change{"kind = \"arc\"", "kind = \"arch\"", "did you mean arc?"},
-          Change{"name = \"dome\"", "name = \"dome\"\ncurvature_per_m = 1",
-                 "has curvature_per_m and [[object.segment]]"},
-          Change{"name = \"dome\"", "name = \"dome\"\noffset_mm = [990, 0]",
-                 "the object dome (its control points) reaches 1030 mm"},
-          Change{"name = \"dome\"", "name = \"dome\"\nsize = 0.01", "give at least 1"},
-          Change{"name = \"dome\"", "name = \"dome\"\nsize = 0", "size is 0: give 0.01 to 100"},
-          Change{"name = \"dome\"", "name = \"dome\"\ncount = 2", "count of [[object]] 1 is for a"},
-          Change{"name = \"dome\"", "name = \"dome\"\nsegmant = 2", "did you mean segment?"},
-          Change{"start_mm = [0, 70]", "start_mm = [0, 30]", "inside the object dome"},
-          Change{"set = \"catch_pair\"", "set = \"catch_par\"", "did you mean catch_pair?"},
-          Change{"set = \"catch_pair\"", "set = \"catch_pair\"\ncount = 3",
-                 "set is not \"curvature_ladder\""},
-          Change{"set = \"catch_pair\"", "set = \"catch_pair\"\nname = \"x\"",
-                 "name is given beside set"},
-          Change{"to_per_m = 7.5", "to_per_m = -7.5", "to_per_m is -7.5, and from_per_m is -7.5"},
-          Change{"prefix = \"small_\"", "prefix = \"Small\"", "give up to 32 letters"},
-          Change{"count = 2", "count = 19", "count is 19: give 2 to 18"},
-          Change{"share_correct_min = 0.3", "share_correct_min = 1.1", "give 0 to 1"},
-          Change{"share_correct_min = 0.3", "catch_correct_min = 0.3", "is a free form"}}) {
-        CAPTURE(change.to);
-        const std::string said = refusal(replaced(study, change.from, change.to));
-        CHECK_THAT(said, Has(change.says));
+    for (const auto& row : test_rows("free_form_problems.tsv")) {
+        CAPTURE(row);
+        const std::string said = refusal(replaced(study, row.at(0), row.at(1)));
+        CHECK_THAT(said, Has(row.at(2)));
         CHECK(said.starts_with("p.toml:"));
     }
     CHECK_THAT(

@@ -117,58 +117,13 @@ TEST_CASE("every key of the reference is read by some file, and each other one r
 }
 
 TEST_CASE("what is wrong with a procedure file is said with place and remedy", "[procedure_file]") {
-    const auto said = [](std::string_view text, std::string_view piece, std::string_view other,
-                         const std::string& what) {
-        CAPTURE(piece, other);
-        CHECK_THAT(problems(with(text, piece, other)), Has(what));
-    };
-    said(kQuestPlus, "format = 1", "format = 2",
-         "p.toml:1:10: format is 2: this program reads format = 1");
-    said(kQuestPlus, "format = 1\n", "",
-         "p.toml:1:1: the file does not say its format: begin it with format = 1");
-    said(kQuestPlus, "\"quest_plus\"", "\"questplus\"",
-         "p.toml:3:8: kind is \"questplus\", give \"constant\", ");
+    for (const auto& row : test_rows("procedure_problems.tsv")) {
+        CAPTURE(row);
+        const std::string text = test_text("procedures/" + row.at(0) + ".toml");
+        CHECK_THAT(problems(with(text, row.at(1), row.at(2))), Has(row.at(3)));
+    }
     CHECK_THAT(problems(with(kQuestPlus, "\"quest_plus\"", "\"adaptive\"")),
                EndsWith("\"psi\" or \"quest_plus\""));  // it is needed: not to delete
-    said(kQuestPlus, "trials = 128", "trials = 0", "p.toml:4:10: trials is 0: give 1 to 100000");
-    said(kQuestPlus, "[\"lapse\"]", "[\"laps\"]",
-         "nuisance laps is no parameter of the model: delete");
-    said(kQuestPlus, "\"weibull_db\"", "\"weibul_db\"", "did you mean weibull_db?");
-    said(kQuestPlus, "step = 1", "step = 0.7", "p.toml:13:12: stimulus goes from -40 to 0 by 0.7");
-    said(kQuestPlus, "count = 41", "count = 1", "p.toml:15:13: threshold goes from");
-    said(kQuestPlus, "[2, 3, 4, 5]", "[2, 0]", "p.toml:16:9: slope holds 0: give numbers above 0");
-    said(kQuestPlus, "[2, 3, 4, 5]", "[2, 2]",
-         "p.toml:16:9: [parameters]: slope has the value 2 at place 2");
-    said(kStaircases, "lowest = 0.0", "lowest = 30.0",
-         "p.toml:15:10: [[staircase]] 1: lowest is 30 and highest 20");
-    said(kStaircases, "start = 4.0", "start = 21",
-         "p.toml:8:9: [[staircase]] 1: start is 21: give a level from lowest");
-    said(kQuestPlus, "[2, 3, 4, 5]", "\"steep\"", "give a number, a list");
-    said(kQuestPlus, "guess = 0.5", "guess = 1.5", "guess is 1.5: give 0 to 1");
-    said(kQuestPlus, "guess = 0.5", "guess = 0.97", "give smaller rates");
-    said(kQuestPlus, "[2, 1, 1]", "[2, 1]",
-         "p.toml:21:9: the prior of lapse has 2 weights: give 3");
-    said(kQuestPlus, "[2, 1, 1]", "[2, 1, -1]", "lapse holds -1");
-    said(kQuestPlus, "[2, 1, 1]", "[0, 0, 0]", "not all of them 0");
-    said(kQuestPlus, "sd = 10", "sd = 0", "sd is 0: give above 0");
-    said(kQuestPlus, "step = 1 ", "step = 0.0005 ", "MB of tables");
-    said(kQuestPlus, "[prior]", "[quest]\n[prior]", "this kind of procedure has no \"quest\"");
-    said(kStaircases, "[2.0, 1.0]", "[]", "step_up");
-    said(kStaircases, "reversals = 8\n", "", "give trials or reversals");
-    said(kStaircases, "target = 0.75", "target = 0.75\ndown = 2",
-         "target is for up = 1 and down = 1");
-    said(kStaircases, "fast_start = true", "fast_start = 1", "give true or false");
-    said(kQuest, "seed = 11", "seed = -1", "p.toml:18:8: seed is -1");
-    said(kStaircases, "ddeeff", "ddeefg", "p.toml:5:10: origin is not 32 of the digits");
-    said(kStaircases, "name = \"low\"", "name = \"staircase_2\"", "two staircases are called");
-    said(kQuest, "p_threshold = 0.82", "p_threshold = 0.3",
-         "15: p_threshold is 0.3: give a chance above");
-    said(kPsi, "family = \"normal\"", "family = \"normal\"\nslope_as = \"slope\"",
-         "psi has a psychometric");
-    said(kIdentification, "[-10, -5, 0, 5, 10]", "[-10]", "at least two");
-    said(kConstant, "outcomes = 3", "outcomes = 1", "outcomes is 1: give 2 to 100");
-    said(kConstant, "repetitions = 5", "repetitions = 50000",
-         "p.toml:6:15: repetitions is 50000, of 4 stimuli, which");
     CHECK_THAT(problems("format = 1\n[procedure]\nkind = \"staircase\"\n"),
                Has("write each as a table [[staircase]]"));
     CHECK_THAT(problems("format = 1\nprocedure = 3\n"), Has("write it as a table"));
