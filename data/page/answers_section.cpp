@@ -13,32 +13,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::string_view kConfusion =
-    R"(SELECT friction, felt, called, n, n * 1.0 / sum(n) OVER (PARTITION BY friction, felt) AS row_share,
-       n_exclusions_not_applied
-FROM (SELECT friction, planned_object AS felt, min(curvature_per_m) AS curvature,
-             coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')) AS called,
-             count(*) FILTER (WHERE counts AND NOT left_out) AS n, count(*) AS n_exclusions_not_applied
-      FROM main WHERE answer_code IS NOT NULL AND run_number IS NULL
-      GROUP BY friction, planned_object, called)
-ORDER BY friction, curvature, felt, called)";
-
-constexpr std::string_view kShares =
-    R"(SELECT person, left_out, friction, count(*) AS n, sum(hit) AS k, avg(hit) AS share,
-       wilson_low(sum(hit), count(*)) AS wilson_low, wilson_high(sum(hit), count(*)) AS wilson_high
-FROM (SELECT person, left_out, friction,
-             {hit} AS hit
-      FROM main WHERE counts AND run_number IS NULL)
-GROUP BY person, friction ORDER BY person, friction)";
-
-constexpr std::string_view kSensitivity =
-    R"(SELECT person, left_out, friction, count(*) FILTER (WHERE {signal}) AS signals,
-       count(*) FILTER (WHERE {signal} AND answer_code = 1) AS hits,
-       count(*) FILTER (WHERE NOT ({signal})) AS noises,
-       count(*) FILTER (WHERE NOT ({signal}) AND answer_code = 1) AS false_alarms
-FROM main WHERE counts AND run_number IS NULL AND chosen_object IS NULL AND answer_code IS NOT NULL
-GROUP BY person, friction ORDER BY person, friction)";
-
 std::string matrix_html(const Rows& rows,
                         const std::string& friction,
                         const std::vector<std::string>& felt,
@@ -81,7 +55,7 @@ std::string matrix_html(const Rows& rows,
 void add_confusion(PageWriter& page, const Study& study, const StatsReport& stats) {
     PageFigure figure{.id = "confusion",
                       .title = "What was felt and what it was called",
-                      .data = study.ask(kConfusion)};
+                      .data = study.ask(page_query("confusion"))};
     const std::vector<std::string> felt = figure.data.levels("felt");
     std::vector<std::string> called;
     const std::vector<std::string> all = figure.data.levels("called");
@@ -193,7 +167,7 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
     PageFigure figure{.id = "effect",
                       .title = stats.right_known ? "Share correct by friction, within person"
                                                  : "Share of yes by friction, within person",
-                      .data = study.ask(kShares)};
+                      .data = study.ask(page_query("shares"))};
     PairedPanel pairs{.title = share->title,
                       .label = share->title,
                       .frictions = stats.table.frictions,
@@ -244,7 +218,7 @@ void add_sensitivity(PageWriter& page, const Study& study, const PageNumbers& nu
     }
     PageFigure figure{.id = "sensitivity",
                       .title = "Sensitivity and criterion by friction, within person",
-                      .data = study.ask(kSensitivity)};
+                      .data = study.ask(page_query("sensitivity"))};
     for (const char* key : {"d_prime", "criterion"}) {
         const Measure* measure = find_measure(stats.applied, key);
         if (measure == nullptr) {

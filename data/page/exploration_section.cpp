@@ -13,35 +13,15 @@ namespace {
 /// People of which the maps show a trial, for each object and friction.
 constexpr int kPeopleOfMaps = 2;
 
-constexpr std::string_view kFelt =
-    R"(WITH felt AS (
-    SELECT person, left_out, exploration.*, vertex_s / nullif(contact_s, 0) AS vertex_share
-    FROM exploration JOIN person USING (participant_code)
-    WHERE study_name = {study} AND session_kind = {kind} AND phase = 'main' AND counts)
-)";
-
-constexpr std::string_view kByPerson =
-    R"(SELECT person, left_out, friction, count(*) AS intervals, avg(contact_s) AS contact_s,
-       avg(strokes_before_vertex) AS strokes_before_vertex, avg(strokes_after_vertex) AS strokes_after_vertex,
-       avg(reversals) AS reversals, avg(stick_events) AS stick_events, avg(vertex_share) AS vertex_share,
-       avg(covered_share) AS covered_share,
-       avg(speed_p10_m_per_s) AS speed_p10_m_per_s, avg(speed_p50_m_per_s) AS speed_p50_m_per_s,
-       avg(speed_p90_m_per_s) AS speed_p90_m_per_s,
-       avg(normal_force_p10_n) AS normal_force_p10_n, avg(normal_force_p50_n) AS normal_force_p50_n,
-       avg(normal_force_p90_n) AS normal_force_p90_n
-FROM felt GROUP BY person, friction ORDER BY person, friction)";
-
-constexpr std::string_view kEachTrial =
-    R"(SELECT person, trial_id, session_number, interval, felt_object AS felt, friction, contact_s,
-       before_vertex_s, vertex_s, after_vertex_s, strokes_before_vertex, strokes_after_vertex, reversals,
-       stick_events, covered_share, speed_p10_m_per_s, speed_p50_m_per_s, speed_p90_m_per_s,
-       normal_force_p10_n, normal_force_p50_n, normal_force_p90_n
-FROM felt ORDER BY person, trial_id, interval)";
+std::string of_felt(std::string_view query) {
+    return fmt::format("{}\n{}", page_query("felt"), page_query(query));
+}
 
 /// Of each object and friction the first interval that counts of the first people that have one.
 std::string map_sql() {
     return fmt::format(
-        R"({}, first AS (
+        R"({}
+, first AS (
     SELECT trial_id, interval, felt_object, friction, person,
            row_number() OVER (PARTITION BY felt_object, friction, person ORDER BY trial_id, interval) AS n
     FROM felt),
@@ -55,7 +35,7 @@ FROM shown CROSS JOIN sample ON sample.trial_id = shown.trial_id AND sample.inte
 WHERE place <= {} AND mode <> 'free'
 GROUP BY CAST(go_x_m * 400 AS INTEGER), CAST(go_y_m * 400 AS INTEGER), segment, friction, felt_object
 ORDER BY felt_object, friction, segment, x_m, y_m)",
-        kFelt, kPeopleOfMaps);
+        page_query("felt"), kPeopleOfMaps);
 }
 
 /// Means of people for each friction, as pairs.
@@ -95,7 +75,7 @@ void add_hands(PageWriter& page, const Study& study, const std::vector<std::stri
     PageFigure figure{.id = "hand",
                       .title = "What the hand did",
                       .width = 264.0,
-                      .data = study.ask(std::string(kFelt) + std::string(kByPerson))};
+                      .data = study.ask(of_felt("by_person"))};
     struct Column {
         const char* name;
         const char* title;
@@ -196,7 +176,7 @@ std::string bar_of(double before, double vertex, double after) {
 }
 
 void add_each_trial(PageWriter& page, const Study& study) {
-    const Rows rows = study.ask(std::string(kFelt) + std::string(kEachTrial));
+    const Rows rows = study.ask(of_felt("each_trial"));
     std::string html =
         "<p class=\"from\"><span class=\"bar\" style=\"--a:40%;--b:55%\"></span> contact before "
         "the "

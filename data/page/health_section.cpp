@@ -9,28 +9,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kHealth =
-    R"(SELECT person, session_number, finished, planned, answered, invalid_answers, early_presses, faulted, aborted,
-       interrupted, late_share, saturated_share, lost_ticks, felt_s, breaks
-FROM session_health JOIN person USING (participant_code)
-WHERE study_name = {study} AND session_kind = {kind}
-ORDER BY person, session_number)";
-
-constexpr std::string_view kFaults =
-    R"(SELECT fault_cause, phase, count(*) AS faults, count(DISTINCT person) AS people
-FROM fault JOIN person USING (participant_code)
-WHERE study_name = {study} AND session_kind = {kind}
-GROUP BY fault_cause, phase ORDER BY faults DESC, fault_cause, phase)";
-
-constexpr std::string_view kDevices =
-    R"(SELECT person, session_number, calibration_sha256, attempts
-FROM (SELECT person, session_number, device, calibration_sha256, count(*) AS attempts, min(trial_id) AS first,
-             count(*) OVER (PARTITION BY session_id) AS devices
-      FROM analysis_trial JOIN person USING (participant_code)
-      WHERE study_name = {study} AND session_kind = {kind}
-      GROUP BY session_id, device, calibration_sha256)
-WHERE devices > 1 ORDER BY first)";
-
 /// Means of a person and friction that the audit compares.
 std::string audit_sql() {
     std::string columns;
@@ -159,8 +137,9 @@ void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers)
 
 void add_health(PageWriter& page, const Study& study) {
     page.section("health", "Servo and safety");
-    PageFigure figure{
-        .id = "servo", .title = "How well the rig kept up", .data = study.ask(kHealth)};
+    PageFigure figure{.id = "servo",
+                      .title = "How well the rig kept up",
+                      .data = study.ask(page_query("health"))};
     const Rows& rows = figure.data;
     for (const auto& [name, title] :
          {std::pair{"late_share", "late ticks"}, std::pair{"saturated_share", "saturated ticks"}}) {
@@ -199,7 +178,7 @@ void add_health(PageWriter& page, const Study& study) {
         felt / 60.0, counted(static_cast<std::int64_t>(lost), "tick was", "ticks were"),
         counted(static_cast<std::int64_t>(faults), "trial"));
     page.figure(figure);
-    const Rows devices = study.ask(kDevices);
+    const Rows devices = study.ask(page_query("devices"));
     if (!devices.cells.empty()) {
         page.table("devices", "CAUTION: sessions felt on more than one device or calibration",
                    "One row a device of a session, in the order in which they came. A device "
@@ -207,7 +186,7 @@ void add_health(PageWriter& page, const Study& study) {
                    "file, trial by trial: analysis_trial.device.",
                    devices);
     }
-    const Rows causes = study.ask(kFaults);
+    const Rows causes = study.ask(page_query("faults"));
     if (!causes.cells.empty()) {
         page.table("faults", "Why the force went off",
                    "What each cause means and what to do is in docs/safety.md.", causes);

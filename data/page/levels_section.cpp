@@ -12,11 +12,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kTracks =
-    R"(SELECT person, session_number, run_name, run_trial_number, stimulus, rule_outcome, estimate
-FROM main WHERE counts AND run_trial_number IS NOT NULL
-ORDER BY person, session_number, run_name, run_trial_number)";
-
 Results fit_results(const PageNumbers& numbers) {
     Results results{.command = numbers.fit_words,
                     .caption = "Thresholds, JND and slopes with 95 % intervals"};
@@ -97,7 +92,8 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
 }
 
 void add_tracks(PageWriter& page, const Study& study) {
-    PageFigure figure{.id = "tracks", .title = "Adaptive tracks", .data = study.ask(kTracks)};
+    PageFigure figure{
+        .id = "tracks", .title = "Adaptive tracks", .data = study.ask(page_query("tracks"))};
     std::vector<std::string> runs = figure.data.levels("run_name");
     std::ranges::sort(runs);  // as the conditions of the fit, in the same colours
     const std::vector<std::string> people = figure.data.levels("person");

@@ -13,24 +13,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kFlow =
-    R"(SELECT person.person, person.subject, person.left_out,
-       (SELECT count(*) FROM plan JOIN session USING (session_id) JOIN study USING (study_id)
-        WHERE session.participant_id = person.participant_id AND study_name = {study}
-              AND session_kind = {kind} AND plan.phase = 'main') AS planned,
-       count(main.trial_id) AS attempts,
-       count(*) FILTER (WHERE outcome = 'faulted') AS faulted,
-       count(*) FILTER (WHERE outcome = 'unanswered') AS unanswered,
-       count(*) FILTER (WHERE outcome = 'aborted') AS aborted,
-       count(*) FILTER (WHERE outcome IN ('interrupted', 'running')) AS broken_off,
-       count(main.answer_code) AS answered,
-       count(*) FILTER (WHERE answer_code IS NOT NULL AND exclusion = 'marked') AS marked,
-       count(*) FILTER (WHERE answer_code IS NOT NULL AND NOT counts AND exclusion <> 'marked') AS invalid,
-       count(*) FILTER (WHERE counts) AS counting,
-       count(*) FILTER (WHERE counts AND NOT main.left_out) AS analysed
-FROM person LEFT JOIN main USING (person)
-GROUP BY person.person ORDER BY person.subject)";
-
 std::int64_t sum_of(const Rows& rows, std::string_view name) {
     double sum = 0.0;
     for (std::size_t row = 0; row < rows.cells.size(); ++row) {
@@ -209,7 +191,7 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
                     .caption =
                         "Each box less what stands beside it gives the next. Rules are those of "
                         "the protocol, written before anybody ran.",
-                    .data = study.ask(kFlow)};
+                    .data = study.ask(page_query("flow"))};
     flow.html = flow_html(study, flow.data);
     if (numbers.stats) {
         flow.results.push_back(both_ways(numbers));

@@ -7,33 +7,6 @@
 namespace palpate::data {
 namespace {
 
-/// The newest seal is that of the last end, event or attempt; and nothing that ended is without
-/// one.
-constexpr std::string_view kSeals =
-    R"(SELECT person, session_number, finished,
-       (SELECT count(*) FROM trial WHERE trial.session_id = session.session_id) AS attempts,
-       (SELECT count(*) FROM event WHERE event.session_id = session.session_id) AS events,
-       (SELECT count(*) FROM trial WHERE trial.session_id = session.session_id
-                                         AND trial.outcome <> 'running' AND trial.seal IS NULL)
-         + (SELECT count(*) FROM event WHERE event.session_id = session.session_id AND event.seal IS NULL)
-         + (finished AND seal IS NULL) AS without_seal,
-       newest_seal IS NOT NULL AND newest_seal IN (
-           SELECT session.seal UNION ALL
-           SELECT trial.seal FROM trial WHERE trial.session_id = session.session_id UNION ALL
-           SELECT event.seal FROM event WHERE event.session_id = session.session_id) AS newest_is_stored,
-       protocol_sha256, newest_seal
-FROM session JOIN person USING (participant_id) JOIN study USING (study_id)
-WHERE study_name = {study} AND session_kind = {kind}
-ORDER BY person, session_number)";
-
-/// What tells neither who nor when nor which machine.
-constexpr std::string_view kMade =
-    R"(SELECT key, value, count(*) AS sessions
-FROM session_provenance JOIN session USING (session_id) JOIN person USING (participant_id) JOIN study USING (study_id)
-WHERE study_name = {study} AND session_kind = {kind}
-      AND key IN ('palpate', 'build id', 'compiler', 'libc', 'sqlite', 'zlib', 'nettle', 'calibration sha256')
-GROUP BY key, value ORDER BY key, sessions DESC, value)";
-
 std::string list_of(const std::vector<std::string>& names) {
     std::string out;
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -132,7 +105,7 @@ void add_tests(PageWriter& page, const StatsOptions& options) {
 
 void add_provenance(PageWriter& page, const Study& study) {
     page.section("seals", "Seals and provenance");
-    const Rows seals = study.ask(kSeals);
+    const Rows seals = study.ask(page_query("seals"));
     std::size_t good = 0;
     for (std::size_t row = 0; row < seals.cells.size(); ++row) {
         good +=
@@ -151,7 +124,7 @@ void add_provenance(PageWriter& page, const Study& study) {
     page.table("made", "Made with",
                "Versions and hashes of the sessions' programs and calibrations. What tells a "
                "machine is in the file alone.",
-               study.ask(kMade));
+               study.ask(page_query("made")));
 }
 
 void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers) {

@@ -8,22 +8,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kLevels =
-    R"(SELECT felt, friction, level, n, n * 1.0 / sum(n) OVER (PARTITION BY felt, friction) AS share
-FROM (SELECT planned_object AS felt, friction, answer_code + 1 AS level, count(*) AS n,
-             min(curvature_per_m) AS curvature
-      FROM main WHERE counts AND NOT left_out AND run_number IS NULL AND answer_code IS NOT NULL
-      GROUP BY planned_object, friction, level)
-ORDER BY curvature, felt, friction, level)";
-
-constexpr std::string_view kMeans =
-    R"(SELECT felt, friction, person, left_out, n, mean_level
-FROM (SELECT planned_object AS felt, friction, person, left_out, count(*) AS n, avg(answer_code + 1) AS mean_level,
-             min(curvature_per_m) AS curvature
-      FROM main WHERE counts AND run_number IS NULL AND answer_code IS NOT NULL
-      GROUP BY planned_object, friction, person)
-ORDER BY curvature, felt, friction, person)";
-
 /// Shares of each level, a bar for each friction, side by side.
 Panel levels_panel(const Rows& rows,
                    const std::string& felt,
@@ -84,7 +68,7 @@ void add_means(PageWriter& page,
     PageFigure figure{.id = "rated",
                       .title = "Mean level by friction, within person",
                       .width = 264.0,
-                      .data = study.ask(kMeans)};
+                      .data = study.ask(page_query("means"))};
     Results results{
         .table = {.columns = heads(
                       {"felt|", "what|", "people|", "mean|", "interval_95|", "sign_flip_p|"})},
@@ -133,7 +117,7 @@ void add_ratings(PageWriter& page, const Study& study) {
     PageFigure figure{.id = "levels-apart",
                       .title = "Which level was said of what",
                       .width = 400.0,
-                      .data = study.ask(kLevels)};
+                      .data = study.ask(page_query("levels"))};
     if (figure.data.cells.empty()) {
         page.paragraph("No rating counts yet.");
         return;

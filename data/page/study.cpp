@@ -16,6 +16,21 @@
 #include "data/shell/sql_shell.hpp"
 
 namespace palpate::data {
+
+std::string_view page_queries();
+
+std::string_view page_query(std::string_view name) {
+    const std::string head = fmt::format("-- name: {}\n", name);
+    std::string_view query = page_queries();
+    const std::size_t at = query.find(head);
+    if (at == std::string_view::npos) {
+        throw std::logic_error(head);
+    }
+    query.remove_prefix(at + head.size());
+    query = query.substr(0, query.find("\n\n--"));
+    return query.ends_with('\n') ? query.substr(0, query.size() - 1) : query;
+}
+
 namespace {
 
 /// What the shell prints, of one statement.

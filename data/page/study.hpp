@@ -25,6 +25,9 @@ struct PageOptions {
     std::string version{};        ///< of the program that makes the page
 };
 
+/// A query of queries.sql, as it stands there. @throws std::logic_error if there is none
+[[nodiscard]] std::string_view page_query(std::string_view name);
+
 /// The rows of a query, to the byte as `palpate sql FILE --csv -c SQL` prints them.
 struct Rows {
     std::string sql{};

@@ -8,50 +8,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kTimes =
-    R"(SELECT person, left_out, friction, count(*) AS n,
-       geometric_mean(iif(reaction_s > 0, reaction_s, NULL)) AS response_s,
-       geometric_mean(iif(done_s > first_contact_s, done_s - first_contact_s, NULL)) AS exploration_s
-FROM main WHERE counts
-GROUP BY person, friction ORDER BY person, friction)";
-
-constexpr std::string_view kDeciles =
-    R"(WITH own AS (
-    SELECT person, friction, value AS share, quantile(reaction_s, value) AS response_s
-    FROM main, (SELECT column1 AS value FROM (VALUES (0.1), (0.2), (0.3), (0.4), (0.5), (0.6), (0.7), (0.8), (0.9)))
-    WHERE counts AND NOT left_out AND reaction_s > 0
-    GROUP BY person, friction, value)
-SELECT friction, share, count(*) AS people, geometric_mean(response_s) AS response_s
-FROM own GROUP BY friction, share ORDER BY friction, share)";
-
-constexpr std::string_view kConfidence =
-    R"(WITH own AS (
-    SELECT person, confidence AS level, count(*) AS n,
-           avg({right}) AS share
-    FROM main WHERE counts AND NOT left_out AND confidence IS NOT NULL
-    GROUP BY person, confidence)
-SELECT level, sum(n) AS answers, count(*) AS people, avg(share) AS share,
-       people_share_low(share) AS share_low, people_share_high(share) AS share_high
-FROM own GROUP BY level ORDER BY level)";
-
-constexpr std::string_view kSure =
-    R"(SELECT person, left_out, friction, count(*) AS n, avg(confidence) AS confidence
-FROM main WHERE counts AND confidence IS NOT NULL
-GROUP BY person, friction ORDER BY person, friction)";
-
-constexpr std::string_view kLearning =
-    R"(WITH numbered AS (
-    SELECT person, reaction_s, {hit} AS hit,
-           ntile(10) OVER (PARTITION BY person ORDER BY session_number, trial_number) AS tenth
-    FROM main WHERE counts AND NOT left_out),
-own AS (
-    SELECT person, tenth, avg(hit) AS share, avg(ln(iif(reaction_s > 0, reaction_s, NULL))) AS log_rt
-    FROM numbered GROUP BY person, tenth)
-SELECT tenth, count(*) AS people, avg(share) AS share, people_share_low(share) AS share_low,
-       people_share_high(share) AS share_high, exp(avg(log_rt)) AS response_s,
-       exp(people_mean_low(log_rt)) AS response_low, exp(people_mean_high(log_rt)) AS response_high
-FROM own GROUP BY tenth ORDER BY tenth)";
-
 /// Of palpate stats, the tests within person of slopes over trials, or the others: of confidence.
 Results tests_of(const PageNumbers& numbers, const char* caption, bool slopes) {
     Results results{.table = within_table(*numbers.stats, numbers.stats->applied),
@@ -86,7 +42,8 @@ void add_trend(Panel& panel,
 
 void add_response_times(PageWriter& page, const Study& study, bool tested) {
     const std::vector<std::string> frictions = frictions_of(study);
-    PageFigure figure{.id = "times", .title = "How long it took", .data = study.ask(kTimes)};
+    PageFigure figure{
+        .id = "times", .title = "How long it took", .data = study.ask(page_query("times"))};
     for (const auto& [column, title] : {std::pair{"response_s", "question to answer"},
                                         std::pair{"exploration_s", "first contact to done"}}) {
         PairedPanel pairs = pairs_of(figure.data, column, frictions, Scale::logarithms);
@@ -101,8 +58,9 @@ void add_response_times(PageWriter& page, const Study& study, bool tested) {
         tested ? " Their tests stand with the effect of friction above." : "");
     page.figure(figure);
 
-    PageFigure deciles{
-        .id = "deciles", .title = "Response times, decile by decile", .data = study.ask(kDeciles)};
+    PageFigure deciles{.id = "deciles",
+                       .title = "Response times, decile by decile",
+                       .data = study.ask(page_query("deciles"))};
     Panel& panel = deciles.panels.emplace_back();
     panel = {.x = {.label = "share of answers that were as fast", .low = 0.0, .high = 1.0},
              .y = {.label = "response time", .unit = "s"}};
@@ -127,7 +85,7 @@ void add_response_times(PageWriter& page, const Study& study, bool tested) {
 void add_calibration(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     PageFigure figure{.id = "confidence",
                       .title = "Is confidence worth something?",
-                      .data = study.ask(kConfidence)};
+                      .data = study.ask(page_query("confidence"))};
     const Rows& rows = figure.data;
     Panel panel{.title = "share correct at each level",
                 .x = {.label = "confidence"},
@@ -168,7 +126,8 @@ void add_calibration(PageWriter& page, const Study& study, const PageNumbers& nu
 }
 
 void add_confidence(PageWriter& page, const Study& study, const PageNumbers& numbers) {
-    PageFigure figure{.id = "sure", .title = "How sure people were", .data = study.ask(kSure)};
+    PageFigure figure{
+        .id = "sure", .title = "How sure people were", .data = study.ask(page_query("sure"))};
     if (figure.data.cells.empty()) {
         return;
     }
@@ -186,7 +145,7 @@ void add_confidence(PageWriter& page, const Study& study, const PageNumbers& num
 void add_learning(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     PageFigure figure{.id = "learning",
                       .title = "From the first trial to the last",
-                      .data = study.ask(kLearning)};
+                      .data = study.ask(page_query("learning"))};
     if (numbers.stats) {
         const Measure* share = find_measure(numbers.stats->applied, "share");
         Panel answers{.title = share == nullptr ? "" : share->title,

@@ -15,13 +15,6 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kAttempt =
-    R"(SELECT trial_id, session_number, trial_number, phase, block, plan_position, attempt, planned_object, friction,
-       object_1, object_2, friction_1, friction_2, curvature_1_per_m, curvature_2_per_m, mu_s_1, mu_s_2,
-       run_name, stimulus, answer_code, chosen_object, correct, confidence, outcome, fault_cause, exclusion, counts,
-       first_contact_s, done_s, reaction_s, confidence_reaction_s
-FROM analysis_trial WHERE trial_id = )";
-
 /// A unit that people read, with its factor.
 struct DisplayUnit {
     const char* unit;
@@ -299,7 +292,8 @@ std::string trial_page(Database& database, const TrialPageOptions& options) {
                                  .version = options.version});
     PageWriter page(study);
     page.section("who", "Who and what");
-    const Rows attempt = study.ask(fmt::format("{}{}", kAttempt, options.trial));
+    const Rows attempt =
+        study.ask(fmt::format("{} WHERE trial_id = {}", page_query("attempt"), options.trial));
     add_facts(page, database, study, owner, attempt);
 
     SessionTraces traces = session_traces(database, owner.session);
