@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,7 +12,6 @@
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {

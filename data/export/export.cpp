@@ -1,7 +1,6 @@
 #include "data/export/export.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -16,7 +15,6 @@
 #include "engine/base/files.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
-#include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/stored_progress.hpp"
 #include "data/trace/columns.hpp"

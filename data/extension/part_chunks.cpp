@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"

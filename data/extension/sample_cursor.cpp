@@ -11,7 +11,6 @@
 #include "engine/base/text.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "data/extension/part_chunks.hpp"
-#include "data/extension/query.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/replay.hpp"

@@ -1,7 +1,5 @@
 #include "data/fit/bootstrap.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 

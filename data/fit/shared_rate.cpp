@@ -6,7 +6,6 @@
 #include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/fit/bootstrap.hpp"
 #include "data/fit/optimum.hpp"
 
 namespace palpate::data {

@@ -12,7 +12,6 @@
 #include "protocols/session/progress.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
-#include "data/fit/fit_report.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/graded_answers.hpp"
 #include "data/store/stored_progress.hpp"

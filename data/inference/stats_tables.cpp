@@ -10,7 +10,6 @@
 #include "protocols/file/keys.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/inference/power.hpp"
-#include "data/inference/stats_report.hpp"
 #include "data/statistics/distributions.hpp"
 
 namespace palpate::data {

@@ -14,7 +14,6 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
-#include "data/store/analysed.hpp"
 
 namespace palpate::data {
 namespace {

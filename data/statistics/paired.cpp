@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/statistics/distributions.hpp"
 
 namespace palpate::data {
 namespace {

@@ -5,8 +5,6 @@
 #include <concepts>
 #include <cstring>
 
-#include "engine/realtime/tick_record.hpp"
-
 namespace palpate::data {
 namespace {
 

@@ -1,7 +1,6 @@
 #include "engine/base/files.hpp"
 
 #include <cerrno>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>

@@ -7,7 +7,6 @@
 #include <Eigen/Cholesky>
 
 #include "engine/base/text.hpp"
-#include "engine/geometry/nurbs_curve.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {

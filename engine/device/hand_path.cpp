@@ -1,8 +1,5 @@
 #include "engine/device/hand_path.hpp"
 
-#include <utility>
-#include <vector>
-
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {

@@ -1,9 +1,5 @@
 #include "engine/friction/cone_slide.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "engine/friction/first_root.hpp"
 
 namespace palpate::engine {

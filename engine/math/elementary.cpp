@@ -1,10 +1,8 @@
 #include "engine/math/elementary.hpp"
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 
 namespace palpate::engine {

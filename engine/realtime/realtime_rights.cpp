@@ -1,16 +1,11 @@
 #include "engine/realtime/realtime_rights.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
-#include <cstddef>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <span>
-#include <string>
 #include <system_error>
 
 #include <fcntl.h>

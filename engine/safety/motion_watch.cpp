@@ -1,6 +1,5 @@
 #include "engine/safety/motion_watch.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace palpate::engine {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
-#include "protocols/design/plan.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 
 #include <fmt/format.h>
-
-#include "protocols/design/plan.hpp"
 
 namespace palpate::protocols {
 

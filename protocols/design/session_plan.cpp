@@ -11,8 +11,6 @@
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/counterbalance.hpp"
-#include "protocols/design/plan.hpp"
 #include "protocols/order/eulerian_order.hpp"
 #include "protocols/order/order_sampler.hpp"
 

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/protocol/condition.hpp"
 
 namespace palpate::protocols {
 namespace {

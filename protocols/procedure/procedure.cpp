@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/procedure/procedure_state.hpp"
-
 namespace palpate::protocols {
 
 ConstantStimuli::ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random)

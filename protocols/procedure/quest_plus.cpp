@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/procedure/procedure_state.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
 

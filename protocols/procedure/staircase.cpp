@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "engine/math/elementary.hpp"
-#include "protocols/procedure/procedure_state.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {

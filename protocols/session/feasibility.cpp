@@ -7,7 +7,6 @@
 
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/start_gate.hpp"
 
 namespace palpate::protocols {

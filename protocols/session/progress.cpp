@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/plan.hpp"
 
 namespace palpate::protocols {
 

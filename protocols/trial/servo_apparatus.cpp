@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "engine/math/elementary.hpp"
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 namespace {

@@ -13,7 +13,6 @@
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/design/plan_summary.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/trial/presentation.hpp"
 

@@ -1,7 +1,6 @@
 #include "ui/live/live_board.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 

@@ -16,7 +16,6 @@
 #include <unistd.h>
 
 #include "engine/base/files.hpp"
-#include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,7 +14,6 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
-#include "ui/session/open_apparatus.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"

@@ -7,7 +7,6 @@
 
 #include "ui/subject/paragraph.hpp"
 #include "ui/subject/stroke.hpp"
-#include "ui/subject/window.hpp"
 
 namespace palpate::ui {
 namespace {

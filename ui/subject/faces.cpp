@@ -10,7 +10,6 @@
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/paragraph.hpp"
 #include "ui/subject/stroke.hpp"
-#include "ui/subject/window.hpp"
 #include "ui/subject/words.hpp"
 
 namespace palpate::ui {

@@ -7,7 +7,6 @@
 
 #include "engine/realtime/servo.hpp"
 #include "ui/subject/display.hpp"
-#include "ui/subject/window.hpp"
 
 namespace palpate::ui {
 namespace {

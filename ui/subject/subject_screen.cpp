@@ -4,9 +4,7 @@
 #include <utility>
 
 #include "engine/realtime/servo.hpp"
-#include "ui/subject/answer_row.hpp"
 #include "ui/subject/display.hpp"
-#include "ui/subject/picking.hpp"
 
 namespace palpate::ui {
 namespace {
