@@ -155,7 +155,7 @@ std::set<TrialId> marked(Database& database) {
 TEST_CASE("a mark at the desk does to a rule what the same mark from outside and a resume do",
           "[adaptive][desk][law]") {
     const bool staircase = GENERATE(false, true);
-    const char* rule = staircase ? kStaircaseRule : kQuestPlusRule;
+    const std::string& rule = staircase ? kStaircaseRule : kQuestPlusRule;
     const char* kind = staircase ? "two_interval" : "yes_no";
     std::size_t marks = 0;
     std::int64_t of_the_rule = 0;

@@ -92,7 +92,7 @@ std::string content(Database& database) {
 TEST_CASE(
     "a session with a rule that was killed anywhere and resumed gives what the unbroken one gives",
     "[long][adaptive][law]") {
-    const char* rule = GENERATE(kQuestPlusRule, kStaircaseRule);
+    const std::string rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol(rule));
     Database whole(folder.file("whole.sqlite"), Access::write);
@@ -186,7 +186,7 @@ TEST_CASE("an answer marked after a break is forgotten by the rule, and verify k
 
 TEST_CASE("a run handed to palpate procedure gives the stored estimates and states",
           "[adaptive][law]") {
-    const char* rule = GENERATE(kQuestPlusRule, kStaircaseRule);
+    const std::string rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol(rule));
     Database database(folder.file("a.sqlite"), Access::write);

@@ -7,7 +7,7 @@ using namespace palpate::tests;
 
 TEST_CASE("palpate procedure prints the stored states of every exported run",
           "[export][adaptive][law]") {
-    const char* rule = GENERATE(kQuestPlusRule, kStaircaseRule);
+    const std::string rule = GENERATE(kQuestPlusRule, kStaircaseRule);
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     Database database(file, Access::write);

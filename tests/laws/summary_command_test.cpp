@@ -179,9 +179,8 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const auto& [rule, kind] = kRules[index];
     CAPTURE(rule);
     const TemporaryFolder folder;
-    std::ofstream(folder.file("p.toml")) << adaptive_text(
-        index == 0 ? kQuestPlusRule : test_text(fmt::format("procedures/rule_{}.toml", rule)),
-        kind);
+    std::ofstream(folder.file("p.toml"))
+        << adaptive_text(test_text(fmt::format("procedures/rule_{}.toml", rule)), kind);
     const std::string file = folder.file("a.sqlite");
     ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
     // A mark made later: its answer is left out here and there.

@@ -72,7 +72,7 @@ TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[a
 }
 
 TEST_CASE("a protocol with a rule is written and read again as the same text", "[adaptive][law]") {
-    for (const char* rule : {kQuestPlusRule, kStaircaseRule}) {
+    for (const std::string& rule : {kQuestPlusRule, kStaircaseRule}) {
         const Protocol protocol = adaptive_protocol(rule);
         const std::string text = to_toml(protocol);
         CHECK(parse_protocol(text, "again.toml") == protocol);

@@ -10,55 +10,8 @@
 namespace palpate::tests {
 
 std::string adaptive_text(const std::string& rule, const std::string& kind) {
-    const bool two = kind == "two_interval";
-    return R"(format = 1
-[study]
-id = "adaptive"
-title = "A small study with a rule"
-seed = 5
-[apparatus]
-start_mm = [0, 45]
-[[object]]
-name = "reference"
-curvature_per_m = 5
-[[friction]]
-name = "off"
-law = "frictionless"
-[[friction]]
-name = "on"
-law = "gos"
-mu_s = 0.7
-mu_d = 0.5
-[response]
-kind = ")" +
-           kind +
-           R"("
-question = "Which was more convex?"
-confidence = true
-[procedure]
-varies = "curvature_per_m"
-object = "reference"
-practice_trials = 2
-practice_stimulus = 13
-)" + rule +
-           R"([[run]]
-name = "equal"
-friction = "off"
-[[run]]
-name = "different"
-friction = "on"
-)" + (two ? "standard_friction = \"off\"\n" : "") +
-           R"([invalid]
-contact_min_s = 0
-path_min_mm = 0
-[design]
-break_every = 5
-[timing]
-explore_min_s = 0.1
-explore_prompt_s = 0.2
-explore_timeout_s = 0.3
-gap_s = 0
-)";
+    const std::string text = edited(test_text("adaptive.toml"), {{"KIND", kind}, {"RULE\n", rule}});
+    return kind == "two_interval" ? text : replaced(text, "standard_friction = \"off\"\n", "");
 }
 
 protocols::Protocol adaptive_protocol(const std::string& rule, const std::string& kind) {
