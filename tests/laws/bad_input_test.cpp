@@ -1,5 +1,6 @@
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -220,45 +221,15 @@ TEST_CASE("a word that nobody knows is named, with the one that is meant, and no
           "[cli][law]") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
-    struct Wrong {
-        std::vector<std::string> words;
-        const char *says, *means;
-    };
-    for (const Wrong& wrong : {
-             Wrong{{"rnu", "shape_friction"}, "no command \"rnu\"", "run"},
-             Wrong{{"sumary", db}, "no command \"sumary\"", "summary"},
-             Wrong{{"--hlep"}, "no option --hlep", "--help"},
-             Wrong{{"run", "shape_friction", "--partcipant", "P01", "--db", db},
-                   "run has no option --partcipant",
-                   "--participant"},
-             Wrong{{"run", "--partcipant=P01", "shape_friction", "--db", db},
-                   "run has no option --partcipant",
-                   "--participant"},
-             Wrong{{"summary", "--jsn", db}, "summary has no option --jsn", nullptr},
-             Wrong{{"run", "shape_fricton", "--participant", "P1", "--db", db},
-                   "shape_fricton:1:1: there is no such protocol",
-                   "shape_friction"},
-             Wrong{{"check", "SHAPE_FRICTION_DEMO"}, "no such protocol", "shape_friction_demo"},
-             Wrong{{"new", folder.file("x.toml"), "--from", "pilto"}, "\"pilto\"", "pilot"},
-             Wrong{{"run", "pilot", "--participant", "P1", "--db", db, "--kind", "reel"},
-                   "--kind: \"reel\"",
-                   "real"},
-             Wrong{{"run", "pilot", "--participant", "P1", "--db", db, "--resume", "redo-blok"},
-                   "--resume: \"redo-blok\"",
-                   "redo-block"},
-             Wrong{{"run", "pilot", "--participant", "P1", "--db", db, "--device", "muose"},
-                   "--device muose",
-                   "mouse"},
-             Wrong{{"doctor", "--device", "hapley:/dev/ttyACM0"}, "hapley", "haply"},
-             Wrong{{"check", "pilot", "--calibration", "mk3"}, "mk3", "mk2"},
-             Wrong{{"screenshots", "--language", "tur"}, "--language: \"tur\"", "tr"},
-             Wrong{{"export", db, "--format", "cvs", "-o", db}, "--format: \"cvs\"", "csv"},
-         }) {
-        CAPTURE(wrong.words);
-        const Finished run = ran(wrong.words, 2);
-        CHECK_THAT(run.error, Has(wrong.says));
-        if (wrong.means != nullptr) {
-            CHECK_THAT(run.error, Has(std::string("did you mean ") + wrong.means + "?"));
+    for (const auto& row : test_rows("mistyped.tsv")) {  // words, what is said, and what is meant
+        CAPTURE(row);
+        std::vector<std::string> words = split(row.at(0), ' ');
+        std::ranges::replace(words, "{db}", db);
+        std::ranges::replace(words, "{new}", folder.file("x.toml"));
+        const Finished run = ran(words, 2);
+        CHECK_THAT(run.error, Has(row.at(1)));
+        if (!row.at(2).empty()) {
+            CHECK_THAT(run.error, Has("did you mean " + row.at(2) + "?"));
         }
         CHECK_THAT(run.error, !Has("is required"));
         CHECK(folder.names().empty());

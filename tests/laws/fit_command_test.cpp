@@ -144,37 +144,12 @@ TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[f
 TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy", "[fit]") {
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
-    const auto of = [&](const std::string& text, const std::string& why) {
-        write(csv, text);
-        not_fitted({csv}, why);
-    };
-    of("stimulus,n\n1,2\n", "d.csv:1: there is no column k");
-    of("stimulus,n,k\n1,10,2\n2,10,11\n",
-       "d.csv:3:6: k is 11: give how many of the n = 10 answers were 1");
-    of("stimulus,n,k\n1,10,2\n2,  10.5,1\n",
-       "d.csv:3:5: n is 10.5: give how many answers there are");
-    of("k,stimulus,n\n1,x,3\n", "d.csv:2:3: stimulus is \"x\", not a finite number");
-    of("condition,stimulus,n,k\n\"a,\"\"b\",1,3,x\n",
-       "d.csv:2:13: k is \"x\", not a finite number");
-    of("stimulus,n,k\n", "there is no row below the head");
-    of("stimulus,n,k\n1,10,2\n1,10,3\n",
-       "there is one stimulus with answers: give two different stimuli");
+    for (const auto& row : test_rows("fit_refusals.tsv")) {  // the table, words, and what is said
+        CAPTURE(row);
+        write(csv, row.at(0));
+        not_fitted(words_of(csv, row.at(1)), row.at(2));
+    }
     not_fitted({folder.file("none.csv")}, "none.csv");
-    write(csv, "stimulus,n,k\n-1,10,2\n2,10,8\n");
-    not_fitted({csv, "--function", "weibull"},
-               "a stimulus is -1: give finite numbers from 0, or another function");
-    not_fitted({csv, "--function", "cubic"}, "cubic");
-    not_fitted({csv, "--guess", "often"},
-               "--guess is \"often\": give a number, as 0.5 or 1/3, or free, shared or lapse");
-    not_fitted({csv, "--lapse", "lapse"},
-               "--lapse is \"lapse\": give a number, as 0.5 or 1/3, or free or shared");
-    not_fitted({csv, "--guess", "0.9"},
-               "the guess rate is 0.9: give a share from 0 to 0.7, or free");
-    not_fitted({csv, "--lapse", "0.5"}, "the lapse rate is 0.5");
-    not_fitted({csv, "--prior", "width=1,2"}, "--prior is \"width=1,2\": give threshold=MEAN,SD");
-    not_fitted({csv, "--prior", "lapse=2,50"}, "give --lapse free");
-    not_fitted({csv, "--at", "1.5"}, "--at is 1.5");
-    not_fitted({csv, "--bootstrap", "-1"}, "--bootstrap");
 }
 
 TEST_CASE("palpate fit of a database fits the same answers as that of their counts",

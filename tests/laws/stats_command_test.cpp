@@ -1,4 +1,5 @@
 #include "tests/support/json_of.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -248,34 +249,14 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
           "[stats]") {
     const TemporaryFolder folder;
     const std::string csv = folder.file("d.csv");
-    const auto of = [&](const std::string& text, const std::string& why) {
-        write(csv, text);
-        no_stats({csv}, why);
-    };
-    const std::string head = "subject,trial,shape,friction,response";
-    of("subject,trial,shape,friction\n", "d.csv:1: there is no column response");
-    of("subject,shape,friction,response\nA,a,on,a\n", "d.csv:1: there is no column trial");
-    of(head + "\n", "there is no row below the head");
-    of(head + "\nA,1,a,on,a\nA,one,a,on,a\n", "d.csv:3:3: trial is \"one\"");
-    of(head + "\nA,1.5,a,on,a\n", "d.csv:2:3: trial is 1.5: give the trial's number");
-    of(head + "\nA,1,a,,a\n", "d.csv:2:7: friction is \"\": give a name");
-    of(head + "\nA,1,a,on,a\nB,1,a,on,a\nA,1,a,off,b\n",
-       "d.csv:4:3: trial 1 of this subject stands in line 2 too");
-    of(head + ",rt_s\nA,1,a,on,a,0.5\nA,2,a,on,a,-1\n",
-       "d.csv:3:12: rt_s is \"-1\": give seconds above 0");
-    of(head + ",confidence\nA,1,a,on,a,sure\n",
-       "d.csv:2:12: confidence is \"sure\": give a finite number");
-    of(head + ",excluded\nA,1,a,on,a,late\n", "all 1 trials are excluded");
+    for (const auto& row : test_rows("stats_refusals.tsv")) {  // the table, words, and what is said
+        CAPTURE(row);
+        write(csv, row.at(0));
+        no_stats(words_of(csv, row.at(1)), row.at(2));
+    }
     no_stats({folder.file("none.csv")}, "none.csv");
-    write(csv, head + "\nA,1,a,on,a\nA,2,b,off,a\n");
-    no_stats({csv, "--baseline", "wet"}, "--baseline is wet: give one of off, on");
-    no_stats({csv, "--signal", "a"}, "--signal is for answers of yes and no alone");
-    no_stats({csv, "--signal", "c"}, "--signal is c: give one of a, b");
-    no_stats({csv, "--alternatives", "1"}, "--alternatives");
-    no_stats({csv, "--nodes", "41"}, "--nodes");
+    write(csv, "subject,trial,shape,friction,response\nA,1,a,on,a\nA,2,b,off,a\n");
     no_stats({csv, "--emit-r", folder.file("x.csv")}, "give a script's name, as analysis.R");
-    write(csv, head + "\nA,1,a,on,yes\nA,2,b,off,no\n");
-    no_stats({csv, "--alternatives", "4"}, "these answers are yes and no");
 }
 
 TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",

@@ -29,4 +29,15 @@ inline std::vector<std::vector<std::string>> test_rows(const std::string& name) 
     return rows;
 }
 
+/// `first`, and the words of a line with blanks between.
+inline std::vector<std::string> words_of(const std::string& first, const std::string& line) {
+    std::vector<std::string> words{first};
+    for (std::string& word : split(line, ' ')) {
+        if (!word.empty()) {
+            words.push_back(std::move(word));
+        }
+    }
+    return words;
+}
+
 }  // namespace palpate::tests
