@@ -97,7 +97,7 @@ void export_bids(const Exporting& to);
 /// the standard has CSV only.
 void export_psych_ds(const Exporting& to);
 
-// ------------------------------------------------- answers as other programs of the field take them
+// ------------------------------------------------ answers as other programs of the field take them
 // With a README.txt that says how. Kinds of sessions stay apart.
 
 /// quickpsy.csv for the package of R (D. Linares, J. Lopez-Moliner, R Journal 8:122, 2016):

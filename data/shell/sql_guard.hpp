@@ -17,8 +17,8 @@ struct SqlLimits {
 };
 
 /// While it lives, statements on a database read that file alone, by plain functions, make no value
-/// of more than 50 MB, and end: somebody may have pasted them from anywhere. A single step that goes
-/// on a second longer than all of them may ends the program, with exit code 1. One at a time.
+/// of more than 50 MB, and end: somebody may have pasted them from anywhere. A single step that
+/// goes on a second longer than all of them may ends the program, with exit code 1. One at a time.
 class SqlGuard {
 public:
     /// @param database  outlives this; nothing else may set its authorizer meanwhile

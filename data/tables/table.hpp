@@ -56,7 +56,8 @@ struct Column {
 };
 
 /// Columns as "key|words|marks", one a text: "key" alone has words that are the same, "key|" none.
-/// Marks: a digit says `digits`, p and s what Says begins with, o `open`, - that the page is without.
+/// Marks: a digit says `digits`, p and s what Says begins with, o `open`, - that the page is
+/// without.
 [[nodiscard]] std::vector<Column> heads(std::initializer_list<std::string_view> all);
 
 /// Rows that the first `index` columns name.
@@ -71,8 +72,8 @@ struct Table {
     std::vector<std::string> notes{};  ///< below it in text
 };
 
-/// Title, heads, rows and notes, indented by two; in place of no value stands the reason or "-", and
-/// a column without any is left out. Empty where there is no row.
+/// Title, heads, rows and notes, indented by two; in place of no value stands the reason or "-",
+/// and a column without any is left out. Empty where there is no row.
 [[nodiscard]] std::string table_text(const Table& table);
 
 /// Writes the rows to their place in `all`: what has no value is null, and "why" of the row says

@@ -40,7 +40,8 @@ public:
     Retrace(const std::optional<engine::PantographSpec>& machine, const engine::SceneView& scene);
     ~Retrace();
 
-    /// The parts of the next recorded ticks that nothing else in a tick tells, into `parts`, as many.
+    /// The parts of the next recorded ticks that nothing else in a tick tells, into `parts`, as
+    /// many.
     void parts(std::span<const engine::TickRecord> ticks, std::span<std::uint8_t> parts);
 
     /// The contacts of the next ticks, after HIP is known. Every tick, in order.

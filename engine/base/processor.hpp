@@ -1,7 +1,8 @@
 #pragma once
 
-/// Code for newer processors beside that for all, chosen as it runs. The bits are the same: AVX2 works on four numbers
-/// at once, each by the one operation of IEEE 754, and nothing is contracted (-ffp-contract=off).
+/// Code for newer processors beside that for all, chosen as it runs. The bits are the same: AVX2
+/// works on four numbers at once, each by the one operation of IEEE 754, and nothing is contracted
+/// (-ffp-contract=off).
 namespace palpate {
 
 #if defined(__x86_64__)
@@ -15,7 +16,8 @@ namespace palpate {
 }
 #endif
 
-/// What `work` does, with all that it calls in one piece: with AVX2 a tenth to a third fewer instructions.
+/// What `work` does, with all that it calls in one piece: with AVX2 a tenth to a third fewer
+/// instructions.
 /// @param work  its call operator and what that calls are inline or of the same file
 template <class Work>
 [[gnu::noinline, gnu::flatten]] auto plainly(const Work& work) noexcept {

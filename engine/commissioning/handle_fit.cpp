@@ -149,8 +149,8 @@ double unexplained(std::span<const Track> tracks, const Numbers& x) {
     return worst;
 }
 
-/// Gains of both motors, friction and lateness, as numbers of a handle: a motion does not change if torques
-/// and all that withstands them become as much stronger.
+/// Gains of both motors, friction and lateness, as numbers of a handle: a motion does not change if
+/// torques and all that withstands them become as much stronger.
 Numbers changed(const HandleDynamics& before, const Numbers& by) {
     Numbers x = numbers_of({.dynamics = before});
     for (std::size_t i = 0; i < 9; ++i) {

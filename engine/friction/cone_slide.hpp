@@ -55,8 +55,8 @@ struct Drive {
     return {.u = u, .rest = rest, .jet = {.point = at.point, .first = at.tangent}};
 }
 
-/// Whether the square of a slope is that of a sharp root among these lengths, m: beside a centre all
-/// places are feet, and the last bits of the span decide. Mostly without the root of `far2`:
+/// Whether the square of a slope is that of a sharp root among these lengths, m: beside a centre
+/// all places are feet, and the last bits of the span decide. Mostly without the root of `far2`:
 /// (chord + far)^2 <= 2 (chord^2 + far^2), with room for rounding.
 [[nodiscard]] inline bool is_sharp_root(double slope2, double chord, double far2) noexcept {
     constexpr double kSharp = 0x1p-10;  // share of the lengths

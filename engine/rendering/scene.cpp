@@ -17,7 +17,8 @@ bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
     return speed2 + glm::dot(jet.point - h, jet.second) > 0.1 * speed2;
 }
 
-/// The spring of a god-object in its cone. Every member is named, for else all are set to zero first.
+/// The spring of a god-object in its cone. Every member is named, for else all are set to zero
+/// first.
 Contact pressed_by(const Walk& walk, const Vec2& hip, const Place& place, double k) noexcept {
     return {.mode = Mode::stuck,
             .place = place,

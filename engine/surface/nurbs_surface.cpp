@@ -96,8 +96,8 @@ bool one_point(std::span<const Quad> row, double size) {
 
 /// Whether du x dv vanishes all over the patch: it is nowhere wider than kFlat of the size. There
 /// normal_at() finds nothing, and the last bits of coordinates, 1e-16 of them, turn what it would
-/// find by 1e-6 rad, the share of the size to which a slide's end is found. Numerator and denominator of du x dv are of at most
-/// thrice the degree each way: so many places speak for all.
+/// find by 1e-6 rad, the share of the size to which a slide's end is found. Numerator and
+/// denominator of du x dv are of at most thrice the degree each way: so many places speak for all.
 bool has_no_width(const BezierPatch& patch, double size) {
     const int rows = 3 * patch.degree_u() + 1;
     const int columns = 3 * patch.degree_v() + 1;

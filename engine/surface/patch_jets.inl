@@ -1,8 +1,9 @@
-// Value and derivatives of a patch, in the arithmetic of `Number`: homogeneous coordinates as Quad has them, made of
-// one by number(). A part of bezier_patch.cpp, once for all processors and once for those with AVX2.
+// Value and derivatives of a patch, in the arithmetic of `Number`: homogeneous coordinates as Quad
+// has them, made of one by number(). A part of bezier_patch.cpp, once for all processors and once
+// for those with AVX2.
 
-/// Room for a line of control points: as many as the degree needs where it is known. Every place is written before it is
-/// read.
+/// Room for a line of control points: as many as the degree needs where it is known. Every place is
+/// written before it is read.
 template <class N>
 struct Room {
     using Line = std::array<Number, kMaxPoints>;

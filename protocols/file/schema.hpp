@@ -133,7 +133,8 @@ template <std::integral T>
 
 template <class Enumeration>
 struct HasNoWords;
-/// The words of an enumeration as files have them, in the order of its values: specialised for each.
+/// The words of an enumeration as files have them, in the order of its values: specialised for
+/// each.
 template <class Enumeration>
 inline constexpr HasNoWords<Enumeration> kWordsOf;
 

@@ -47,8 +47,8 @@ public:
         const char* none = nullptr;
         stop_.compare_exchange_strong(none, way);
     }
-    /// In a break: asked whether the handle still has to come home, until another is given; none: it
-    /// has not.
+    /// In a break: asked whether the handle still has to come home, until another is given; none:
+    /// it has not.
     void await_handle(std::function<bool()> awaited) { handle_awaited_ = std::move(awaited); }
     [[nodiscard]] bool awaits_handle() const { return handle_awaited_ && handle_awaited_(); }
     /// No trial begins while this stands. @param why  a sentence, a literal; none: nothing any more

@@ -50,7 +50,8 @@ public:
                 return stopped();
             }
             fresh = true;  // what is wanted now comes without another gap
-            // Who stopped a proof goes on before it is right; after a mark another trial may be next.
+            // Who stopped a proof goes on before it is right; after a mark another trial may be
+            // next.
             if (wanted() || !trusted() || marks_ != marks) {
                 continue;
             }

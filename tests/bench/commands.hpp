@@ -15,8 +15,8 @@ public:
 
 /// nasty [--peers] [--csv FILE]
 int nasty_command(const std::vector<std::string>& words);
-/// contact [--peers] [--objects LETTERS] [--seconds S] [--against BINARY] [--csv FILE] [--svg FILE],
-/// or --from FILE --svg FILE
+/// contact [--peers] [--objects LETTERS] [--seconds S] [--against BINARY] [--csv FILE] [--svg
+/// FILE], or --from FILE --svg FILE
 int contact_command(const std::vector<std::string>& words);
 /// scaling [--csv FILE]
 int scaling_command(const std::vector<std::string>& words);

@@ -4,8 +4,8 @@
 
 namespace palpate::bench {
 
-/// Keeps this thread, and what it starts, on `cores` cores: the last that it may use, since the first
-/// serves most interrupts. @throws std::runtime_error if it may not use so many
+/// Keeps this thread, and what it starts, on `cores` cores: the last that it may use, since the
+/// first serves most interrupts. @throws std::runtime_error if it may not use so many
 void pin_to(int cores);
 
 /// Whether the thread had its core to itself.
@@ -20,8 +20,8 @@ public:
     /// Since begin: no involuntary switch, and no time of the clock that was not the thread's
     /// (another thread's, or the hypervisor's where the kernel knows of it).
     [[nodiscard]] bool ours() const noexcept;
-    /// Since the last call: whether the hypervisor took time from this core (/proc/stat, in steps of
-    /// 10 ms). Takes some 30 us.
+    /// Since the last call: whether the hypervisor took time from this core (/proc/stat, in steps
+    /// of 10 ms). Takes some 30 us.
     [[nodiscard]] bool stolen() noexcept;
 
 private:

@@ -43,8 +43,8 @@ std::size_t not_numbers(const std::vector<double>& values) {
         std::ranges::count_if(values, [](double v) { return std::isnan(v); }));
 }
 
-/// Six chains of additions that do not wait for one another: they fill a core, and so feel who shares
-/// it. About 2 us.
+/// Six chains of additions that do not wait for one another: they fill a core, and so feel who
+/// shares it. About 2 us.
 double fill_the_core(const Clock& clock) {
     std::uint64_t a = 0;
     std::uint64_t b = 0;

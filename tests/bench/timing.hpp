@@ -76,7 +76,8 @@ private:
 
 /// Passes over one path, each in rounds: a thousand units, then some ticks of the method.
 struct Passes {
-    /// [pass][round], a tick: over the unit, and ns. Not a number where the core was not ours alone.
+    /// [pass][round], a tick: over the unit, and ns. Not a number where the core was not ours
+    /// alone.
     std::vector<std::vector<double>> ratio;
     std::vector<std::vector<double>> ns;
 
@@ -104,8 +105,8 @@ void pass(Passes& passes,
                                            std::size_t i);
 
 /// The mean along the path of each round's median, and of the ends of its interval: a path has easy
-/// places and hard ones, ten times as long, so that a median of all rounds would lie anywhere between.
-/// A round that was never kept is left out. @param weights  of each round; none: equal
+/// places and hard ones, ten times as long, so that a median of all rounds would lie anywhere
+/// between. A round that was never kept is left out. @param weights  of each round; none: equal
 [[nodiscard]] Median along(const std::vector<std::vector<double>>& passes,
                            const std::vector<double>& weights = {});
 

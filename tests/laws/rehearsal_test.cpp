@@ -25,8 +25,8 @@ std::string study(const TemporaryFolder& folder) {
 }
 
 /// Two trials, as rehearsed: a hand that is typed to the emulator explores, lets go in the
-/// break, and the experimenter's keys do the rest. A busy machine makes troubles, and they take their
-/// time: each screen has its own.
+/// break, and the experimenter's keys do the rest. A busy machine makes troubles, and they take
+/// their time: each screen has its own.
 void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
     bool explores = false;
     bool felt = false;

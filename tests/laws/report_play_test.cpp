@@ -29,8 +29,8 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
     const auto row = tests::csv_rows(asked.out).at(1);
     CAPTURE(asked.out);
     REQUIRE(row.size() == 8);
-    // A script that its policy does not name moves the slider to that tick, keeps what stands there,
-    // and presses play.
+    // A script that its policy does not name moves the slider to that tick, keeps what stands
+    // there, and presses play.
     tests::write(page, tests::replaced(tests::slurp(page), "Content-Security-Policy", "none") +
                            fmt::format("<script>var s = document.querySelector('.stage input'); "
                                        "s.value = {}; s.dispatchEvent(new Event('input')); "

@@ -29,8 +29,8 @@ std::string place_of(const std::string& text, const std::string& at) {
 TEST_CASE("every wrong file is refused at the right place, with the value and a remedy",
           "[protocol]") {
     REQUIRE(refusal(default_study()) == "accepted");
-    // One change to the default study, where in the changed text the message must point, and what it
-    // must say.
+    // One change to the default study, where in the changed text the message must point, and what
+    // it must say.
     for (const auto& row : test_rows("protocol_problems.tsv")) {
         const std::string &from = row.at(0), &to = row.at(1), &at = row.at(2), &says = row.at(3);
         const std::string text = replaced(default_study(), from, to);

@@ -80,8 +80,8 @@ auto seeds(Count all) {
 
 using palpate::tests::Has;  // as Approx: in nearly every test
 
-/// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it, or of it and
-/// what is added to it (tests/support/random.hpp).
+/// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it, or of it
+/// and what is added to it (tests/support/random.hpp).
 #define SEEDED(random, count, ...)                            \
     const auto seed = GENERATE(palpate::tests::seeds(count)); \
     CAPTURE(seed);                                            \

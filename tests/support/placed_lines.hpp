@@ -23,8 +23,8 @@ inline void check_places(const std::string& refusal) {
     }
 }
 
-/// A text that somebody or something broke in one to four places: bytes that are others, lost, there
-/// twice, or words and signs that break things; another digit gets furthest.
+/// A text that somebody or something broke in one to four places: bytes that are others, lost,
+/// there twice, or words and signs that break things; another digit gets furthest.
 /// @param cut  below so many bytes are lost at a time
 inline std::string broken(std::string text, Random& random, int cut = 200) {
     static const std::vector<std::string> splinters = split(

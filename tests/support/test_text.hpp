@@ -12,8 +12,8 @@ inline std::string test_text(const std::string& name) {
     return text.empty() ? throw std::invalid_argument("tests/texts has no " + name) : text;
 }
 
-/// The rows of a table of tests/texts: fields with tabs between, in which \n is the end of a line; a
-/// line that begins with # is a remark.
+/// The rows of a table of tests/texts: fields with tabs between, in which \n is the end of a line;
+/// a line that begins with # is a remark.
 inline std::vector<std::vector<std::string>> test_rows(const std::string& name) {
     std::vector<std::vector<std::string>> rows;
     for (const std::string& line : lines_in(test_text(name))) {

@@ -49,7 +49,8 @@ public:
     void marked(const protocols::MarkReply& reply);
 
     /// A line of the control socket, but for "stop": {"do": "pause" | "go on" | "mark" | "note" |
-    /// "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}. On the socket's thread.
+    /// "end" | "reveal" | "state" | "page", "text": ..., "reason": ..., "word": ...}. On the
+    /// socket's thread.
     void hear(const std::string& line, const std::shared_ptr<Caller>& caller);
 
 private:

@@ -40,8 +40,8 @@ private:
 
 /// A firm hand on the handle of an emulated machine that stands on a desk: no torque moves it.
 /// Whenever a board is set up it has brought the handle home; it rests there, goes over to the
-/// start, explores the object, comes home, and so on. It rests nowhere but at home, so that a driver
-/// that waits for a resting handle finds it there.
+/// start, explores the object, comes home, and so on. It rests nowhere but at home, so that a
+/// driver that waits for a resting handle finds it there.
 class DeskHand : public GlidingHand {
 public:
     /// Home is Calibration::home, and without one the pose of count 0.

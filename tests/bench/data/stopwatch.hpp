@@ -8,8 +8,8 @@
 
 namespace palpate::bench {
 
-/// Seconds on so many cores: on one those of the processor, in which neither another program nor the
-/// disk has a part; on several those of the wall clock.
+/// Seconds on so many cores: on one those of the processor, in which neither another program nor
+/// the disk has a part; on several those of the wall clock.
 struct Stopwatch {
     int cores = 1;
 
