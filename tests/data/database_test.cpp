@@ -61,8 +61,7 @@ TEST_CASE("a database of another schema is refused by every command, and stays a
         version == 0 ? "not a palpate database" : fmt::format("schema {}", version);
     CHECK_THROWS_WITH(Database(file, Access::write), Has(why));
     for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"run", "shape_friction", "--participant", "P1", "--db", file,
-                                   "--headless"},
+         {run_words("shape_friction", "P1", file, {"--headless"}),
           {"summary", file},
           {"verify", file},
           {"sql", file, "-c", "SELECT 1"},

@@ -51,8 +51,7 @@ struct AwkwardLab {
     }
 
     void run(const std::string& protocol, const std::string& who) {
-        ran({"run", protocol, "--participant", who, "--db", file, "--device", "sim", "--headless",
-             "--speed", "0"});
+        ran(run_words(protocol, who, file, {"--device", "sim", "--headless", "--speed", "0"}));
     }
 
     [[nodiscard]] std::int64_t running() const {

@@ -286,8 +286,7 @@ TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and ma
           "[merge][law]") {
     const TemporaryFolder folder;
     const auto run = [&folder](const char* participant, const char* file) {
-        ran({"run", "shape_friction_demo", "--participant", participant, "--db", folder.file(file),
-             "--headless"});
+        ran(run_words("shape_friction_demo", participant, folder.file(file), {"--headless"}));
     };
     run("P1", "a.sqlite");
     run("P2", "b.sqlite");

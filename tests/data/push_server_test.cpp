@@ -71,8 +71,8 @@ TEST_CASE(
     std::vector<std::string> files;
     for (const char* who : {"P01", "P02", "P03"}) {
         files.push_back(folder.file(fmt::format("{}.sqlite", who)));
-        ran({"run", "shape_friction_demo", "--participant", who, "--db", files.back(), "--device",
-             "sim", "--headless", "--speed", "0"});
+        ran(run_words("shape_friction_demo", who, files.back(),
+                      {"--device", "sim", "--headless", "--speed", "0"}));
     }
     const std::string one = new_database(*server, "one");
     for (const std::string& file : files) {

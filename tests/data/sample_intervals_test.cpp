@@ -48,7 +48,7 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("a.sqlite");
-    ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
+    ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
     data::Database database(file, data::Access::read);
     REQUIRE(data::add_extension(database.handle()) == 0);
     // What the rule chose is what the intervals differ by, and nothing that the protocol has.

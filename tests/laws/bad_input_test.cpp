@@ -30,9 +30,8 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
         CAPTURE(wrong.to);
         const TemporaryFolder folder;
         std::ofstream(folder.file("p.toml")) << edited(wrong.from, wrong.to);
-        const Finished run = ran({"run", folder.file("p.toml"), "--participant", "P1", "--db",
-                                  folder.file("d.sqlite"), "--headless"},
-                                 2);
+        const Finished run =
+            ran(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"), {"--headless"}), 2);
         CHECK_THAT(run.error, Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
                                                        Catch::CaseSensitive::Yes) &&
                                   Has(wrong.value));
@@ -73,10 +72,8 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
     const TemporaryFolder folder;
     const std::vector<std::vector<std::string>> commands{
         {"commission", "-o", folder.file("r.toml"), "--handle-g"},
-        {"run", "pilot", "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless",
-         "--spin"},
-        {"run", "pilot", "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless",
-         "--speed"},
+        run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless", "--spin"}),
+        run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless", "--speed"}),
         {"haply-emulator", "--delay-ms"},
         {"doctor", "--seconds"}};
     for (std::vector<std::string> words : commands) {
@@ -108,9 +105,9 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
 
 TEST_CASE("a replay of a file that is not there is said before anything is created", "[cli]") {
     const TemporaryFolder folder;
-    const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
-                                          "--db", folder.file("d.sqlite"), "--headless", "--device",
-                                          "replay:" + folder.file("absent.sqlite")});
+    const Finished run = palpate_command(
+        run_words("shape_friction_demo", "P1", folder.file("d.sqlite"),
+                  {"--headless", "--device", "replay:" + folder.file("absent.sqlite")}));
     CHECK(run.code != 0);
     CHECK_THAT(run.error, Has("absent.sqlite"));
     CHECK(folder.names().empty());
@@ -124,8 +121,8 @@ TEST_CASE("help and version go to standard output with exit code 0", "[cli]") {
 
 TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     const TemporaryFolder folder;
-    const std::vector<std::string> words{"run",  "shape_friction_demo",   "--participant", "P1",
-                                         "--db", folder.file("d.sqlite"), "--headless"};
+    const std::vector<std::string> words =
+        run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--headless"});
     ran(words);
     CHECK_THAT(ran(words, 2).error, Has("--session 2"));
     std::vector<std::string> second = words;
@@ -137,8 +134,8 @@ TEST_CASE("a session number that leaves a gap is refused, unless the others are 
           "[cli][law]") {
     const TemporaryFolder folder;
     const auto run = [&](std::vector<std::string> more) {
-        std::vector<std::string> words{"run",  "shape_friction_demo",   "--participant", "P1",
-                                       "--db", folder.file("d.sqlite"), "--headless"};
+        std::vector<std::string> words =
+            run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--headless"});
         words.insert(words.end(), more.begin(), more.end());
         return palpate_command(words);
     };
@@ -155,15 +152,15 @@ TEST_CASE("a session number that leaves a gap is refused, unless the others are 
 TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    ran({"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"});
+    ran(run_words("shape_friction_demo", "P1", file, {"--headless"}));
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"trace", file, "999"},
           {"trace", file, "1", "--interval", "2"},
           {"mark", file, "999", "--invalid", "x"},
           {"note", file, "x", "--participant", "P1", "--session", "7"},
           {"participant", file, "P7"},
-          {"run", "shape_friction_demo", "--participant", "P2", "--db", folder.file("e.sqlite"),
-           "--headless", "--device", "replay:" + file + ":999"}}) {
+          run_words("shape_friction_demo", "P2", folder.file("e.sqlite"),
+                    {"--headless", "--device", "replay:" + file + ":999"})}) {
         CAPTURE(words);
         const Finished wrong = ran(words, 2);
         CHECK(wrong.out.empty());
@@ -178,9 +175,8 @@ TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli
     const std::string file = folder.file("d.sqlite");
     // A pipe whose reader is gone from the start, for both kinds of output.
     const std::string kind = GENERATE("real", "pilot");
-    const Finished said =
-        palpate_command({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                         folder.file("said.sqlite"), "--headless", "--kind", kind});
+    const Finished said = palpate_command(run_words(
+        "shape_friction_demo", "P1", folder.file("said.sqlite"), {"--headless", "--kind", kind}));
     CHECK_THAT(said.error, Has("recorded as simulated, not " + kind));
     const Finished alone =
         Process({"sh", "-c", R"(mkfifo "$1"; exec 4<>"$1" 5>"$1" 4<&-; shift; exec "$@" >&5 2>&5)",
@@ -206,8 +202,7 @@ TEST_CASE(
     std::ofstream(file) << "Dear participant, thank you for coming.\n";
     for (const std::string& name : {file, std::string()}) {
         CAPTURE(name);
-        const Finished run = ran(
-            {"run", "shape_friction_demo", "--participant", "P1", "--db", name, "--headless"}, 2);
+        const Finished run = ran(run_words("shape_friction_demo", "P1", name, {"--headless"}), 2);
         CHECK_THAT(run.error, Has(name.empty() ? "empty" : "not a palpate database"));
         CHECK(folder.names() == std::vector<std::string>{"letters.txt"});
     }

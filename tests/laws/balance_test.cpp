@@ -8,7 +8,7 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
           "[study][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    ran({"run", "shape_friction", "--participant", "P1", "--db", file, "--headless"});
+    ran(run_words("shape_friction", "P1", file, {"--headless"}));
     data::Database database(file, data::Access::read);
     auto cells = database.first(
         "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial WHERE "

@@ -132,7 +132,7 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
                             {"summary", folder.file(kOrders)},
                             {"check", folder.file(kOrders)},
                             {"check", "shape_friction", "--device", kOrders},
-                            {"run", "shape_friction", "--participant", kOrders, "--db", other},
+                            run_words("shape_friction", kOrders, other),
                             {"run", "shape_friction", "--kind", kOrders},
                             {kOrders},
                             {"run", "--" + kOrders},

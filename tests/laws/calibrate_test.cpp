@@ -95,9 +95,9 @@ TEST_CASE("a session whose calibration cannot be is refused before a file is mad
           "[calibration][law]") {
     const TemporaryFolder folder;
     for (const char* kind : {"pilot", "real"}) {
-        const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
-                                              "--db", folder.file("d.sqlite"), "--kind", kind,
-                                              "--device", "sim", "--calibration", "mk9"});
+        const Finished run =
+            palpate_command(run_words("shape_friction_demo", "P1", folder.file("d.sqlite"),
+                                      {"--kind", kind, "--device", "sim", "--calibration", "mk9"}));
         CAPTURE(kind);
         check_end(run, 2, Has("there is no such calibration"));
         CHECK(folder.names().empty());
@@ -113,8 +113,8 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
     const std::string limit = "torque_limit_mn_m = 123";
     text.replace(text.find(limit), limit.size(), "torque_limit_mn_m = 1000000");
     std::ofstream(file) << "format = 1\n" << text;
-    const Finished end = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                              folder.file("d.sqlite"), "--device", "sim", "--calibration", file},
+    const Finished end = ran(run_words("shape_friction_demo", "P1", folder.file("d.sqlite"),
+                                       {"--device", "sim", "--calibration", file}),
                              2);
     CHECK_THAT(end.error, Has(file + ":", ": torque_limit_mn_m is 1000000: give ", "2000"));
 

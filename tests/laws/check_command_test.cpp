@@ -62,9 +62,8 @@ TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot
     CHECK_THAT(ran({"check", file}, 1).out, Has("it cannot be run", "with a damper of 50 N s/m"));
     ran({"check", file, "--device", "mouse"});  // gives no force
     // What check refuses, run refuses as well.
-    CHECK(palpate_command(
-              {"run", file, "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless"})
-              .code != 0);
+    CHECK(palpate_command(run_words(file, "P1", folder.file("d.sqlite"), {"--headless"})).code !=
+          0);
 
     replace(file, "blocks = 1 ", "blocks = 3 ");
     const Finished wrong = ran({"check", file}, 2);

@@ -16,8 +16,10 @@ namespace {
 class Desk {
 public:
     Desk(const TemporaryFolder& folder, const std::string& protocol, const std::string& device)
-        : session_({"run", write(folder, protocol), "--participant", "P1", "--db",
-                    folder.file("d.sqlite"), "--device", device, "--kind", "pilot"},
+        : session_(run_words(write(folder, protocol),
+                             "P1",
+                             folder.file("d.sqlite"),
+                             {"--device", device, "--kind", "pilot"}),
                    folder.file("d.sqlite")) {}
 
     void at(const std::string& screen, const std::string& key) {

@@ -20,8 +20,7 @@ constexpr const char* kShortStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trial
 
 std::vector<std::string> words(const TemporaryFolder& folder,
                                const std::string& protocol = kShortStudy) {
-    return {"run",      protocol, "--participant", "P1", "--db", folder.file("d.sqlite"),
-            "--device", "mouse"};
+    return run_words(protocol, "P1", folder.file("d.sqlite"), {"--device", "mouse"});
 }
 
 Finished without_display(std::vector<std::string> arguments) {

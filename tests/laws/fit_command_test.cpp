@@ -158,8 +158,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     write(folder.file("p.toml"), adaptive_text(kQuestPlusRule));
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
-        ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
-             "sim"});
+        ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
     }
     not_fitted({file}, "has no answer to fit in real sessions: --kind chooses others");
     const std::string counts = sql_csv(
@@ -202,8 +201,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"P1", "P2"}) {
-        ran({"run", "shape_friction_demo", "--participant", person, "--db", file, "--device",
-             "sim"});
+        ran(run_words("shape_friction_demo", person, file, {"--device", "sim"}));
     }
     const Json ours = fitted({file, "--kind", "simulated", "--keep-codes"});
     REQUIRE(ours["people"].size() == 2);

@@ -72,7 +72,7 @@ TEST_CASE(
     const std::string file = folder.file("laws.toml");
     const std::string db = folder.file("laws.sqlite");
     std::ofstream(file) << protocol_of(from, from + 7);
-    CHECK_THAT(ran({"run", file, "--participant", "P1", "--db", db, "--headless"}).out,
+    CHECK_THAT(ran(run_words(file, "P1", db, {"--headless"})).out,
                Has("14 answered, 0 of them do not count, 0 faulted"));
     CHECK_THAT(ran({"verify", db}).out, Has("ticks replayed, nothing differs"));
 

@@ -44,11 +44,11 @@ struct Desk {
         emulator.type("motors");
         REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
         write(folder.file("p.toml"), two_patches(repetitions));
-        session = std::make_unique<WindowSession>(
-            std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
-                                     file, "--device", "board:" + folder.file("board"),
-                                     "--calibration", kGantry, "--windowed"},
-            file);
+        session =
+            std::make_unique<WindowSession>(run_words(folder.file("p.toml"), "P1", file,
+                                                      {"--device", "board:" + folder.file("board"),
+                                                       "--calibration", kGantry, "--windowed"}),
+                                            file);
         session->press_at("welcome", "space");
     }
     [[nodiscard]] std::string emulated(const std::string& wired) const {
@@ -162,8 +162,8 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
               whole) == "1");
     // The recorded hands are felt again, tick by tick the same.
     const std::string again = desk.folder.file("again.sqlite");
-    ran({"run", desk.folder.file("p.toml"), "--participant", "P1", "--db", again, "--headless",
-         "--device", "replay:" + file});
+    ran(run_words(desk.folder.file("p.toml"), "P1", again,
+                  {"--headless", "--device", "replay:" + file}));
     ran({"verify", again});
 }
 
@@ -230,11 +230,10 @@ TEST_CASE(
     };
     const std::string db = folder.file("d.sqlite");
     const std::string out = folder.file("rig.toml");
-    CHECK_THAT(refused({"run", "shape_friction", "--participant", "P1", "--db", db, "--device",
-                        "board:/dev/null", "--calibration", kGantry}),
+    CHECK_THAT(refused(run_words("shape_friction", "P1", db,
+                                 {"--device", "board:/dev/null", "--calibration", kGantry})),
                Has("curves in a plane, and the machine of that calibration has three axes"));
-    CHECK_THAT(refused({"run", "patch_friction", "--participant", "P1", "--db", db, "--device",
-                        "board:/dev/null"}),
+    CHECK_THAT(refused(run_words("patch_friction", "P1", db, {"--device", "board:/dev/null"})),
                Has("board:PORT with the --calibration of a machine of three axes"));
     CHECK_THAT(refused({"check", "patch_friction", "--device", "haply:/dev/null", "--calibration",
                         kGantry}),

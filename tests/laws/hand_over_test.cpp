@@ -22,8 +22,7 @@ std::string identified(const TemporaryFolder& folder) {
     write(folder.file("p.toml"), protocol);
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
-        ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
-             "sim"});
+        ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
     }
     return file;
 }
@@ -32,8 +31,7 @@ std::string graded(const TemporaryFolder& folder) {
     write(folder.file("q.toml"), adaptive_text(kQuestPlusRule));
     const std::string file = folder.file("q.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
-        ran({"run", folder.file("q.toml"), "--participant", person, "--db", file, "--device",
-             "sim"});
+        ran(run_words(folder.file("q.toml"), person, file, {"--device", "sim"}));
     }
     return file;
 }
@@ -103,8 +101,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
                                  "id = \"four_trials\"", "id = \"asked\"");
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
     write(folder.file("asked.toml"), asked);
-    ran({"run", folder.file("asked.toml"), "--participant", "Cem", "--db", file, "--device",
-         "sim"});
+    ran(run_words(folder.file("asked.toml"), "Cem", file, {"--device", "sim"}));
     const std::string out = folder.file("shared");
     ran({"export", file, "--kind", "all", "-o", out});
     ran({"analysis", "init", out});

@@ -124,8 +124,7 @@ TEST_CASE("who had the port open before is named, and no session or check begins
     }
     CHECK_THAT(out, Has("is in use by another program, sleep (process "));
     for (std::vector<std::string> begins :
-         {std::vector<std::string>{"run", "pilot", "--participant", "P1", "--db",
-                                   folder.file("d.sqlite"), "--windowed", "--kind", "pilot"},
+         {run_words("pilot", "P1", folder.file("d.sqlite"), {"--windowed", "--kind", "pilot"}),
           {"commission", "-o", folder.file("rig.toml"), "--handle-free"}}) {
         begins.insert(begins.begin(), palpate_program());
         begins.insert(begins.end(), {"--device", "haply:" + link, "--calibration", "2diy_gen3"});

@@ -81,7 +81,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
 TEST_CASE("a database whose protocol is deep or long ends no command by a signal", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string db = folder.file("d.sqlite");
-    ran({"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--headless"});
+    ran(run_words("shape_friction_demo", "P1", db, {"--headless"}));
     const std::string text = GENERATE(deep(0, 15'000), "a = '" + times(5'000'000, "x") + "'\n");
     {
         data::Database database(db, data::Access::write);

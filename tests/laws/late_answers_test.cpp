@@ -25,12 +25,9 @@ public:
         REQUIRE(eventually([&] { return std::filesystem::exists(folder_.file("board")); }));
         std::ofstream(folder_.file("p.toml"))
             << replaced(pressed_study(), "dead_man = true", "dead_man = false");
-        std::vector<std::string> words{
-            "run",           folder_.file("p.toml"),
-            "--participant", "P1",
-            "--db",          file(),
-            "--device",      (open ? "board:" : "haply:") + folder_.file("board"),
-            "--windowed"};
+        std::vector<std::string> words = run_words(
+            folder_.file("p.toml"), "P1", file(),
+            {"--device", (open ? "board:" : "haply:") + folder_.file("board"), "--windowed"});
         if (!open) {
             words.insert(words.end(), {"--kind", "pilot"});
         }

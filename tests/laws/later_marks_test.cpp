@@ -127,8 +127,8 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     said({"participant", file, "P1", "--new", "--handedness", "80"});
-    const std::vector<std::string> run{
-        "run", "shape_friction_demo", "--participant", "P1", "--db", file, "--device", "sim"};
+    const std::vector<std::string> run =
+        run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
     said(run);
     const std::string event = "SELECT text FROM event WHERE event_kind = 'participant'";
     CHECK(sql_csv(file, event) == "text\nhandedness 80\n");
@@ -146,8 +146,8 @@ TEST_CASE("a mark taken back counts again, as if it had never been made", "[veri
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string marked = folder.file("marked.sqlite");
-    const std::vector<std::string> run{
-        "run", "shape_friction_demo", "--participant", "P1", "--db", file, "--device", "sim"};
+    const std::vector<std::string> run =
+        run_words("shape_friction_demo", "P1", file, {"--device", "sim"});
     said(run);
     stop_after_seven(file);
     const std::string trials = "SELECT * FROM analysis_trial ORDER BY trial_id";

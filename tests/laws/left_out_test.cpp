@@ -31,8 +31,8 @@ std::string mixed_study(const TemporaryFolder& folder) {
     std::ofstream(folder.file("two.toml")) << other;
     const std::string file = folder.file("s.sqlite");
     const auto run = [&](const char* protocol, const std::string& who) {
-        std::vector<std::string> words{"run", folder.file(protocol), "--participant", who, "--db",
-                                       file,  "--headless"};
+        std::vector<std::string> words =
+            run_words(folder.file(protocol), who, file, {"--headless"});
         if (who == "X") {
             words.emplace_back("--new-version");
         }
@@ -269,8 +269,7 @@ TEST_CASE("main_trial is one kind, of who consents, and no study shares a row wi
     CHECK(sql_csv(file, "SELECT sum(n) AS n FROM confusion") == "n\n23\n");
     // Another study in the same file: a row of its own. A catch trial's object is in no picture: no
     // answer is right.
-    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "--participant", "G", "--db",
-         file, "--headless"});
+    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml", "G", file, {"--headless"}));
     CHECK(sql_csv(file, "SELECT count(DISTINCT study_name) AS n FROM main_trial") == "n\n2\n");
     CHECK(sql_csv(file,
                   "SELECT phase, count(*) > 0 AS n, count(correct) > 0 AS judged FROM "
@@ -298,8 +297,7 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
           "[left-out][disk]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P", "--db",
-         file, "--headless"});
+    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P", file, {"--headless"}));
     // As on a full disk: no file may grow.
     const auto piped = [](const std::string& of) {  // standard output is a file too
         return Process(

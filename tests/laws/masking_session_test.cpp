@@ -22,11 +22,8 @@ void write_study(const std::string& file) {
 }
 
 std::vector<std::string> words(const TemporaryFolder& folder, const std::string& kind) {
-    return {"run",           folder.file("p.toml"),
-            "--participant", "P1",
-            "--db",          folder.file("d.sqlite"),
-            "--device",      "mouse",
-            "--kind",        kind};
+    return run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"),
+                     {"--device", "mouse", "--kind", kind});
 }
 
 std::string text_of(const TemporaryFolder& folder, const std::string& sql) {

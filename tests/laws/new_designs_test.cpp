@@ -21,9 +21,7 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
           "[free_forms][study][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(
-        palpate_command({"run", kForms, "--participant", "P1", "--db", file, "--headless"}).code ==
-        0);
+    REQUIRE(palpate_command(run_words(kForms, "P1", file, {"--headless"})).code == 0);
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
     CHECK(one(file,
@@ -50,7 +48,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
     std::ofstream(study, std::ios::app)  // short trials: their order is what counts
         << "[timing]\nexplore_min_s = 0.1\nexplore_prompt_s = 0.2\nexplore_timeout_s = 0.3\n";
     for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
-        ran({"run", study, "--participant", code, "--db", file, "--headless"});
+        ran(run_words(study, code, file, {"--headless"}));
         // As if people had felt it: only they count for the next one's order.
         data::Database database(file, data::Access::write);
         database.run("UPDATE session SET session_kind = 'real'");
@@ -66,9 +64,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
 TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(
-        palpate_command({"run", kForms, "--participant", "P1", "--db", file, "--headless"}).code ==
-        0);
+    REQUIRE(palpate_command(run_words(kForms, "P1", file, {"--headless"})).code == 0);
     {
         data::Database database(file, data::Access::write);
         database.run(

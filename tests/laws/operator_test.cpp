@@ -86,8 +86,7 @@ TEST_CASE(
     const std::string file = folder.file("it's study.sqlite");
     const std::string protocol = folder.file("p.toml");
     std::ofstream(protocol) << two_trials();
-    WindowSession session(
-        {"run", protocol, "--participant", "P1", "--db", file, "--device", "mouse"}, file);
+    WindowSession session(run_words(protocol, "P1", file, {"--device", "mouse"}), file);
     XHand& hand = session.hand();
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
@@ -170,8 +169,7 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     std::ofstream(folder.file("any.toml")) << two_trials();
     std::ofstream(folder.file("mouse.toml")) << on_the_pointer(two_trials());
     const auto words = [&](const std::string& protocol, const std::string& who) {
-        return std::vector<std::string>{
-            "run", folder.file(protocol), "--participant", who, "--db", file, "--device", "mouse"};
+        return run_words(folder.file(protocol), who, file, {"--device", "mouse"});
     };
     const auto used = [&] {
         const Finished plan = palpate_command(
@@ -213,8 +211,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
     text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
     text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
     std::ofstream(folder.file("p.toml")) << text;
-    const Finished end =
-        ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
+    const Finished end = ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
     std::vector<std::string> numbers;
     std::size_t repeats = 0;
     std::size_t alarms = 0;
@@ -254,8 +251,8 @@ TEST_CASE(
         threshold = replaced(threshold, "\ntrials = 40", "\ntrials = 8");
     }
     std::ofstream(folder.file("p.toml")) << threshold;
-    const std::vector<std::string> words{
-        "run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless", "--speed"};
+    const std::vector<std::string> words =
+        run_words(folder.file("p.toml"), "P1", file, {"--headless", "--speed"});
     std::vector<std::string> slow{palpate_program()};
     slow.insert(slow.end(), words.begin(), words.end());
     slow.push_back("40");
@@ -283,9 +280,9 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
     std::ofstream(folder.file("p.toml"))
         << replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
     std::int64_t before = monotonic_ns();
-    WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,
-                           "--device", "mouse", "--kind", "pilot"},
-                          file);
+    WindowSession session(
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}),
+        file);
     session.press_at("welcome", "space");
     std::vector<double> took;  // min
     for (int trial = 1; trial <= 5; ++trial) {

@@ -20,8 +20,7 @@ const std::string kDeclined = "P03";
 Finished run_as(const std::string& code,
                 const std::string& file,
                 std::vector<std::string> more = {}) {
-    std::vector<std::string> words{"run",  kStudy, "--participant", code,
-                                   "--db", file,   "--headless"};
+    std::vector<std::string> words = run_words(kStudy, code, file, {"--headless"});
     words.insert(words.end(), more.begin(), more.end());
     words.insert(words.begin(), palpate_program());
     return Process(words, {"DISPLAY"}).wait();  // palpate_command() would give a secret

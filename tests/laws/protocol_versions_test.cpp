@@ -39,8 +39,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
                     replaced(other_text, "title = \"", "title = \"" + std::to_string(i) + " "));
     }
     const auto run = [&](const std::string& protocol, const char* who, const char* more = "") {
-        std::vector<std::string> words{"run",  protocol, "--participant", who,
-                                       "--db", file,     "--headless"};
+        std::vector<std::string> words = run_words(protocol, who, file, {"--headless"});
         if (*more != '\0') {
             words.emplace_back(more);
         }

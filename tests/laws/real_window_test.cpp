@@ -71,8 +71,8 @@ TEST_CASE(
     "[long][window][law]") {
     const TemporaryFolder folder;
     WindowSession session(
-        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot"},
+        run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1",
+                  folder.file("d.sqlite"), {"--device", "mouse", "--kind", "pilot"}),
         folder.file("d.sqlite"));
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
@@ -128,8 +128,8 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
           "[window][operator][law]") {
     const TemporaryFolder folder;
     WindowSession session(
-        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot"},
+        run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1",
+                  folder.file("d.sqlite"), {"--device", "mouse", "--kind", "pilot"}),
         folder.file("d.sqlite"));
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
@@ -156,9 +156,9 @@ TEST_CASE(
     "[window][surface-session]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    WindowSession session({"run", "patch_friction", "--participant", "P1", "--db", file, "--device",
-                           "sim", "--windowed", "--speed", "20"},
-                          file);
+    WindowSession session(
+        run_words("patch_friction", "P1", file, {"--device", "sim", "--windowed", "--speed", "20"}),
+        file);
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.press_at("explore", "space");

@@ -128,9 +128,8 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     CHECK_THAT(slurp(folder.file("r.html")), Has(": withdrawn</span>"));
     check_edit(file, edited, "UPDATE session SET withdrawn_reason = NULL");
     check_edit(file, edited, "UPDATE session SET withdrawn_reason = 'x'");
-    CHECK_THAT(
-        said_no({"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"}),
-        Has("--session 2"));
+    CHECK_THAT(said_no(run_words("shape_friction_demo", "P1", file, {"--headless"})),
+               Has("--session 2"));
     ran({"session", file, "P1", "1", "--undo", "it was P4"});
     CHECK(sql_csv(file, kWhose) == once);
     ran({"verify", file});

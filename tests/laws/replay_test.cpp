@@ -11,8 +11,7 @@ using namespace palpate::tests;
 namespace {
 
 std::vector<std::string> run(const std::string& file, const std::string& device) {
-    return {"run", "shape_friction_demo", "--participant", "P1",  "--db",
-            file,  "--headless",          "--device",      device};
+    return run_words("shape_friction_demo", "P1", file, {"--headless", "--device", device});
 }
 
 }  // namespace

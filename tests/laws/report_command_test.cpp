@@ -25,7 +25,7 @@ std::string made_study(const TemporaryFolder& folder) {
                                      "timed_out_share_max = 0.9\n");
     const std::string file = folder.file("a.sqlite");
     for (const std::string& code : kCodes) {
-        ran({"run", folder.file("p.toml"), "--participant", code, "--db", file, "--device", "sim"});
+        ran(run_words(folder.file("p.toml"), code, file, {"--device", "sim"}));
     }
     ran({"mark", file, "3", "--invalid", "asked"});
     data::Database(file, data::Access::write)
@@ -239,8 +239,8 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
           "[report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         file, "--device", "sim"});
+    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1", file,
+                  {"--device", "sim"}));
     ran({"verify", file});
     const auto before = folder.names();
     const auto refused = [&](const std::vector<std::string>& words, int code,
@@ -277,7 +277,7 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
               "\n[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n");
     const std::string file = folder.file("a.sqlite");
     for (const std::string& code : {kCodes[0]}) {
-        ran({"run", folder.file("p.toml"), "--participant", code, "--db", file, "--headless"});
+        ran(run_words(folder.file("p.toml"), code, file, {"--headless"}));
     }
     const std::string page = page_of(file, {"--kind", "simulated", "--bootstrap", "60"});
     CHECK_THAT(page, Has("id=\"curves\"", "id=\"tracks\"", "class=\"band\"", "id=\"times\""));
@@ -308,8 +308,8 @@ TEST_CASE(
     "[report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    ran({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         file, "--device", "sim"});
+    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1", file,
+                  {"--device", "sim"}));
     static_cast<void>(page_of(file, kSimulated));
     write(folder.file("wide_and_narrow.html"), kWideAndNarrow);
     const Browsed shown = browsed(folder, folder.file("wide_and_narrow.html"), "--dump-dom");

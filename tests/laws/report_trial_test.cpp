@@ -13,8 +13,8 @@ constexpr const char* kCode = "Quokka8";
 
 std::string session_of(const TemporaryFolder& folder, const std::string& protocol) {
     std::string file = folder.file("a.sqlite");
-    const Finished done = palpate_command(
-        {"run", protocol, "--participant", kCode, "--db", file, "--device", "sim", "--headless"});
+    const Finished done =
+        palpate_command(run_words(protocol, kCode, file, {"--device", "sim", "--headless"}));
     CAPTURE(done.out, done.error);
     REQUIRE(std::filesystem::exists(file));
     return file;

@@ -14,9 +14,8 @@ using namespace palpate::tests;
 namespace {
 
 std::vector<std::string> words(const std::string& file, const std::string& speed = "0") {
-    return {"run",     "shape_friction_demo", "--participant", "P1",  "--db",
-            file,      "--headless",          "--speed",       speed, "--secret",
-            kRunSecret};
+    return run_words("shape_friction_demo", "P1", file,
+                     {"--headless", "--speed", speed, "--secret", kRunSecret});
 }
 
 /// Starts a slowed-down session and waits until trial `position` has stored some of its ticks.

@@ -190,8 +190,8 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
     write(folder.file("p.toml"), text);
     ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"),
          "--language", language});
-    WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db",
-                           folder.file("d.sqlite"), "--device", "mouse", "--windowed"},
+    WindowSession session(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"),
+                                    {"--device", "mouse", "--windowed"}),
                           folder.file("d.sqlite"), {"SDL_RENDER_DRIVER=software"}, {});
     const auto shows = [&](const std::string& screen, const std::string& picture) {
         CAPTURE(picture);

@@ -199,7 +199,7 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     std::ofstream(folder.file("p.toml")) << kHills << hill_tables("object.segment");
-    ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
+    ran(run_words(folder.file("p.toml"), "P1", file, {"--headless"}));
     const std::vector<Row> trials = rows_of(
         file,
         "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "

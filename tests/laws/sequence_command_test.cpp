@@ -50,7 +50,7 @@ void check_against(const std::string& file,
 }
 
 std::vector<std::string> words_of_run(const std::string& participant, const std::string& file) {
-    return {"run", "shape_friction_demo", "--participant", participant, "--db", file, "--headless"};
+    return run_words("shape_friction_demo", participant, file, {"--headless"});
 }
 
 }  // namespace
@@ -125,9 +125,7 @@ TEST_CASE("sequence prints the exact plan of a file, and an example without one"
         return palpate_command(words);
     };
     const auto run = [&](const std::string& code) {
-        return palpate_command({"run", "shape_friction_demo", "--participant", code, "--db", file,
-                                "--headless"})
-            .code;
+        return palpate_command(run_words("shape_friction_demo", code, file, {"--headless"})).code;
     };
     REQUIRE(run("P01") == 0);
     const std::string next = sequence("P02", true).out;  // of the session that is not there yet

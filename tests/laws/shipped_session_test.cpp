@@ -51,8 +51,7 @@ TEST_CASE(
     const Finished sequence = ran({"sequence", file, "--participant", "P1", "--csv"});
     CHECK(std::count(sequence.out.begin(), sequence.out.end(), '\n') == one.trials + 1);
     ran({"check", one.name});
-    CHECK_THAT(ran({"run", file, "--participant", "P1", "--db", db, "--headless"}).out,
-               Has("Finished."));
+    CHECK_THAT(ran(run_words(file, "P1", db, {"--headless"})).out, Has("Finished."));
     {
         data::Database database(db, data::Access::read);
         CHECK(number(database, "SELECT count(*) FROM plan") == one.trials);

@@ -255,10 +255,9 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     const std::string page = folder.file("a.html");
     (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(slurp(page), Has("No ticks are kept of these trials"));
-    const Finished again =
-        ran({"run", "shape_friction_demo", "--participant", "S000001", "--db",
-             folder.file("b.sqlite"), "--headless", "--device", "replay:" + file},
-            1);
+    const Finished again = ran(run_words("shape_friction_demo", "S000001", folder.file("b.sqlite"),
+                                         {"--headless", "--device", "replay:" + file}),
+                               1);
     CHECK_THAT(again.error, Has("has no ticks: it was simulated with --no-traces"));
 }
 

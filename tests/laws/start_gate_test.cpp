@@ -63,10 +63,10 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device",
-         board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
-        file);
+    WindowSession session(run_words(folder.file("p.toml"), "P1", file,
+                                    {"--device", board.word(), "--calibration", "2diy_gen3",
+                                     "--kind", "pilot", "--windowed"}),
+                          file);
     session.press_at("welcome", "space");
     CHECK(stays_ready(session));  // at home, 29 mm away
     board.bring("0,20");          // inside all of them
@@ -78,8 +78,7 @@ TEST_CASE("a trial begins with the handle at the start, and nowhere else",
     session.hand().key("Escape");
     session.wait_until("SELECT count(*) > 0 FROM trial WHERE outcome = 'faulted'", "1");
     for (std::vector<std::string> second :  // the port has its program
-         {std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P2", "--db",
-                                   folder.file("second.sqlite"), "--kind", "pilot"},
+         {run_words(folder.file("p.toml"), "P2", folder.file("second.sqlite"), {"--kind", "pilot"}),
           {"commission", "--handle-free", "-o", folder.file("second.sqlite")}}) {
         second.insert(second.begin(), palpate_program());
         second.insert(second.end(), {"--device", board.word(), "--calibration", "2diy_gen3"});
@@ -114,10 +113,10 @@ TEST_CASE("in a ring that reaches into an object no trial begins where it does",
     std::ofstream(folder.file("p.toml"))
         << text + "\n[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n";
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(
-        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device",
-         board.word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
-        file);
+    WindowSession session(run_words(folder.file("p.toml"), "P1", file,
+                                    {"--device", board.word(), "--calibration", "2diy_gen3",
+                                     "--kind", "pilot", "--windowed"}),
+                          file);
     session.press_at("welcome", "space");
     board.bring("0,20");
     CHECK(stays_ready(session));
@@ -133,10 +132,10 @@ TEST_CASE(
     const TemporaryFolder folder;
     auto board = std::make_unique<FreeBoard>(folder);
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(
-        {"run", gated(folder, "softness_2afc"), "--participant", "P1", "--db", file, "--device",
-         board->word(), "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
-        file);
+    WindowSession session(run_words(gated(folder, "softness_2afc"), "P1", file,
+                                    {"--device", board->word(), "--calibration", "2diy_gen3",
+                                     "--kind", "pilot", "--windowed"}),
+                          file);
     const auto replugged = [&] {
         const std::string back =
             session.ask("SELECT count(*) FROM event WHERE event_kind = 'reconnect'");
@@ -196,10 +195,10 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
     constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
     FreeBoard board(folder, std::string("--open --preset '") + kGantry + "'");
     const std::string file = folder.file("d.sqlite");
-    WindowSession session(
-        {"run", gated(folder, "patch_friction"), "--participant", "P1", "--db", file, "--device",
-         board.word(), "--calibration", kGantry, "--kind", "pilot", "--windowed"},
-        file);
+    WindowSession session(run_words(gated(folder, "patch_friction"), "P1", file,
+                                    {"--device", board.word(), "--calibration", kGantry, "--kind",
+                                     "pilot", "--windowed"}),
+                          file);
     session.press_at("welcome", "space");
     for (const char* beside : {"8,0,30", "0,-8,30", "0,0,38"}) {
         CAPTURE(beside);
@@ -218,9 +217,9 @@ TEST_CASE("a question that nobody answers ends, and its trial runs again", "[win
     text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nanswer_timeout_s = 3");
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("d.sqlite");
-    WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,
-                           "--device", "mouse", "--kind", "pilot"},
-                          file);
+    WindowSession session(
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}),
+        file);
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.press_at("explore", "space");

@@ -270,8 +270,7 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
                                      "share_correct_min = 0.7\n");
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob", "Cem"}) {
-        ran({"run", folder.file("p.toml"), "--participant", person, "--db", file, "--device",
-             "sim"});
+        ran(run_words(folder.file("p.toml"), person, file, {"--device", "sim"}));
     }
     no_stats({file}, "has no answer of identification or yes-no in real sessions: --kind chooses");
     no_stats({file, "--kind", "all"}, "--kind");

@@ -160,8 +160,8 @@ TEST_CASE(
     CAPTURE(size);
     const TemporaryFolder folder;
     WindowSession session(
-        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot", size},
+        run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1",
+                  folder.file("d.sqlite"), {"--device", "mouse", "--kind", "pilot", size}),
         folder.file("d.sqlite"));
     XHand& hand = session.hand();
     session.press_at("welcome", "space");

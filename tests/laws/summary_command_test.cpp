@@ -182,7 +182,7 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     std::ofstream(folder.file("p.toml"))
         << adaptive_text(test_text(fmt::format("procedures/rule_{}.toml", rule)), kind);
     const std::string file = folder.file("a.sqlite");
-    ran({"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
+    ran(run_words(folder.file("p.toml"), "P1", file, {"--device", "sim"}));
     // A mark made later: its answer is left out here and there.
     const std::string third =
         sql_csv(file,

@@ -28,7 +28,7 @@ std::string study(const TemporaryFolder& folder,
 std::vector<std::string> run(const std::string& protocol,
                              const std::string& db,
                              const std::string& device) {
-    return {"run", protocol, "--participant", "P1", "--db", db, "--headless", "--device", device};
+    return run_words(protocol, "P1", db, {"--headless", "--device", device});
 }
 
 /// One session, recorded once for all.

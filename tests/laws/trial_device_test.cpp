@@ -21,8 +21,8 @@ std::string ask(const std::string& file, const std::string& query) {
 std::vector<std::string> words(const std::string& file,
                                const std::string& device,
                                std::vector<std::string> more = {}) {
-    std::vector<std::string> all{"run", "shape_friction_demo", "--participant", "P1",  "--db",
-                                 file,  "--headless",          "--device",      device};
+    std::vector<std::string> all =
+        run_words("shape_friction_demo", "P1", file, {"--headless", "--device", device});
     all.insert(all.end(), more.begin(), more.end());
     return all;
 }

@@ -62,8 +62,7 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
     const std::string file = folder.file("d.sqlite");
     for (int run = 1; run <= 2; ++run) {  // the same protocol resumes, and has the same limit
         CAPTURE(run);
-        const Finished end =
-            ran({"run", protocol, "--participant", "P1", "--db", file, "--headless"}, 1);
+        const Finished end = ran(run_words(protocol, "P1", file, {"--headless"}), 1);
         CHECK_THAT(end.error, Has("gave up after 3 faults in a row: the handle was "
                                   "faster than the limit: move more slowly",
                                   ". The force is off"));
@@ -82,9 +81,8 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
           "[cli][fault][haply][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    const std::vector<std::string> words{
-        "run",      "shape_friction_haply", "--participant", "P1", "--db", file,
-        "--device", "haply-emulator"};
+    const std::vector<std::string> words =
+        run_words("shape_friction_haply", "P1", file, {"--device", "haply-emulator"});
     std::vector<std::string> command{palpate_program()};
     command.insert(command.end(), words.begin(), words.end());
     for (int run = 1; run <= 2; ++run) {
@@ -161,9 +159,8 @@ TEST_CASE("the doctor says by what margin the device can render a protocol, or t
 TEST_CASE("a share of spinning that cannot be is refused before anything is made", "[cli]") {
     const TemporaryFolder folder;
     for (const char* share : {"0.6", "-0.1", "much"}) {
-        const Finished run = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                                  folder.file("d.sqlite"), "--spin", share},
-                                 2);
+        const Finished run = ran(
+            run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--spin", share}), 2);
         CHECK_THAT(run.error, Has("--spin"));
     }
     CHECK(folder.names().empty());

@@ -9,19 +9,8 @@ using namespace palpate::data;
 namespace {
 
 std::vector<std::string> run(const std::string& file, const std::string& resume) {
-    return {"run",
-            "shape_friction_demo",
-            "--participant",
-            "P1",
-            "--db",
-            file,
-            "--headless",
-            "--speed",
-            "0",
-            "--secret",
-            kRunSecret,
-            "--resume",
-            resume};
+    return run_words("shape_friction_demo", "P1", file,
+                     {"--headless", "--speed", "0", "--secret", kRunSecret, "--resume", resume});
 }
 
 /// As if the program had ended after so many attempts.

@@ -145,9 +145,9 @@ TEST_CASE("a hand is felt over UDP as over a cable, whoever else speaks to the b
         << replaced(pressed_study(), "dead_man = true", "dead_man = false");
     const std::string file = folder.file("d.sqlite");
     const std::string name = emulator.out().substr(0, emulator.out().find('\n'));
-    WindowSession session({"run", folder.file("p.toml"), "--participant", "P1", "--db", file,
-                           "--device", "board:" + name, "--windowed"},
-                          file);
+    WindowSession session(
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "board:" + name, "--windowed"}),
+        file);
     session.press_at("welcome", "space");
     const auto felt = [&] {
         return session.ask(
@@ -200,9 +200,9 @@ TEST_CASE("words of a UDP port that cannot be are refused with a sentence, befor
           "[laws][open]") {
     const TemporaryFolder folder;
     for (const char* wrong : {"board:udp:rig", "board:udp::5000", "board:udp:rig:99999"}) {
-        const Finished run = ran({"run", "shape_friction_demo", "--participant", "P1", "--db",
-                                  folder.file("d.sqlite"), "--device", wrong},
-                                 2);
+        const Finished run = ran(
+            run_words("shape_friction_demo", "P1", folder.file("d.sqlite"), {"--device", wrong}),
+            2);
         CHECK_THAT(run.error, Has("as in udp:127.0.0.1:5000"));
     }
     CHECK(folder.names().empty());

@@ -44,9 +44,8 @@ void write_quick_protocol(const std::string& file) {
         "[timing]\nexplore_min_s = 0.5\nexplore_prompt_s = 0.8\nexplore_timeout_s = 1\n");
 }
 
-std::vector<std::string> run_words(const TemporaryFolder& folder, const std::string& database) {
-    return {"run",  folder.file("p.toml"), "--participant", "P1",
-            "--db", folder.file(database), "--headless"};
+std::vector<std::string> words_in(const TemporaryFolder& folder, const std::string& database) {
+    return run_words(folder.file("p.toml"), "P1", folder.file(database), {"--headless"});
 }
 
 }  // namespace
@@ -57,8 +56,7 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
     const std::string file = folder.file("a.sqlite");
     ran({"demo", "--headless", "--db", file});
     ran({"demo", "--headless", "--db", file});
-    ran({"run", "shape_friction_demo", "--participant", "P2", "--db", file, "--headless",
-         "--device", "replay:" + file});
+    ran(run_words("shape_friction_demo", "P2", file, {"--headless", "--device", "replay:" + file}));
     const std::string before = slurp(file);
     CHECK_THAT(ran({"verify", file}).out,
                Has("3 sessions", "participant P2, session 1 (simulated): 10 trials",
@@ -71,7 +69,7 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
 TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
-    ran(run_words(folder, "a.sqlite"));
+    ran(words_in(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::read);
     const auto value = [&](const std::string& key) {
         auto row = database.prepare("SELECT value FROM session_provenance WHERE key = ?1", key);
@@ -96,7 +94,7 @@ TEST_CASE("any changed value of a result, and any changed bit of a trace, is rep
           "[verify][law]") {
     const TemporaryFolder folder;
     write_quick_protocol(folder.file("p.toml"));
-    ran(run_words(folder, "a.sqlite"));
+    ran(words_in(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     REQUIRE(text_of(data::verify(database)).empty());
     const auto rows = result_columns(database, {"study", "participant", "session", "picture",
@@ -116,7 +114,7 @@ TEST_CASE(
     "[verify][law]") {
     const TemporaryFolder folder;
     write_quick_protocol(folder.file("p.toml"));
-    ran(run_words(folder, "a.sqlite"));
+    ran(words_in(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     for (std::uint64_t seed = 0; seed < cases(80U); ++seed) {
         Random random(seed);
@@ -136,7 +134,7 @@ TEST_CASE(
 TEST_CASE("a row that is gone is reported", "[verify][law]") {
     const TemporaryFolder folder;
     write_quick_protocol(folder.file("p.toml"));
-    ran(run_words(folder, "a.sqlite"));
+    ran(words_in(folder, "a.sqlite"));
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     database.execute("PRAGMA foreign_keys = OFF");
     for (const std::string table : {"study", "participant", "plan", "picture", "trial", "response",
@@ -172,7 +170,7 @@ TEST_CASE("a session whose device trips verifies as that, and its last ticks are
           "[verify][fault][law]") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"), "dead_man = false", "speed_limit_m_per_s = 0.12");
-    const Finished run = palpate_command(run_words(folder, "a.sqlite"));
+    const Finished run = palpate_command(words_in(folder, "a.sqlite"));
     CAPTURE(run.out, run.error);
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     const data::Verification found = data::verify(database);
@@ -200,7 +198,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
-    auto words = run_words(folder, "a.sqlite");
+    auto words = words_in(folder, "a.sqlite");
     words.insert(words.begin(), palpate_program());
     words.insert(words.end(), {"--speed", "2"});  // longer than a slow machine takes to verify
     const std::vector<std::string> no_display{"DISPLAY", "WAYLAND_DISPLAY"};
@@ -243,7 +241,7 @@ TEST_CASE(
     CHECK(outcome("interrupted") == 1);
     CHECK(outcome("aborted") == 1);
     verifies();
-    ran(run_words(folder, "a.sqlite"));
+    ran(words_in(folder, "a.sqlite"));
     verifies();
     data::Database database(file, data::Access::write);
     CHECK(check_edits(database, result_columns(database, {"trial"}), 100, 6) > 60);
@@ -255,7 +253,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");
-    ran(run_words(folder, "a.sqlite"));
+    ran(words_in(folder, "a.sqlite"));
     data::Database(file, data::Access::write)
         .execute("UPDATE response SET correct = 1 - correct WHERE trial_id = 2");
     CHECK_THAT(ran({"verify", file}, 1).out,

@@ -75,6 +75,16 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 /// with kRunSecret unless another --secret is given.
 [[nodiscard]] Finished palpate_command(const std::vector<std::string>& arguments);
 
+/// What `palpate run` takes for a session of a participant into a file, and more words.
+[[nodiscard]] inline std::vector<std::string> run_words(const std::string& protocol,
+                                                        const std::string& participant,
+                                                        const std::string& file,
+                                                        const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{"run", protocol, "--participant", participant, "--db", file};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
 /// Path of the program under test: PALPATE_TEST_PROGRAM, else the one that was built.
 [[nodiscard]] std::string palpate_program();
 
