@@ -52,9 +52,7 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     for (const char* person : {"P1", "P2", "P3"}) {
-        const auto ran =
-            palpate_command(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", person,
-                                      file, {"--device", "sim"}));
+        const auto ran = palpate_command(run_words(kFourTrials, person, file, {"--device", "sim"}));
         REQUIRE(ran.code == 0);
     }
     const auto audit = [&] {
@@ -111,8 +109,7 @@ TEST_CASE("no number is made of the answers of who does not consent", "[audit][s
     const TemporaryFolder folder;
     const auto record = [&](const std::string& name, const std::vector<std::string>& codes) {
         for (const std::string& code : codes) {
-            ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", code,
-                          folder.file(name), {"--device", "sim"}));
+            ran(run_words(kFourTrials, code, folder.file(name), {"--device", "sim"}));
         }
         return folder.file(name);
     };

@@ -120,7 +120,7 @@ constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the 
 TEST_CASE("pauses and marks on every screen of a session with the pointer are obeyed",
           "[long][window][desk][law]") {
     const TemporaryFolder folder;
-    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = four_trials();
     text = replaced(text, "break_every = 0", "break_every = 1");
     text = replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
     Desk desk(folder, text, "mouse");

@@ -16,10 +16,8 @@ using engine::Vec2;
 
 namespace {
 
-constexpr const char* kShortStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
-
 std::vector<std::string> words(const TemporaryFolder& folder,
-                               const std::string& protocol = kShortStudy) {
+                               const std::string& protocol = kFourTrials) {
     return run_words(protocol, "P1", folder.file("d.sqlite"), {"--device", "mouse"});
 }
 
@@ -105,7 +103,7 @@ TEST_CASE("a monitor that is not there is refused with those that are, before an
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
           "[long][window][law]") {
     const TemporaryFolder folder;
-    std::string text = slurp(kShortStudy);
+    std::string text = slurp(kFourTrials);
     text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
     std::ofstream(folder.file("p.toml")) << text;
     struct Place {
@@ -148,7 +146,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
     const std::string where = GENERATE("explore", "question", "break");
     CAPTURE(where);
     const TemporaryFolder folder;
-    std::string text = replaced(slurp(kShortStudy), "break_every = 0", "break_every = 1");
+    std::string text = replaced(slurp(kFourTrials), "break_every = 0", "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
     std::vector<std::string> run = words(folder, folder.file("p.toml"));
     run.insert(run.end(), {"--kind", "pilot"});

@@ -15,10 +15,9 @@ std::string by_sql(const std::string& file, const std::string& query) {
 /// Two people of a small study without a rule: two shapes, names of frictions that do not sort as
 /// their friction does.
 std::string identified(const TemporaryFolder& folder) {
-    std::string protocol = edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                                  {{"repetitions = 1", "repetitions = 2"},
-                                   {"name = \"off\"", "name = \"smooth\""},
-                                   {"name = \"on\"", "name = \"rough\""}});
+    std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 2"},
+                                                  {"name = \"off\"", "name = \"smooth\""},
+                                                  {"name = \"on\"", "name = \"rough\""}});
     write(folder.file("p.toml"), protocol);
     const std::string file = folder.file("a.sqlite");
     for (const char* person : {"Ada", "Bob"}) {
@@ -97,8 +96,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
           "[export][stats]") {
     const TemporaryFolder folder;
     const std::string file = identified(folder);
-    std::string asked = replaced(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                                 "id = \"four_trials\"", "id = \"asked\"");
+    std::string asked = replaced(four_trials(), "id = \"four_trials\"", "id = \"asked\"");
     asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
     write(folder.file("asked.toml"), asked);
     ran(run_words(folder.file("asked.toml"), "Cem", file, {"--device", "sim"}));

@@ -1,4 +1,5 @@
 #include "tests/support/catch.hpp"
+#include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -22,10 +23,9 @@ TEST_CASE("answers and the experimenter's chords are heard on every keyboard lay
     CAPTURE(layout);
     const tests::TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    tests::WindowSession session(
-        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         file, "--device", "mouse", "--kind", "pilot"},
-        file);
+    tests::WindowSession session({"run", tests::kFourTrials, "--participant", "P1", "--db", file,
+                                  "--device", "mouse", "--kind", "pilot"},
+                                 file);
     session.wait_for_screen("welcome");
     REQUIRE(
         tests::Process({"setxkbmap", "-display", session.screen().display(), layout}).wait().code ==

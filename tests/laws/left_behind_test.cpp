@@ -6,6 +6,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -57,10 +58,9 @@ TEST_CASE("what the test above kills: a session that nobody ends", "[.endless]")
     const char* name = std::getenv("PALPATE_TEST_FOLDER");
     REQUIRE(name != nullptr);
     const std::filesystem::path folder = name;
-    tests::WindowSession session(
-        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
-         (folder / "d.sqlite").string(), "--device", "haply-emulator"},
-        (folder / "d.sqlite").string());
+    tests::WindowSession session({"run", tests::kFourTrials, "--participant", "P1", "--db",
+                                  (folder / "d.sqlite").string(), "--device", "haply-emulator"},
+                                 (folder / "d.sqlite").string());
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.wait_for_screen("explore");

@@ -24,8 +24,7 @@ void edit(const std::string& file, const char* sql) {
 /// not consent, an answer of B is marked, C broke the rule, D's only session was withdrawn, E; and
 /// F, who is real. Of the second X and Y.
 std::string mixed_study(const TemporaryFolder& folder) {
-    const std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml") +
-                             "\n[exclusion]\nsessions_finished = true\n";
+    const std::string text = four_trials() + "\n[exclusion]\nsessions_finished = true\n";
     std::string other = replaced(text, "mu_d = 0.5", "mu_d = 0.1");
     std::ofstream(folder.file("one.toml")) << text;
     std::ofstream(folder.file("two.toml")) << other;
@@ -297,7 +296,7 @@ TEST_CASE("a file is read where no disk has room for an index of its log, or it 
           "[left-out][disk]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P", file, {"--headless"}));
+    ran(run_words(kFourTrials, "P", file, {"--headless"}));
     // As on a full disk: no file may grow.
     const auto piped = [](const std::string& of) {  // standard output is a file too
         return Process(

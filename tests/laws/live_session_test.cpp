@@ -166,8 +166,8 @@ TEST_CASE("nothing of what is felt or answered leaves a session before it was re
 TEST_CASE("a protocol that says reveal = \"never\" shows nothing to anybody", "[live][law]") {
     const TemporaryFolder folder;
     tests::write(folder.file("never.toml"),
-                 tests::replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                                 "participants = 1", "participants = 1\nreveal = \"never\""));
+                 tests::replaced(tests::four_trials(), "participants = 1",
+                                 "participants = 1\nreveal = \"never\""));
     ShownSession session(folder.file("never.toml"));
     CHECK(session.state()["reveal"] == "never");
     const data::Json asked = session.ask({{"do", "reveal"}});

@@ -12,7 +12,7 @@ namespace {
 
 /// Four trials with noise and with instructions in two languages, on the pointer.
 void write_study(const std::string& file) {
-    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = four_trials();
     const std::string table = "[apparatus]\n";
     text.insert(text.find(table) + table.size(), "device = \"mouse\"\n");
     std::ofstream(file) << text

@@ -18,7 +18,7 @@ constexpr double kGuard = 0.75;  // s, of the studies below
 
 /// Two trials at a window: two objects without friction, answers to be confirmed.
 std::string two_trials() {
-    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = four_trials();
     const std::size_t on = text.find("[[friction]]\nname = \"on\"");
     text.erase(on, text.find("[design]") - on);
     text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nguard_s = 0.75");
@@ -207,7 +207,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
           "[operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = four_trials();
     text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
     text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nmax_requeues = 1");
     std::ofstream(folder.file("p.toml")) << text;
@@ -275,7 +275,7 @@ TEST_CASE("one trial that takes long leaves alone how many minutes the terminal 
           "[window][operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = four_trials();
     text = replaced(text, "repetitions = 1", "repetitions = 100");
     std::ofstream(folder.file("p.toml"))
         << replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");

@@ -5,8 +5,6 @@ using namespace palpate::tests;
 
 namespace {
 
-const std::string kOwnStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
-
 const std::string kPlaneScene = test_text("scenes/line.toml");
 
 const std::string kQuestProcedure = test_text("procedures/quest_of_ten.toml");
@@ -20,8 +18,8 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
         return folder.file(name);
     };
     const std::string database = f("d.sqlite");
-    ran({"simulate", kOwnStudy, "--participants", "2", "--no-traces", "--db", database});
-    write(f("p.toml"), slurp(kOwnStudy));
+    ran({"simulate", kFourTrials, "--participants", "2", "--no-traces", "--db", database});
+    write(f("p.toml"), slurp(kFourTrials));
     write(f("nm.csv"), "stimulus,n,k\n1,10,2\n2,10,5\n3,10,9\n");
     write(f("notes.txt"), "t_s, and what else I saw\n<svgs> are drawings\n");
     write(f("drawn.svg"), "<?xml version=\"1.0\"?>\n<svg><title>by hand</title></svg>\n");

@@ -9,11 +9,9 @@ using namespace palpate::tests;
 
 namespace {
 
-const std::string kStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
-
 /// Four trials, ten times, with a primary test of its own.
 std::string study_in(const TemporaryFolder& folder, const std::string& test) {
-    std::string text = replaced(slurp(kStudy), "repetitions = 1", "repetitions = 4");
+    std::string text = replaced(slurp(kFourTrials), "repetitions = 1", "repetitions = 4");
     write(folder.file("study.toml"), text + "\n[analysis]\nprimary = \"" + test + "\"\n");
     write(folder.file("quick.toml"),
           "format = 1\n[observer]\nnoise_per_m = 8\n[hand]\nspeed_factor = 2.5\n");
@@ -114,13 +112,13 @@ TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power
         CAPTURE(why, ran.error);
         check_end(ran, 2, Has(why));
     };
-    refused({"power", kStudy}, "--effect");
-    refused({"power", kStudy, "--effect", "half"}, "--effect half: give a number of logits");
-    refused({"power", kStudy, "--effect", "-99"}, "-10 to 10");
-    refused({"power", kStudy, "--effect", "-1", "--participants", "1"}, "from 2 to 200");
-    refused({"power", kStudy, "--effect", "-1", "--friction", "ice"}, "--friction ice");
-    refused({"power", kStudy, "--effect", "-1", "--test", "guess"}, "--test");
+    refused({"power", kFourTrials}, "--effect");
+    refused({"power", kFourTrials, "--effect", "half"}, "--effect half: give a number of logits");
+    refused({"power", kFourTrials, "--effect", "-99"}, "-10 to 10");
+    refused({"power", kFourTrials, "--effect", "-1", "--participants", "1"}, "from 2 to 200");
+    refused({"power", kFourTrials, "--effect", "-1", "--friction", "ice"}, "--friction ice");
+    refused({"power", kFourTrials, "--effect", "-1", "--test", "guess"}, "--test");
     refused({"power", "curvature_2afc", "--effect", "-1"}, "no rule chooses");
-    write(folder.file("bad.toml"), slurp(kStudy) + "\n[analysis]\nprimary = \"t\"\n");
+    write(folder.file("bad.toml"), slurp(kFourTrials) + "\n[analysis]\nprimary = \"t\"\n");
     refused({"power", folder.file("bad.toml"), "--effect", "-1"}, "primary is \"t\"");
 }

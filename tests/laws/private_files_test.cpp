@@ -8,7 +8,7 @@ using namespace palpate::tests;
 TEST_CASE("whatever is written with participants' codes is its owner's alone", "[privacy][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1", file, {"--headless"}));
+    ran(run_words(kFourTrials, "P1", file, {"--headless"}));
     const auto others_read = [&](const std::vector<std::string>& words, const std::string& made) {
         CAPTURE(words, made);
         ran(words);
@@ -62,7 +62,7 @@ TEST_CASE("an export says of what was noted afterwards no time since the first t
           "[privacy][export][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1", file, {"--headless"}));
+    ran(run_words(kFourTrials, "P1", file, {"--headless"}));
     ran({"mark", file, "2", "--invalid", "slept"});
     ran({"note", file, "slept", "--participant", "P1"});
     REQUIRE(

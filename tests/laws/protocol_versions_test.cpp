@@ -28,7 +28,7 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
           "[protocol][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.sqlite");
-    const std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    const std::string text = four_trials();
     const std::string first = written(folder, "first.toml", text);
     const std::string other_text =
         replaced(replaced(text, "mu_d = 0.5", "mu_d = 0.1"), "repetitions = 1", "repetitions = 2");

@@ -70,10 +70,9 @@ TEST_CASE(
     "a real pointer in a real window: choice, reaction time and exact forces are in the database",
     "[long][window][law]") {
     const TemporaryFolder folder;
-    WindowSession session(
-        run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1",
-                  folder.file("d.sqlite"), {"--device", "mouse", "--kind", "pilot"}),
-        folder.file("d.sqlite"));
+    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
+                                    {"--device", "mouse", "--kind", "pilot"}),
+                          folder.file("d.sqlite"));
     XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
     session.press_at("welcome", "space");
@@ -127,10 +126,9 @@ TEST_CASE(
 TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt one",
           "[window][operator][law]") {
     const TemporaryFolder folder;
-    WindowSession session(
-        run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1",
-                  folder.file("d.sqlite"), {"--device", "mouse", "--kind", "pilot"}),
-        folder.file("d.sqlite"));
+    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
+                                    {"--device", "mouse", "--kind", "pilot"}),
+                          folder.file("d.sqlite"));
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     explore(session.hand(), session.wait_for_screen("explore"));

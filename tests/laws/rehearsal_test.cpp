@@ -15,8 +15,7 @@ namespace {
 
 /// Two trials without friction, and a break.
 std::string study(const TemporaryFolder& folder) {
-    std::string text = replaced(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                                "stiffness_n_per_m = 1000\nforce_limit_n = 10",
+    std::string text = replaced(four_trials(), "stiffness_n_per_m = 1000\nforce_limit_n = 10",
                                 "stiffness_n_per_m = 200\nforce_limit_n = 1.5");
     text = replaced(text, "break_every = 0", "break_every = 1");
     const std::size_t from = text.rfind("[[friction]]");

@@ -17,9 +17,8 @@ const std::vector<std::string> kCodes{"Zanzibar7", "Quokka8", "Xylem9"};
 /// Three simulated people, 32 trials each with confidence; one answer is marked, one person is left
 /// out by a rule.
 std::string made_study(const TemporaryFolder& folder) {
-    std::string protocol =
-        edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-               {{"repetitions = 1", "repetitions = 4"}, {"break_every = 0", "break_every = 5"}});
+    std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 4"},
+                                                  {"break_every = 0", "break_every = 5"}});
     write(folder.file("p.toml"), protocol +
                                      "\n[response]\nconfidence = true\n\n[exclusion]\n"
                                      "timed_out_share_max = 0.9\n");
@@ -239,8 +238,7 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
           "[report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1", file,
-                  {"--device", "sim"}));
+    ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));
     ran({"verify", file});
     const auto before = folder.names();
     const auto refused = [&](const std::vector<std::string>& words, int code,
@@ -308,8 +306,7 @@ TEST_CASE(
     "[report]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    ran(run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1", file,
-                  {"--device", "sim"}));
+    ran(run_words(kFourTrials, "P1", file, {"--device", "sim"}));
     static_cast<void>(page_of(file, kSimulated));
     write(folder.file("wide_and_narrow.html"), kWideAndNarrow);
     const Browsed shown = browsed(folder, folder.file("wide_and_narrow.html"), "--dump-dom");

@@ -6,6 +6,7 @@
 #include "tests/support/page_reader.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/test_text.hpp"
 
 using namespace palpate;
 using tests::Finished;
@@ -16,8 +17,8 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
     const tests::TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     const std::string page = folder.file("a.html");
-    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                             "--participant", "P1", "--db", file, "--device", "sim", "--headless"})
+    REQUIRE(palpate_command({"run", tests::kFourTrials, "--participant", "P1", "--db", file,
+                             "--device", "sim", "--headless"})
                 .code == 0);
     REQUIRE(palpate_command({"report", file, "--trial", "2", "-o", page}).code == 0);
     const Finished asked = palpate_command(

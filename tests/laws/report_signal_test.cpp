@@ -10,9 +10,8 @@ namespace {
 
 /// Four simulated people who say whether it was convex, in a file whose name is a person's code.
 std::string asked_study(const TemporaryFolder& folder) {
-    std::string protocol =
-        edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-               {{"repetitions = 1", "repetitions = 6"}, {"noise_per_m = 2.62", "noise_per_m = 6"}});
+    std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 6"},
+                                                  {"noise_per_m = 2.62", "noise_per_m = 6"}});
     write(folder.file("p.toml"),
           protocol +
               "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n"
@@ -92,8 +91,7 @@ TEST_CASE(
 TEST_CASE("a report of ratings has each level's share and each person's mean, as summary has them",
           "[report][summary]") {
     const TemporaryFolder folder;
-    std::string protocol = replaced(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-                                    "repetitions = 1", "repetitions = 6");
+    std::string protocol = replaced(four_trials(), "repetitions = 1", "repetitions = 6");
     write(folder.file("p.toml"),
           protocol +
               "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n"

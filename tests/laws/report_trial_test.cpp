@@ -21,7 +21,7 @@ std::string session_of(const TemporaryFolder& folder, const std::string& protoco
 }
 
 std::string four_trials(const TemporaryFolder& folder) {
-    return session_of(folder, PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    return session_of(folder, kFourTrials);
 }
 
 std::string page_of(const std::string& file, int trial, std::vector<std::string> words = {}) {
@@ -262,8 +262,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
     }
     SECTION("no ticks, and what is refused") {
         const std::string file = folder.file("none.sqlite");
-        ran({"simulate", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participants", "1",
-             "--no-traces", "--db", file});
+        ran({"simulate", kFourTrials, "--participants", "1", "--no-traces", "--db", file});
         const std::string page = page_of(file, 3);
         CHECK_THAT(page, Has("No ticks are kept of this trial") && !Has("<script"));
         check_measures(page, file, 3, 1);

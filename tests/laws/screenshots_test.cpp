@@ -14,10 +14,6 @@ using Names = std::set<std::string>;
 
 namespace {
 
-std::string four_trials() {
-    return slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-}
-
 /// Answers in words: pictures of objects have another order in each file.
 constexpr const char* kYesOrNo = "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it round?\"\n";
 
@@ -253,8 +249,7 @@ TEST_CASE("patches are drawn in the light from the left, on a block, and from wh
     for (const char* curved : {"concave", "saddle", "convex"}) {
         CHECK(drawn[at[curved]].shades > drawn[at["flat"]].shades + 20);
     }
-    const ScreenImage plane =
-        question_of(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", 1280, 800);
+    const ScreenImage plane = question_of(kFourTrials, 1280, 800);
     const auto said = [](const ScreenImage& of) {
         return lines_between(of, 608, 720, ui::kQuiet);
     };

@@ -16,8 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
-
 /// Typical people with quick hands: a trial is simulated in a third of the time.
 std::string people_file() {
     static const TemporaryFolder folder;
@@ -30,7 +28,7 @@ std::string people_file() {
 
 std::vector<std::string> simulate(const std::vector<std::string>& more,
                                   const std::string& people = "4") {
-    std::vector<std::string> words{"simulate", kStudy,       "--participants",
+    std::vector<std::string> words{"simulate", kFourTrials,  "--participants",
                                    people,     "--observer", people_file()};
     words.insert(words.end(), more.begin(), more.end());
     return words;
@@ -179,7 +177,7 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     refused(simulate({"--db", file, "--no-traces", "--shard", "0/2"}, "4"), "other than the 2");
     refused(simulate({"--db", file}, "2"), "without ticks");
     refused(simulate({"--db", file, "--no-traces", "--seed", "99"}, "2"), "another seed (3)");
-    refused({"simulate", kStudy, "--participants", "2", "--no-traces", "--db", file},
+    refused({"simulate", kFourTrials, "--participants", "2", "--no-traces", "--db", file},
             "another observer");
     refused({"simulate", "pilot", "--participants", "2", "--observer", "typical", "--no-traces",
              "--db", file},
@@ -188,7 +186,7 @@ TEST_CASE("a file that is whole is left, and one of something else is refused", 
     refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "2/2"}), "--shard 2/2");
     refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "3/4"}, "2"), "none of the 2");
     write(folder.file("bad.toml"), "format = 1\n[people]\nnoise_sd = 1\n");
-    refused({"simulate", kStudy, "--observer", folder.file("bad.toml"), "--db", file},
+    refused({"simulate", kFourTrials, "--observer", folder.file("bad.toml"), "--db", file},
             "bad.toml:3:1: unknown key \"noise_sd\" in [people]: did you mean noise_sd_ln?");
 
     CHECK_THAT(ran({"verify", file}).out, Has("0 ticks replayed, nothing differs"));
@@ -212,9 +210,9 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
           "[simulate][law]") {
     const TemporaryFolder folder;
     write(folder.file("study.toml"),
-          edited(slurp(kStudy), {{"repetitions = 1", "repetitions = 5"},
-                                 {"curvature_per_m = 8", "curvature_per_m = 4"},
-                                 {"curvature_per_m = -8", "curvature_per_m = -4"}}));
+          edited(slurp(kFourTrials), {{"repetitions = 1", "repetitions = 5"},
+                                      {"curvature_per_m = 8", "curvature_per_m = 4"},
+                                      {"curvature_per_m = -8", "curvature_per_m = -4"}}));
     /// Of the share of right answers, friction on against off: mean difference and its interval.
     const auto difference = [&](const std::string& friction) {
         write(folder.file("observer.toml"),
@@ -267,8 +265,8 @@ TEST_CASE("what simulate names as next looks at the answers of any protocol", "[
         "\n[response]\nkind = \"rating\"\nquestion = \"How convex?\"\nlevels = 5\n";
     const std::string rule = short_text("friction_threshold", {});
     for (const auto& [protocol, command] :
-         {std::pair<std::string, std::string>{slurp(kStudy), "stats"},
-          {slurp(kStudy) + rating, "summary"},
+         {std::pair<std::string, std::string>{slurp(kFourTrials), "stats"},
+          {slurp(kFourTrials) + rating, "summary"},
           {rule, "fit"}}) {
         write(folder.file("p.toml"), protocol);
         const std::string file = folder.file(command + ".sqlite");

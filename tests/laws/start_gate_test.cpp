@@ -11,10 +11,6 @@ using namespace palpate::tests;
 
 namespace {
 
-std::string four_trials() {
-    return slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-}
-
 /// A shipped study whose gate is as it is without a word, for a busy machine.
 std::string gated(const TemporaryFolder& folder, const std::string& name) {
     std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/" + name + ".toml");

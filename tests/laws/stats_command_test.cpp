@@ -262,9 +262,8 @@ TEST_CASE("palpate stats refuses what it cannot take, at its place, with value a
 TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",
           "[stats]") {
     const TemporaryFolder folder;
-    std::string protocol =
-        edited(slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
-               {{"repetitions = 1", "repetitions = 4"}, {"break_every = 0", "break_every = 5"}});
+    std::string protocol = edited(four_trials(), {{"repetitions = 1", "repetitions = 4"},
+                                                  {"break_every = 0", "break_every = 5"}});
     write(folder.file("p.toml"), protocol +
                                      "\n[response]\nconfidence = true\n\n[exclusion]\n"
                                      "share_correct_min = 0.7\n");

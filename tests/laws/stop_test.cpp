@@ -159,10 +159,9 @@ TEST_CASE(
     const std::string size = GENERATE("--windowed", "--fullscreen");
     CAPTURE(size);
     const TemporaryFolder folder;
-    WindowSession session(
-        run_words(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "P1",
-                  folder.file("d.sqlite"), {"--device", "mouse", "--kind", "pilot", size}),
-        folder.file("d.sqlite"));
+    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
+                                    {"--device", "mouse", "--kind", "pilot", size}),
+                          folder.file("d.sqlite"));
     XHand& hand = session.hand();
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
@@ -190,9 +189,8 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
     const Terminal terminal;
     const StopButton button(folder.file("button"));  // a session with one listens without a window
     const std::string file = folder.file("d.sqlite");
-    Process session({palpate_program(), "run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-                     "--participant", "P1", "--db", file, "--headless", "--speed", "0.2",
-                     "--stop-button", folder.file("button")},
+    Process session({palpate_program(), "run", kFourTrials, "--participant", "P1", "--db", file,
+                     "--headless", "--speed", "0.2", "--stop-button", folder.file("button")},
                     {std::string(kTerminal) + "=" + terminal.name()});
     REQUIRE(
         eventually([&] { return session.out().find("If it ends early") != std::string::npos; }));

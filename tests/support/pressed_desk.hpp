@@ -13,6 +13,7 @@
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"
 
 namespace palpate::tests {
@@ -88,7 +89,7 @@ private:
 };
 
 inline std::string pressed_study() {
-    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = four_trials();
     const auto put = [&](const std::string& from, const std::string& to) {
         const std::size_t at = text.find(from);
         text.replace(at == std::string::npos ? throw std::logic_error(from) : at, from.size(), to);

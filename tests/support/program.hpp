@@ -2,7 +2,7 @@
 
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
+#include "tests/support/test_text.hpp"
 
 /// The program under test, asked in one line.
 namespace palpate::tests {

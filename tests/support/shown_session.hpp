@@ -14,10 +14,9 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/test_text.hpp"
 
 namespace palpate::tests {
-
-inline const std::string kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
 
 /// How often: as the environment's `name` says, else `usual`.
 [[nodiscard]] inline int times(const char* name, int usual) {

@@ -12,6 +12,12 @@ inline std::string test_text(const std::string& name) {
     return text.empty() ? throw std::invalid_argument("tests/texts has no " + name) : text;
 }
 
+/// The study that most tests run.
+inline const std::string kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+inline std::string four_trials() {
+    return slurp(kFourTrials);
+}
+
 /// The rows of a table of tests/texts: fields with tabs between, in which \n is the end of a line;
 /// a line that begins with # is a remark.
 inline std::vector<std::vector<std::string>> test_rows(const std::string& name) {
