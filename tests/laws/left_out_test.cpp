@@ -2,6 +2,7 @@
 
 #include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"
+#include "tests/support/sql_first.hpp"
 
 // Whom and what numbers are without: every command says the same of one file, in words and in JSON.
 
@@ -9,12 +10,6 @@ using namespace palpate;
 using namespace palpate::tests;
 
 namespace {
-
-std::string ask(const std::string& file, const std::string& query) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(query);
-    return row.step() ? row.text(0) : "";
-}
 
 void edit(const std::string& file, const char* sql) {
     data::Database(file, data::Access::write).execute(sql);
@@ -44,7 +39,7 @@ std::string mixed_study(const TemporaryFolder& folder) {
     run("two.toml", "Y");
     ran({"participant", file, "A", "--consent", "no"});
     ran({"mark", file,
-         ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
+         sql_first(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'B'"),
          "--invalid", "moved"});
     ran({"session", file, "D", "1", "--withdraw", "was\nasleep"});
     edit(file,
@@ -98,9 +93,9 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
          "UPDATE session SET session_kind = 'pilot' WHERE participant_id = (SELECT "
          "participant_id FROM participant WHERE participant_code = 'Y')");
     const std::string name =
-        "four_trials@" + ask(file,
-                             "SELECT substr(protocol_sha256, 1, 8) FROM study WHERE study_id "
-                             "= (SELECT min(study_id) FROM study)");
+        "four_trials@" + sql_first(file,
+                                   "SELECT substr(protocol_sha256, 1, 8) FROM study WHERE study_id "
+                                   "= (SELECT min(study_id) FROM study)");
     const std::set<std::string> wanted{
         "people: 5 in the file; left out: 1 does not consent, 1 withdrawn, 1 by the rules of "
         "[exclusion]; analysed: 2",
@@ -223,14 +218,14 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     // The audit's and the fit's people are those of stats; who refuses has no page of a trial.
     CHECK_THAT(with("audit").out, Has("start, to the right             rig   on - off         2 "));
     const std::string theirs =
-        ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'D'");
+        sql_first(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'D'");
     CHECK_THAT(
         palpate_command({"report", file, "--trial", theirs, "-o", folder.file("t.html")}).error,
         Has("withdrawn (was asleep)"));
     CHECK_THAT(ran({"trace", file, theirs}, 2).error,
                Has("of a session that was withdrawn: its ticks are not shown"));
     const std::string refused =
-        ask(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'A'");
+        sql_first(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'A'");
     CHECK_THAT(ran({"trace", file, refused}, 2).error, Has("not consenting"));
     // The command that lists what is invalid gives as many as are said: none of who refuses.
     ran({"mark", file, refused, "--invalid", "moved"});

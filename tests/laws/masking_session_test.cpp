@@ -3,6 +3,7 @@
 #include "data/store/database.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -26,16 +27,6 @@ std::vector<std::string> words(const TemporaryFolder& folder, const std::string&
                      {"--device", "mouse", "--kind", kind});
 }
 
-std::string text_of(const TemporaryFolder& folder, const std::string& sql) {
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.prepare(sql);
-    std::string text;
-    while (row.step()) {
-        text += row.text(0) + '\n';
-    }
-    return text;
-}
-
 }  // namespace
 
 TEST_CASE("a real session that asks for noise begins no trial where there is no sound device",
@@ -47,7 +38,7 @@ TEST_CASE("a real session that asks for noise begins no trial where there is no 
     Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
     const Finished end = program.wait(std::chrono::seconds(60));
     check_end(end, 1, Has("masking noise cannot be played", "--no-sound"));
-    CHECK(text_of(folder, "SELECT count(*) FROM session") == "0\n");
+    CHECK(sql_lines(folder.file("d.sqlite"), "SELECT count(*) FROM session") == "0\n");
 }
 
 TEST_CASE("check says how loud the noise is and what the chosen language lacks", "[sound]") {
@@ -77,8 +68,9 @@ TEST_CASE("in a real window a trial with noise is recorded, answered and verifie
     const Finished end = session.finish();
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
-    CHECK_THAT(text_of(folder, "SELECT text FROM event WHERE event_kind = 'masking'"),
-               Has(declined ? "none: --no-sound was given" : "pink noise at -40 dB re full scale"));
+    CHECK_THAT(
+        sql_lines(folder.file("d.sqlite"), "SELECT text FROM event WHERE event_kind = 'masking'"),
+        Has(declined ? "none: --no-sound was given" : "pink noise at -40 dB re full scale"));
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     CHECK(data::verify(database).count(data::FindingKind::differs) == 0);
 }

@@ -1,6 +1,7 @@
 #include "data/store/reader.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -8,12 +9,6 @@ using namespace palpate::tests;
 namespace {
 
 const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
-
-std::string one(const std::string& file, const std::string& sql) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(sql);
-    return row.step() ? row.text(0) : std::string("nothing");
-}
 
 }  // namespace
 
@@ -24,16 +19,19 @@ TEST_CASE("free forms in friction blocks are felt, distinguished, kept, and veri
     REQUIRE(palpate_command(run_words(kForms, "P1", file, {"--headless"})).code == 0);
     CHECK_THAT(ran({"verify", file}).out, Has("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
-    CHECK(one(file,
-              "SELECT sum(correct) || ' of ' || count(*) FROM analysis_trial WHERE counts AND "
-              "phase = 'main'") == "16 of 16");
-    CHECK(one(file,
+    CHECK(
+        sql_first(file,
+                  "SELECT sum(correct) || ' of ' || count(*) FROM analysis_trial WHERE counts AND "
+                  "phase = 'main'") == "16 of 16");
+    CHECK(sql_first(
+              file,
               "SELECT group_concat(DISTINCT planned_object) FROM (SELECT planned_object FROM plan "
               "WHERE curvature_per_m IS NULL ORDER BY planned_object)") == "dome,steps");
-    CHECK(one(file,
-              "SELECT count(*) FROM (SELECT 1 FROM plan GROUP BY block HAVING count(DISTINCT "
-              "friction) > 1)") == "0");
-    CHECK(one(file,
+    CHECK(sql_first(file,
+                    "SELECT count(*) FROM (SELECT 1 FROM plan GROUP BY block HAVING count(DISTINCT "
+                    "friction) > 1)") == "0");
+    CHECK(sql_first(
+              file,
               "SELECT count(DISTINCT value) FROM session_provenance WHERE key LIKE 'object sha256 "
               "%'") == "6");
     CHECK_THAT(palpate_command({"summary", file}).out, Has("[exclusion] leave out none of 1"));
@@ -53,7 +51,8 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
         data::Database database(file, data::Access::write);
         database.run("UPDATE session SET session_kind = 'real'");
     }
-    CHECK(one(file,
+    CHECK(sql_first(
+              file,
               "SELECT group_concat(n) FROM (SELECT count(*) AS n FROM plan WHERE phase = 'main' "
               "AND block = 0 GROUP BY friction)") == "12,12");
     const Finished verified = palpate_command({"verify", file});
@@ -100,5 +99,5 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
                                  {"SDL_VIDEODRIVER=dummy"})
                              .wait();
     check_end(run, 2, Has("asks for handedness \"right\"", "a score of -60", "pilot"));
-    CHECK(one(file, "SELECT count(*) FROM session") == "0");
+    CHECK(sql_first(file, "SELECT count(*) FROM session") == "0");
 }

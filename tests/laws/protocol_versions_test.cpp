@@ -1,16 +1,10 @@
-#include "data/store/database.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
 
 namespace {
-
-std::string ask(const std::string& file, const std::string& query) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(query);
-    return row.step() ? row.text(0) : "";
-}
 
 std::string written(const TemporaryFolder& folder, const char* name, const std::string& text) {
     std::ofstream(folder.file(name)) << text;
@@ -55,7 +49,8 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
                   "four_trials",
                   "friction.on mu_d 0.5 there, 0.1 here", "design repetitions 1 there, 2 here",
                   "--new-version"));
-    CHECK(ask(file, "SELECT (SELECT count(*) FROM participant) || ' ' || count(*) FROM session") ==
+    CHECK(sql_first(file,
+                    "SELECT (SELECT count(*) FROM participant) || ' ' || count(*) FROM session") ==
           "2 2");
 
     // Meant. From then on it is the version, and the old one is the other.
@@ -64,13 +59,14 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(run(first, "R5").error, Has("mu_d 0.1 there, 0.5 here"));
     ran({"verify", file});
 
-    const std::string one = "four_trials@" + ask(file,
-                                                 "SELECT substr(protocol_sha256, 1, 8) FROM study "
-                                                 "ORDER BY study_id");
+    const std::string one =
+        "four_trials@" + sql_first(file,
+                                   "SELECT substr(protocol_sha256, 1, 8) FROM study "
+                                   "ORDER BY study_id");
     const std::string other =
-        "four_trials@" + ask(file,
-                             "SELECT substr(protocol_sha256, 1, 8) FROM study "
-                             "ORDER BY study_id DESC");
+        "four_trials@" + sql_first(file,
+                                   "SELECT substr(protocol_sha256, 1, 8) FROM study "
+                                   "ORDER BY study_id DESC");
     const auto names_both = [&](const std::string& printed) {
         CAPTURE(printed);
         CHECK(printed.find(one) != std::string::npos);

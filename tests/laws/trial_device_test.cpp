@@ -5,18 +5,13 @@
 #include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 #include "tests/support/stop_ways.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
 
 namespace {
-
-std::string ask(const std::string& file, const std::string& query) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(query);
-    return row.step() ? row.text(0) : "";
-}
 
 std::vector<std::string> words(const std::string& file,
                                const std::string& device,
@@ -70,7 +65,7 @@ void break_off(const std::string& file, const std::string& device) {
     for (int i = 0; i < 20000 && process.running(); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         try {
-            if (ask(file, "SELECT count(*) > 0 FROM response") == "1") {
+            if (sql_first(file, "SELECT count(*) > 0 FROM response") == "1") {
                 break;
             }
         } catch (const data::StoreError&) {  // it is not there yet
@@ -87,22 +82,22 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     break_off(file, "sim");
-    const std::string before = ask(file, "SELECT count(*) FROM trial");
-    const std::string events = ask(file, "SELECT count(*) FROM event");
+    const std::string before = sql_first(file, "SELECT count(*) FROM trial");
+    const std::string events = sql_first(file, "SELECT count(*) FROM event");
 
     // By accident: refused by name, and nothing is written.
     CHECK_THAT(ran(words(file, "haply-emulator"), 2).error,
                Has("session 1 of P1", "was felt on simulated pantograph", "would go on with",
                    "--other-device"));
-    CHECK(ask(file, "SELECT count(*) FROM trial") == before);
-    CHECK(ask(file, "SELECT count(*) FROM event") == events);
+    CHECK(sql_first(file, "SELECT count(*) FROM trial") == before);
+    CHECK(sql_first(file, "SELECT count(*) FROM event") == events);
 
     // With a rig at hand, too, before it is opened; and so is all else that does not go on.
     CHECK_THAT(refused_at_a_board(folder, file, {}),
                Has("would go on with Haply 2diy_gen3 at ", "--other-device"));
     CHECK_THAT(refused_at_a_board(folder, file, {"--seed", "7", "--other-device"}),
                Has("was begun with another plan"));
-    CHECK(ask(file, "SELECT count(*) FROM event") == events);
+    CHECK(sql_first(file, "SELECT count(*) FROM event") == events);
 
     // Another calibration is another rig; this one is meant. The next resumption knows the last,
     // not the first.
@@ -112,18 +107,18 @@ TEST_CASE("each trial has its own device: another one is meant or refused, kept,
     CHECK(wrong.code == 1);
     CHECK_THAT(wrong.out, Has("type the participant's code"));
     CHECK_THAT(wrong.error, Has("the session goes on with its own device"));
-    CHECK(ask(file, "SELECT count(*) FROM event") == events);
+    CHECK(sql_first(file, "SELECT count(*) FROM event") == events);
     const auto end = typed(another, "P1\n");
     CAPTURE(end.out, end.error);
     CHECK(end.code == 0);
-    CHECK(ask(file, "SELECT count(DISTINCT calibration_sha256) FROM analysis_trial") == "2");
-    CHECK(ask(file,
-              "SELECT count(*) FROM trial JOIN session_provenance AS made ON made.value = "
-              "calibration_sha256 AND key = 'calibration sha256'") == before);
-    CHECK(ask(file,
-              "SELECT count(*) FROM trial JOIN event ON event.value = calibration_sha256 "
-              "AND key = 'calibration sha256' AND trials_begun < trial.trial_id") ==
-          ask(file, "SELECT count(*) - " + before + " FROM trial"));
+    CHECK(sql_first(file, "SELECT count(DISTINCT calibration_sha256) FROM analysis_trial") == "2");
+    CHECK(sql_first(file,
+                    "SELECT count(*) FROM trial JOIN session_provenance AS made ON made.value = "
+                    "calibration_sha256 AND key = 'calibration sha256'") == before);
+    CHECK(sql_first(file,
+                    "SELECT count(*) FROM trial JOIN event ON event.value = calibration_sha256 "
+                    "AND key = 'calibration sha256' AND trials_begun < trial.trial_id") ==
+          sql_first(file, "SELECT count(*) - " + before + " FROM trial"));
     ran({"verify", file});
 
     CHECK_THAT(palpate_command({"summary", file}).out,

@@ -4,25 +4,16 @@
 #include "tests/support/presser.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
 
 namespace {
 
-std::string column_of(const std::string& file, const std::string& sql) {
-    data::Database database(file, data::Access::read);
-    auto row = database.prepare(sql);
-    std::string text;
-    while (row.step()) {
-        text += row.text(0) + '\n';
-    }
-    return text;
-}
-
 bool has_ticks(const std::string& file) {
     try {
-        return column_of(file, "SELECT count(*) FROM trace_chunk") != "0\n";
+        return sql_lines(file, "SELECT count(*) FROM trace_chunk") != "0\n";
     } catch (const data::StoreError&) {  // it is not there yet
         return false;
     }
@@ -67,13 +58,13 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
                                   "faster than the limit: move more slowly",
                                   ". The force is off"));
         CHECK_THAT(end.out, Has("fault: the handle was faster than the limit"));
-        CHECK(column_of(file, "PRAGMA integrity_check") == "ok\n");
-        CHECK(column_of(file, "SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'") ==
+        CHECK(sql_lines(file, "PRAGMA integrity_check") == "ok\n");
+        CHECK(sql_lines(file, "SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'") ==
               std::to_string(3 * run) + "\n");
-        CHECK(column_of(file, "SELECT count(*) FROM trial WHERE outcome <> 'faulted'") == "0\n");
-        CHECK(column_of(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
+        CHECK(sql_lines(file, "SELECT count(*) FROM trial WHERE outcome <> 'faulted'") == "0\n");
+        CHECK(sql_lines(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
               std::to_string(run) + "\n");
-        CHECK(column_of(file, "SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0\n");
+        CHECK(sql_lines(file, "SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0\n");
     }
 }
 
@@ -91,7 +82,7 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         REQUIRE(eventually([&] { return has_ticks(file) || !program.running(); }));
         REQUIRE(eventually([&] {
             return !program.running() ||
-                   column_of(file,
+                   sql_lines(file,
                              "SELECT count(*) FROM trial WHERE outcome = 'running' AND trial_id IN "
                              "(SELECT trial_id FROM trace_chunk)") == "1\n";
         }));
@@ -103,14 +94,14 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         CHECK(end.code == 1);
         CHECK_THAT(end.error, Has("gave up after 10 tries to reach the device again: ") ||
                                   Has("faults in a row: "));
-        CHECK(column_of(file, "PRAGMA integrity_check") == "ok\n");
+        CHECK(sql_lines(file, "PRAGMA integrity_check") == "ok\n");
         // Exactly so many on a quiet machine; a busy one may have had ticks too late before.
-        CHECK(column_of(file, "SELECT count(*) >= " + std::to_string(run) +
+        CHECK(sql_lines(file, "SELECT count(*) >= " + std::to_string(run) +
                                   " FROM trial WHERE outcome = 'faulted'") == "1\n");
-        CHECK(column_of(file, "SELECT count(*) FROM trial WHERE outcome = 'running'") == "0\n");
-        CHECK(column_of(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
+        CHECK(sql_lines(file, "SELECT count(*) FROM trial WHERE outcome = 'running'") == "0\n");
+        CHECK(sql_lines(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
               std::to_string(run) + "\n");
-        CHECK(column_of(file, "SELECT count(*) > 0 FROM event WHERE event_kind = 'timing'") ==
+        CHECK(sql_lines(file, "SELECT count(*) > 0 FROM event WHERE event_kind = 'timing'") ==
               "1\n");
         if (run == 2) {
             CHECK_THAT(end.out, Has("Resuming at practice 1 of 10"));
