@@ -235,25 +235,4 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     return fit;
 }
 
-std::vector<std::vector<double>> thurstone_shares(const ThurstoneFit& fit,
-                                                  const ThurstoneSpec& spec,
-                                                  std::size_t condition) {
-    const ThurstonePart& part = fit.parts.at(condition);
-    const std::size_t m = fit.criteria.size() + 1;
-    std::vector<std::vector<double>> shares;
-    for (const double item : spec.items) {
-        const auto z = [&](double criterion) {
-            return (criterion - item - part.shift) / part.sigma;
-        };
-        std::vector<double>& row = shares.emplace_back();
-        for (std::size_t j = 0; j < m; ++j) {
-            const double low = j == 0 ? -kInfinite : z(fit.criteria[j - 1]);
-            const double high = j + 1 == m ? kInfinite : z(fit.criteria[j]);
-            row.push_back((1.0 - spec.lapse) * between(low, high) +
-                          spec.lapse / static_cast<double>(m));
-        }
-    }
-    return shares;
-}
-
 }  // namespace palpate::data

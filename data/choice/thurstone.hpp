@@ -59,9 +59,4 @@ struct ThurstoneFit {
 [[nodiscard]] ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts,
                                          const ThurstoneSpec& spec);
 
-/// What the model expects of each row of a condition, as shares.
-[[nodiscard]] std::vector<std::vector<double>> thurstone_shares(const ThurstoneFit& fit,
-                                                                const ThurstoneSpec& spec,
-                                                                std::size_t condition);
-
 }  // namespace palpate::data

@@ -160,19 +160,6 @@ std::size_t bytes_per_tick() noexcept {
     return total_bytes();
 }
 
-std::vector<std::byte> shuffled_columns(std::span<const TickRecord> ticks) {
-    std::vector<std::byte> raw(ticks.size() * bytes_per_tick());
-    std::byte* out = raw.data();
-    for (const TraceColumn& column : trace_columns()) {
-        for (std::size_t byte = 0; byte < column.size; ++byte) {
-            for (const TickRecord& tick : ticks) {
-                *out++ = reinterpret_cast<const std::byte*>(&tick)[column.offset + byte];
-            }
-        }
-    }
-    return raw;
-}
-
 namespace {
 
 using engine::TickRecord;

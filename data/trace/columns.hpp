@@ -38,9 +38,6 @@ struct TraceColumn {
 /// Bytes of one tick over all columns.
 [[nodiscard]] std::size_t bytes_per_tick() noexcept;
 
-/// Columns one after the other, bytes shuffled within each: what a content hash is made of.
-[[nodiscard]] std::vector<std::byte> shuffled_columns(std::span<const engine::TickRecord> ticks);
-
 // -------------------------------------------------------------------------------------------------
 // What of a tick is written into a chunk. The table trace_column of every database repeats this,
 // so that the file explains itself.

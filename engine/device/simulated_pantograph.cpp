@@ -211,17 +211,6 @@ void PantographPlant::step(const Vec2& torque, const HandPath::Intention& aim) n
     time_ += h;
 }
 
-double PantographPlant::kinetic_energy() const noexcept {
-    const auto pose = model_.machine.linkage.forward(angles_);
-    const auto jacobian = pose ? model_.machine.linkage.jacobian(*pose) : std::nullopt;
-    if (!jacobian) {
-        return 0.0;
-    }
-    const Vec2 velocity = *jacobian * rates_;
-    return 0.5 * (glm::dot(model_.inertia * rates_, rates_) +
-                  (model_.handle_mass + model_.hand.mass) * glm::dot(velocity, velocity));
-}
-
 namespace {
 
 /// Code and torque of one motor.

@@ -70,9 +70,6 @@ public:
     [[nodiscard]] bool lost() const noexcept { return lost_; }
     /// Seconds that the exploration takes.
     [[nodiscard]] double duration() const noexcept { return path_.duration(); }
-    /// Kinetic energy of links, handle and hand, J; 0 when lost.
-    [[nodiscard]] double kinetic_energy() const noexcept;
-
     /// The model as it was given.
     [[nodiscard]] const PlantModel& model() const noexcept { return model_; }
 

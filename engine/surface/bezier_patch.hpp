@@ -54,22 +54,9 @@ struct SurfaceJet {
     Vec3 dvv{};
 };
 
-/// The two principal curvatures, 1/m, low <= high. > 0: the surface curves away from its normal, as
-/// a ball seen from outside does (the convention of engine/geometry/arc.hpp).
-struct Curvatures {
-    double low = 0.0;
-    double high = 0.0;
-};
-
-/// @param normal  unit normal at the place of `jet`
-///
-/// From the two fundamental forms (do Carmo, Differential Geometry, 3-3, eq. 7 and 8), relative
-/// error about 1e-15 times the largest over the smallest of |du|^2, |dv|^2 and |du x dv|. Both are
-/// 0 where du x dv vanishes.
-[[nodiscard]] Curvatures principal_curvatures(const SurfaceJet& jet, const Vec3& normal) noexcept;
-
-/// Curvature of the normal section in the direction a du + b dv, 1/m, > 0 as above. 0 for no
-/// direction.
+/// Curvature of the normal section in the direction a du + b dv, 1/m, > 0: the surface curves away
+/// from its normal, as a ball seen from outside does (the convention of engine/geometry/arc.hpp). 0
+/// for no direction.
 [[nodiscard]] inline double normal_curvature(const SurfaceJet& jet,
                                              const Vec3& normal,
                                              double a,

@@ -45,17 +45,6 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
 
 }  // namespace
 
-bool within_limits(std::span<const Condition> order, const RunLimits& limits) noexcept {
-    Run object(&Condition::object, limits.object);
-    Run friction(&Condition::friction, limits.friction);
-    for (std::size_t i = 1; i < order.size(); ++i) {
-        if (!(object.goes_on(order[i - 1], order[i]) && friction.goes_on(order[i - 1], order[i]))) {
-            return false;
-        }
-    }
-    return true;
-}
-
 std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
                                          const RunLimits& limits) {
     using enum Infeasible::Factor;

@@ -21,10 +21,6 @@ struct RunLimits {
     friend bool operator==(const RunLimits&, const RunLimits&) = default;
 };
 
-/// Whether no level of a factor comes more often in a row than its limit. Linear in the trials.
-[[nodiscard]] bool within_limits(std::span<const Condition> order,
-                                 const RunLimits& limits) noexcept;
-
 /// No order of the trials keeps the limits, or none was found in reasonable time.
 class OrderError : public std::runtime_error {
 public:

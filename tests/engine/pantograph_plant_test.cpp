@@ -115,6 +115,16 @@ private:
     Vec2 torque_{};
 };
 
+/// Of links, handle and hand, J.
+double kinetic_energy(const PantographPlant& plant) {
+    const PlantModel& model = plant.model();
+    const FiveBar& linkage = model.machine.linkage;
+    const Vec2 velocity =
+        linkage.jacobian(linkage.forward(plant.angles()).value()).value() * plant.rates();
+    return 0.5 * (glm::dot(model.inertia * plant.rates(), plant.rates()) +
+                  (model.handle_mass + model.hand.mass) * glm::dot(velocity, velocity));
+}
+
 }  // namespace
 
 TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
@@ -172,13 +182,13 @@ TEST_CASE("without friction and hand the plant keeps its energy, and gains what 
             work += plant.torque().x * (after[0] - before[0]) +
                     plant.torque().y * (after[1] - before[1]);
         }
-        const double energy = plant.kinetic_energy();
+        const double energy = kinetic_energy(plant);
         CHECK(std::fabs(work - energy) < 1e-5 * energy);
         plant.set_torque(Vec2{});
         for (int i = 0; i < 60; ++i) {
             plant.advance(1e-3);
             REQUIRE_FALSE(plant.lost());
-            CHECK(std::fabs(plant.kinetic_energy() / energy - 1.0) < 1e-4);
+            CHECK(std::fabs(kinetic_energy(plant) / energy - 1.0) < 1e-4);
         }
     }
 }

@@ -2,6 +2,7 @@
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/progress.hpp"
+#include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
@@ -108,7 +109,7 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
         for (const auto& [object, count] : counts) {
             CHECK(count == 5);
         }
-        CHECK(within_limits(main, {.object = 2}));
+        CHECK(palpate::tests::within_limits(main, {.object = 2}));
         orders.insert(order);
     }
     CHECK(orders.size() == blocks.size());

@@ -30,14 +30,20 @@ inline std::size_t longest_run(const Order& order, std::size_t Condition::*facto
     return longest;
 }
 
+/// Whether no level of a factor comes more often in a row than its limit; 0: none.
+inline bool within_limits(std::span<const Condition> order, const RunLimits& limits) {
+    const auto keeps = [&](std::size_t Condition::*factor, std::size_t limit) {
+        return limit == 0 || longest_run({order.begin(), order.end()}, factor) <= limit;
+    };
+    return keeps(&Condition::object, limits.object) && keeps(&Condition::friction, limits.friction);
+}
+
 /// Every admissible order, by going through all permutations of the multiset.
 inline std::map<Order, std::size_t> admissible(Order trials, const RunLimits& limits) {
     std::map<Order, std::size_t> orders;
     std::sort(trials.begin(), trials.end());
     do {
-        if ((limits.object == 0 || longest_run(trials, &Condition::object) <= limits.object) &&
-            (limits.friction == 0 ||
-             longest_run(trials, &Condition::friction) <= limits.friction)) {
+        if (within_limits(trials, limits)) {
             orders.emplace(trials, 0);
         }
     } while (std::next_permutation(trials.begin(), trials.end()));

@@ -1,6 +1,7 @@
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/order/constrained_order.hpp"
+#include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
@@ -89,7 +90,7 @@ TEST_CASE("a session holds what its design asks for, in order", "[plan][law]") {
         ++in_main_phase;
     }
     CHECK(plan.trials[10].phase == Phase::main);
-    CHECK(within_limits(of_phase(plan, Phase::main), {.object = 2, .friction = 3}));
+    CHECK(palpate::tests::within_limits(of_phase(plan, Phase::main), {.object = 2, .friction = 3}));
     for (const auto& [phase, cells, each] :
          {std::tuple{Phase::practice, 10, 1}, std::tuple{Phase::main, 10, 10},
           std::tuple{Phase::catch_trial, 4, 1}}) {

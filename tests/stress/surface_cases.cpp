@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/support/curvatures.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace palpate::stress {
@@ -250,8 +251,8 @@ private:
         }
     }
     [[nodiscard]] Vec3 centre(const Vec2& place) {
-        const auto bends = engine::principal_curvatures(surface_->at(place.x, place.y),
-                                                        surface_->normal(place.x, place.y));
+        const auto bends = tests::principal_curvatures(surface_->at(place.x, place.y),
+                                                       surface_->normal(place.x, place.y));
         const double radius = 1.0 / (random_->coin() ? bends.low : bends.high);
         const bool usable = std::isfinite(radius) && std::fabs(radius) < 1e3 * size_;
         return below(place, usable ? radius : random_->in(-0.1, 0.1) * size_);

@@ -49,6 +49,19 @@ void add_table(data::Database& database, const std::string& table, Content& cont
     }
 }
 
+/// Columns one after the other, bytes shuffled within each.
+std::string shuffled_columns(std::span<const engine::TickRecord> ticks) {
+    std::string raw;
+    for (const data::TraceColumn& column : data::trace_columns()) {
+        for (std::size_t byte = 0; byte < column.size; ++byte) {
+            for (const engine::TickRecord& tick : ticks) {
+                raw += reinterpret_cast<const char*>(&tick)[column.offset + byte];
+            }
+        }
+    }
+    return raw;
+}
+
 void add_traces(data::Database& database, Content& content) {
     std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
     for (const data::Statement& row :
@@ -57,10 +70,8 @@ void add_traces(data::Database& database, Content& content) {
     }
     data::TraceReader traces(database);
     for (const auto& [trial, interval] : intervals) {
-        const std::vector<std::byte> columns =
-            data::shuffled_columns(traces.stored(trial, interval));
         content.line(fmt::format("trace {} {} ", trial, interval) +
-                     std::string(reinterpret_cast<const char*>(columns.data()), columns.size()));
+                     shuffled_columns(traces.stored(trial, interval)));
     }
 }
 
