@@ -12,24 +12,10 @@
 namespace palpate::data {
 namespace {
 
-std::string key_of(Quantity quantity) {
-    switch (quantity) {
-        case Quantity::threshold:
-            return "threshold";
-        case Quantity::jnd:
-            return "jnd";
-        case Quantity::weber:
-            return "weber_fraction";
-        case Quantity::slope:
-            return "slope";
-        case Quantity::guess:
-            return "guess";
-        case Quantity::lapse:
-            return "lapse";
-        case Quantity::at_share:
-            return "stimulus_at";
-    }
-    return "";
+std::string_view key_of(Quantity quantity) {
+    constexpr std::array<std::string_view, 7> kWords{
+        "threshold", "jnd", "weber_fraction", "slope", "guess", "lapse", "stimulus_at"};
+    return kWords[static_cast<std::size_t>(quantity)];
 }
 
 std::string quantity_text(const FitOptions& options, Quantity quantity) {
@@ -47,14 +33,14 @@ Table estimates_table(const FitReport& report, const FittedCurve& curve) {
                                   "corrected|corrected|s"})};
     for (const FitEstimate& one : curve.estimates) {
         const bool as_lapse = options.spec.two_sided && one.quantity == Quantity::guess;
-        table.rows.push_back({Named{key_of(one.quantity), quantity_text(options, one.quantity)},
-                              one.why.empty() ? cell_of(one.value) : Cell(Nothing{one.why}),
-                              one.fixed,
-                              std::string(!one.fixed ? ""
-                                          : as_lapse ? "as lapse"
-                                                     : "given"),
-                              cell_of(one.se), cell_of(one.profile), cell_of(one.bootstrap),
-                              cell_of(one.corrected)});
+        table.rows.push_back(
+            {Named{std::string(key_of(one.quantity)), quantity_text(options, one.quantity)},
+             one.why.empty() ? cell_of(one.value) : Cell(Nothing{one.why}), one.fixed,
+             std::string(!one.fixed ? ""
+                         : as_lapse ? "as lapse"
+                                    : "given"),
+             cell_of(one.se), cell_of(one.profile), cell_of(one.bootstrap),
+             cell_of(one.corrected)});
     }
     return table;
 }

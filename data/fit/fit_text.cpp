@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -14,21 +15,14 @@ namespace {
 using protocols::Family;
 
 std::string_view core_of(Family family) {
-    switch (family) {
-        case Family::weibull:
-            return "F = 1 - exp(-(x/t)^b)";
-        case Family::weibull_log10:
-            return "F = 1 - exp(-10^(b (x - t)))";
-        case Family::weibull_db:
-            return "F = 1 - exp(-10^(b (x - t) / 20))";
-        case Family::gumbel:
-            return "F = 1 - exp(-e^(b (x - t)))";
-        case Family::normal:
-            return "F = Phi(b (x - t))";
-        case Family::logistic:
-            return "F = 1 / (1 + e^(-b (x - t)))";
-    }
-    return "";
+    constexpr std::array<std::string_view, protocols::kFamilyWords.size()> kWords{
+        "F = 1 - exp(-(x/t)^b)",
+        "F = 1 - exp(-10^(b (x - t)))",
+        "F = 1 - exp(-10^(b (x - t) / 20))",
+        "F = 1 - exp(-e^(b (x - t)))",
+        "F = Phi(b (x - t))",
+        "F = 1 / (1 + e^(-b (x - t)))"};
+    return kWords[static_cast<std::size_t>(family)];
 }
 
 std::string head_text(const FitReport& report) {
@@ -91,23 +85,9 @@ std::string text_of(const NotFitted& one) {
 }
 
 std::string_view word_of(Quantity quantity) {
-    switch (quantity) {
-        case Quantity::threshold:
-            return "threshold";
-        case Quantity::jnd:
-            return "JND";
-        case Quantity::weber:
-            return "Weber fraction";
-        case Quantity::slope:
-            return "slope b";
-        case Quantity::guess:
-            return "guess";
-        case Quantity::lapse:
-            return "lapse";
-        case Quantity::at_share:
-            break;
-    }
-    return "stimulus at a share";
+    constexpr std::array<std::string_view, 7> kWords{
+        "threshold", "JND", "Weber fraction", "slope b", "guess", "lapse", "stimulus at a share"};
+    return kWords[static_cast<std::size_t>(quantity)];
 }
 
 std::string rate_text(bool free, double value) {

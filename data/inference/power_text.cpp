@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -131,17 +132,12 @@ void add_errors(Panel& panel, const std::vector<PowerPoint>& points, std::size_t
 }  // namespace
 
 std::string_view title_of(protocols::PrimaryTest test) {
-    switch (test) {
-        case protocols::PrimaryTest::paired_t:
-            return "paired t of the share of right answers, within people";
-        case protocols::PrimaryTest::sign_flip:
-            return "exact sign-flip test of the share of right answers, within people";
-        case protocols::PrimaryTest::signed_rank:
-            return "Wilcoxon signed-rank test of the share of right answers, within people";
-        case protocols::PrimaryTest::mixed:
-            break;
-    }
-    return "likelihood ratio of the logistic mixed model, correct ~ friction + (friction | person)";
+    constexpr std::array<std::string_view, 4> kWords{
+        "paired t of the share of right answers, within people",
+        "exact sign-flip test of the share of right answers, within people",
+        "Wilcoxon signed-rank test of the share of right answers, within people",
+        "likelihood ratio of the logistic mixed model, correct ~ friction + (friction | person)"};
+    return kWords[static_cast<std::size_t>(test)];
 }
 
 std::string power_text(const PowerReport& report) {

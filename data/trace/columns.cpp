@@ -246,19 +246,8 @@ std::span<const StoredColumn> stored_columns() noexcept {
 }
 
 std::string_view to_string(Rule rule) noexcept {
-    switch (rule) {
-        case Rule::plain:
-            return "plain";
-        case Rule::after:
-            return "after";
-        case Rule::clock:
-            return "clock";
-        case Rule::line:
-            return "line";
-        case Rule::exact:
-            break;
-    }
-    return "exact";
+    constexpr std::array<std::string_view, 5> kWords{"plain", "after", "clock", "line", "exact"};
+    return kWords[static_cast<std::size_t>(rule)];
 }
 
 std::string_view part_name(std::uint8_t part) noexcept {

@@ -1,6 +1,7 @@
 #include "engine/realtime/realtime_rights.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -205,19 +206,9 @@ void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexce
 }
 
 std::string_view name_of(Right right) noexcept {
-    switch (right) {
-        case Right::fifo:
-            return "scheduling";
-        case Right::memory:
-            return "memory";
-        case Right::latency:
-            return "processor sleep";
-        case Right::spared:
-            return "out of memory";
-        case Right::slack:
-            break;
-    }
-    return "timer slack";
+    constexpr std::array<std::string_view, kRights> kWords{
+        "scheduling", "memory", "processor sleep", "timer slack", "out of memory"};
+    return kWords[static_cast<std::size_t>(right)];
 }
 
 std::string describe(Right right, const RealtimeRights& rights) {

@@ -1,5 +1,6 @@
 #include "protocols/order/constrained_order.hpp"
 
+#include <array>
 #include <map>
 #include <set>
 
@@ -67,19 +68,10 @@ std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
 }
 
 std::string_view to_string(OrderWay way) noexcept {
-    switch (way) {
-        case OrderWay::shuffles:
-            return "whole shuffles";
-        case OrderWay::friction_counted:
-            return "frictions counted, objects dealt";
-        case OrderWay::object_counted:
-            return "objects counted, frictions dealt";
-        case OrderWay::together:
-            return "counted";
-        case OrderWay::apart:
-            return "objects and frictions counted apart";
-    }
-    return "?";
+    constexpr std::array<std::string_view, 5> kWords{
+        "whole shuffles", "frictions counted, objects dealt", "objects counted, frictions dealt",
+        "counted", "objects and frictions counted apart"};
+    return kWords[static_cast<std::size_t>(way)];
 }
 
 }  // namespace palpate::protocols

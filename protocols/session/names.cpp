@@ -8,35 +8,14 @@
 namespace palpate::protocols {
 
 std::string_view to_string(InputKind kind) noexcept {
-    switch (kind) {
-        case InputKind::simulated:
-            return "simulated";
-        case InputKind::key:
-            return "key";
-        case InputKind::arrows:
-            return "arrows";
-        case InputKind::mouse:
-            return "mouse";
-    }
-    return "?";
+    constexpr std::array<std::string_view, 4> kWords{"simulated", "key", "arrows", "mouse"};
+    return kWords[static_cast<std::size_t>(kind)];
 }
 
 std::string_view to_string(Outcome outcome) noexcept {
-    switch (outcome) {
-        case Outcome::complete:
-            return "complete";
-        case Outcome::timed_out:
-            return "timed_out";
-        case Outcome::aborted:
-            return "aborted";
-        case Outcome::interrupted:
-            return "interrupted";
-        case Outcome::faulted:
-            return "faulted";
-        case Outcome::unanswered:
-            return "unanswered";
-    }
-    return "?";
+    constexpr std::array<std::string_view, 6> kWords{"complete",    "timed_out", "aborted",
+                                                     "interrupted", "faulted",   "unanswered"};
+    return kWords[static_cast<std::size_t>(outcome)];
 }
 
 Outcome without_answer(std::string_view word) noexcept {
