@@ -12,7 +12,7 @@ struct Answered {
 
 /// `trials` of five shapes, each as often; a share of the answers is right, the others are any
 /// shape.
-Answered answered(std::mt19937_64& random, std::size_t trials, double right) {
+Answered some_answers(std::mt19937_64& random, std::size_t trials, double right) {
     std::uniform_real_distribution<double> uniform;
     Answered all;
     for (std::size_t i = 0; i < trials; ++i) {
@@ -34,7 +34,7 @@ double bits_of(double right) {
 TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials shows 0.28 bits",
           "[inference]") {
     std::mt19937_64 random(1);
-    const Answered sure = answered(random, 50, 1.0);
+    const Answered sure = some_answers(random, 50, 1.0);
     const Transmitted all = transmitted(sure.shapes, sure.responses, 99, 1, 1);
     CHECK(all.bits.plug_in == Approx(std::log2(5.0)).epsilon(1e-12));
     CHECK(all.null_p == 0.01);
@@ -45,7 +45,7 @@ TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials 
     int found = 0;
     constexpr int kGuessers = 200;
     for (int i = 0; i < kGuessers; ++i) {
-        const Answered one = answered(random, 50, 0.0);
+        const Answered one = some_answers(random, 50, 0.0);
         const Transmitted sent = transmitted(one.shapes, one.responses, 99, 1, 1);
         plug_in += sent.bits.plug_in / kGuessers;
         null_mean += sent.null_mean.value() / kGuessers;
@@ -56,7 +56,7 @@ TEST_CASE("bits: all of five shapes known is log2 5, and a guesser of 50 trials 
     CHECK(std::fabs(null_mean - plug_in) < 0.02);
     CHECK(std::fabs(corrected - 0.08) < 0.02);
     CHECK(found <= 22);  // 5 % of 200, and four of its errors
-    const Answered one = answered(random, 50, 0.5);
+    const Answered one = some_answers(random, 50, 0.5);
     CHECK(transmitted(one.shapes, one.responses, 200, 1, 7).null_mean ==
           transmitted(one.shapes, one.responses, 200, 1, 7).null_mean);
     CHECK(transmitted(one.shapes, one.responses, 200, 2, 7).null_mean !=
@@ -92,7 +92,7 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
     int held = 0;
     double bias = 0.0;
     for (int i = 0; i < people; ++i) {
-        const Answered one = answered(random, trials, right);
+        const Answered one = some_answers(random, trials, right);
         const Transmitted sent = transmitted(one.shapes, one.responses, 0, 1, 1);
         held +=
             sent.interval->low <= bits_of(right) && bits_of(right) <= sent.interval->high ? 1 : 0;

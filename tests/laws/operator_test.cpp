@@ -29,7 +29,7 @@ std::string on_the_pointer(const std::string& text) {
     return replaced(text, "[apparatus]\n", "[apparatus]\ndevice = \"mouse\"\n");
 }
 
-std::string lines(const std::string& file, const std::string& sql) {
+std::string bar_lines(const std::string& file, const std::string& sql) {
     data::Database database(file, data::Access::read);
     auto row = database.prepare(sql);
     std::string text;
@@ -119,17 +119,17 @@ TEST_CASE(
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
 
-    CHECK(lines(file, "SELECT session_kind FROM session") == "pilot\n");
+    CHECK(bar_lines(file, "SELECT session_kind FROM session") == "pilot\n");
     CHECK_THAT(end.error, Has("--device mouse gives no force", "recorded as pilot"));
-    CHECK(
-        lines(file,
+    CHECK(bar_lines(
+              file,
               "SELECT answer_code, input, changes, confidence, confidence_changes FROM response") ==
-        "0|arrows|2|4|1\n");
-    CHECK(lines(file,
-                "SELECT first_choice_s < reaction_s AND reaction_s < confirmed_s AND"
-                " first_choice_s >= 0.75 AND confidence_first_choice_s >= 0.75 AND"
-                " confidence_reaction_s < confidence_confirmed_s FROM response") == "1\n");
-    CHECK_THAT(lines(file, "SELECT protocol_toml FROM study"),
+          "0|arrows|2|4|1\n");
+    CHECK(bar_lines(file,
+                    "SELECT first_choice_s < reaction_s AND reaction_s < confirmed_s AND"
+                    " first_choice_s >= 0.75 AND confidence_first_choice_s >= 0.75 AND"
+                    " confidence_reaction_s < confidence_confirmed_s FROM response") == "1\n");
+    CHECK_THAT(bar_lines(file, "SELECT protocol_toml FROM study"),
                Has("guard_s = 0.75\n", "confirm = true\n"));
 
     CHECK_THAT(end.out, Has("Ctrl+Shift+Q then Y", "Ctrl+Shift+M then Y", "Ctrl+Shift+P", file,
@@ -151,11 +151,11 @@ TEST_CASE(
     CHECK(rest.code == 0);
     CHECK_THAT(rest.out, Has("Resuming at trial 2 of 2", "trial 2 of 2      attempt 2  ",
                              "none left", "Finished."));
-    CHECK(lines(file,
-                "SELECT min(reaction_s) >= 0.75, min(confidence_reaction_s) >= 0.75,"
-                " sum(early_presses) > 0 FROM response") == "1|1|1\n");
+    CHECK(bar_lines(file,
+                    "SELECT min(reaction_s) >= 0.75, min(confidence_reaction_s) >= 0.75,"
+                    " sum(early_presses) > 0 FROM response") == "1|1|1\n");
     CHECK(
-        lines(
+        bar_lines(
             file,
             "SELECT sum(early_presses) > 0, sum(changes) >= 2 FROM analysis_trial WHERE counts") ==
         "1|1\n");
@@ -200,7 +200,7 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     CHECK(used() == "0 0");
     CHECK_THAT(end.out, Has("four_trials: REAL, participant P1, session 1, 2 trials",
                             "This run: 0 answered", "Stopped before trial 1 of 2"));
-    CHECK(lines(file, "SELECT count(*) FROM trial") == "0\n");
+    CHECK(bar_lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 
 TEST_CASE("practice is counted by itself, repeats never make a number jump, and three are an alarm",

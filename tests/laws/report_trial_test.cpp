@@ -20,7 +20,7 @@ std::string session_of(const TemporaryFolder& folder, const std::string& protoco
     return file;
 }
 
-std::string four_trials(const TemporaryFolder& folder) {
+std::string session_of_four(const TemporaryFolder& folder) {
     return session_of(folder, kFourTrials);
 }
 
@@ -167,7 +167,7 @@ TEST_CASE(
     "trace, nobody's code",
     "[report][law]") {
     const TemporaryFolder folder;
-    const std::string file = four_trials(folder);
+    const std::string file = session_of_four(folder);
     for (const int trial : {1, 4}) {
         const std::string page = page_of(file, trial);
         CAPTURE(trial);
@@ -287,7 +287,7 @@ TEST_CASE("a page of a trial that faulted, has two intervals, lies in space or h
 TEST_CASE("a browser draws every tick of a page of a trial, without an error or a request",
           "[report]") {
     const TemporaryFolder folder;
-    const std::string file = four_trials(folder);
+    const std::string file = session_of_four(folder);
     static_cast<void>(page_of(file, 2));
     const Browsed shown = browsed(folder, file + ".html", "--dump-dom");
     if (!shown.there) {
