@@ -139,7 +139,7 @@ TEST_CASE(
     "right machines of many kinds pass, their friction in joints or at the handle found to a "
     "tenth, and the same twice as strong or half do not",
     "[commissioning][law]") {
-    const auto seed = GENERATE(seeds(8U));
+    const auto seed = GENERATE(seeds(4U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const CommissioningResult right = commissioned(plant, {}, {});
@@ -161,8 +161,8 @@ TEST_CASE(
 
 TEST_CASE("a motion that mass and friction do not explain blames no motor",
           "[commissioning][law]") {
-    const double cable = GENERATE(1.0, 2.0, 3.0, 4.0);  // N/m: dry friction holds the handle
-    const auto seed = GENERATE(take(cases(std::size_t{4}), values({1U, 3U, 5U, 11U})));
+    const unsigned seed = GENERATE(1U, 3U, 5U, 11U);
+    const double cable = 1.0 + seed % 4;  // N/m: dry friction holds the handle
     CAPTURE(cable, seed);
     const PlantModel plant = some_plant(seed);
     MiswiredMachine device(plant, {}, {});
@@ -202,7 +202,7 @@ TEST_CASE(
 TEST_CASE(
     "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
     "[commissioning][law]") {
-    const auto seed = GENERATE(seeds(6U));
+    const auto seed = GENERATE(seeds(3U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant, {}, {}).record;
@@ -255,29 +255,26 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
 
 TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no stronger motor",
           "[commissioning][safety][law]") {
-    const auto seed = GENERATE(seeds(3U));
+    const auto seed = GENERATE(seeds(2U));
     CAPTURE(seed);
     const PlantModel plant = some_plant(seed);
     const Calibration machine{.pantograph = plant.machine};
     const auto places = places_to_commission(machine, kHome);
     const RigRecord record = commissioned(plant, {}, {}).record;
-    for (const std::size_t late : {3U, 7U, 20U, 30U}) {
-        for (const double gain : {1.0, 1.5, 2.0}) {
-            CAPTURE(late, gain);
-            MiswiredMachine device(plant, {}, {.factor = {gain, gain}});
-            device.bring(kHome);
-            device.lag(late);
-            PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod,
-                               [] { return true; });
-            const double delay = kPeriod * device.traits().delay_ticks;
-            const std::string changed = prove_again(runner, machine, record, delay).refused;
-            const std::string refused =
-                commission(device, machine, places, Vec3(plant.handle_mass), desk_of(device))
-                    .refused;
-            CAPTURE(changed, refused);
-            CHECK(changed.empty() == (late == 3 && gain == 1.0));
-            CHECK(refused.empty() == (late == 3 && gain == 1.0));
-        }
+    for (const auto& [late, gain] :
+         {std::pair(3U, 1.0), {3U, 2.0}, {7U, 1.0}, {20U, 1.5}, {30U, 2.0}}) {
+        CAPTURE(late, gain);
+        MiswiredMachine device(plant, {}, {.factor = {gain, gain}});
+        device.bring(kHome);
+        device.lag(late);
+        PulseRunner runner(device, palpate::engine::Machine(machine), kPeriod, [] { return true; });
+        const double delay = kPeriod * device.traits().delay_ticks;
+        const std::string changed = prove_again(runner, machine, record, delay).refused;
+        const std::string refused =
+            commission(device, machine, places, Vec3(plant.handle_mass), desk_of(device)).refused;
+        CAPTURE(changed, refused);
+        CHECK(changed.empty() == (late == 3 && gain == 1.0));
+        CHECK(refused.empty() == (late == 3 && gain == 1.0));
     }
 }
 

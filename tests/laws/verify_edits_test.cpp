@@ -40,7 +40,7 @@ TEST_CASE("one changed value in any column of any table of results is reported",
             int made = 0;
             // Some bits of a time are below what two C libraries differ by: then another edit.
             const bool sealed = only_sealed(name);
-            for (std::uint64_t seed = 0; (made < 2 || !(by_itself || sealed)) && seed < 200;
+            for (std::uint64_t seed = 0; (made < 1 || !(by_itself || sealed)) && seed < 200;
                  ++seed) {
                 Random random(seed + 1000 * static_cast<std::uint64_t>(columns));
                 const std::int64_t row = a_row(database, table.name, random);
@@ -48,7 +48,7 @@ TEST_CASE("one changed value in any column of any table of results is reported",
                                    random, &by_itself);
             }
             CAPTURE(name);
-            CHECK((made >= 2 || name == "trace_chunk.codec"));  // there is but one codec
+            CHECK((made >= 1 || name == "trace_chunk.codec"));  // there is but one codec
             CHECK((by_itself || sealed || made == 0));
             ++columns;
         }
