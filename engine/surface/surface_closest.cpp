@@ -135,10 +135,6 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
     if (!track.certified || !track.started) {
         return search(track, h, work);
     }
-    const double moved = glm::length(h - track.reference);
-    if (moved > track.slack) {
-        return search(track, h, work);
-    }
     FootPlace foot_now;
     if (!follow(track, h, foot_now)) {
         const SurfaceFoot foot = descend(*object_, h, track.place, work);
@@ -151,8 +147,10 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
     }
     const double distance = glm::length(foot_now.point - h);
     const double rounding = 1e-15 * (object_->size() + distance);
-    if (distance > track.distance + moved + rounding || distance + moved > track.other ||
-        !in_window(track.window, foot_now.place)) {
+    const double moved = glm::length(h - track.reference);
+    if (distance > track.distance + moved + rounding || !in_window(track.window, foot_now.place) ||
+        distance + glm::length(h - track.searched) > track.other ||
+        (moved > track.slack && !renew(track, h, distance))) {
         return search(track, h, work);
     }
     ++track.certified_calls;

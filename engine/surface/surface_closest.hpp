@@ -23,9 +23,9 @@ struct SurfaceClosest {
 
 /// What a tracker keeps from tick to tick. A plain value; a fresh one knows nothing.
 ///
-/// The certificate: at `reference` a search proved that |S - h|^2 has one minimum in `window`, that
-/// it still has while h moves by `slack`, and that everything outside of the window was `other`
-/// away.
+/// The certificate: at `reference` it was proved that |S - h|^2 has one minimum in `window`, and
+/// that it still has while h moves by `slack`; at `searched`, that everything outside of the window
+/// was `other` away.
 struct SurfaceTrack {
     struct Window {  ///< leaves [low, high) of the grid over all patches of one surface
         std::uint32_t surface = 0;
@@ -42,6 +42,7 @@ struct SurfaceTrack {
     Vec3 reference{};       ///< relative to the surface's origin, m
     double distance = 0.0;  ///< at reference, m
     double slack = 0.0;     ///< m
+    Vec3 searched{};        ///< relative to the surface's origin, m
     double other = 0.0;     ///< m
     Window window{};
     std::uint64_t searches = 0;         ///< calls that had to search the whole surface
@@ -130,6 +131,7 @@ private:
     };
 
     [[nodiscard]] bool follow(SurfaceTrack& track, const Vec3& h, FootPlace& moved) const noexcept;
+    [[nodiscard]] bool renew(SurfaceTrack& track, const Vec3& h, double distance) const noexcept;
     [[nodiscard]] SurfaceClosest search(SurfaceTrack& track,
                                         const Vec3& h,
                                         Work work) const noexcept;

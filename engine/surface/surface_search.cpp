@@ -17,6 +17,9 @@ constexpr std::uint32_t kMaxReach = 2;
 /// Strips that would leave HIP less slack than this are not added, m: four ticks of a fast hand.
 constexpr double kWantedSlack = 8e-4;
 
+/// A window that leaves less is not renewed but found anew, m.
+constexpr double kRenewedSlack = 3e-4;
+
 /// One leaf may cost so much, or half of what is left.
 constexpr Work kLeafWork = 10'000'000;
 constexpr Work kPolishWork = 100'000;
@@ -59,6 +62,19 @@ double SurfaceFeet::strip_slack(const Window& strip, const Vec3& h, double d2) c
         }
     }
     return slack;
+}
+
+/// With a foot at rest in it, the window is one bowl from here on, too: what lies outside need not
+/// be looked at again.
+bool SurfaceFeet::renew(SurfaceTrack& track, const Vec3& h, double distance) const noexcept {
+    const double slack = strip_slack(track.window, h, distance * distance);
+    if (slack < kRenewedSlack) {
+        return false;
+    }
+    track.reference = h;
+    track.distance = distance;
+    track.slack = slack;
+    return true;
 }
 
 /// Nothing pulls the foot along the surface, but over an open border: with a bowl, the minimum.
@@ -105,25 +121,36 @@ void SurfaceFeet::grow(SurfaceTrack& track, const Vec3& h, double d2) const noex
         return edge % grid.per_side != 0 || (in_u ? surface.smooth_u(edge / grid.per_side)
                                                   : surface.smooth_v(edge / grid.per_side));
     };
-    const auto add = [&](const Window& strip, std::uint32_t& side, std::uint32_t to) {
+    // HIP has no more room than to where something outside of the window is as near as the foot.
+    const double at_u = (static_cast<double>(p.i) + p.u) * grid.per_side;
+    const double at_v = (static_cast<double>(p.j) + p.v) * grid.per_side;
+    const double leaf_u = glm::length(track.jet.du) / grid.per_side;
+    const double leaf_v = glm::length(track.jet.dv) / grid.per_side;
+    const double d = std::sqrt(d2);
+    const auto add = [&](const Window& strip, std::uint32_t& side, std::uint32_t to, double edge) {
         const double slack = strip_slack(strip, h, d2);
-        if (slack >= std::min(track.slack, kWantedSlack)) {
+        const double room = std::sqrt(d2 + edge * edge) - d;
+        if (slack >= std::min({track.slack, kWantedSlack, room})) {
             side = to;
             track.slack = std::min(track.slack, slack);
         }
     };
     for (std::uint32_t reach = 1; reach <= kMaxReach; ++reach) {
         if (w.low_u > 0 && w.low_u + reach == a + 1 && smooth(true, w.low_u)) {
-            add({w.surface, w.low_u - 1, w.low_u, w.low_v, w.high_v}, w.low_u, w.low_u - 1);
+            add({w.surface, w.low_u - 1, w.low_u, w.low_v, w.high_v}, w.low_u, w.low_u - 1,
+                leaf_u * (at_u - w.low_u));
         }
         if (w.high_u < grid.across_u && w.high_u == a + reach && smooth(true, w.high_u)) {
-            add({w.surface, w.high_u, w.high_u + 1, w.low_v, w.high_v}, w.high_u, w.high_u + 1);
+            add({w.surface, w.high_u, w.high_u + 1, w.low_v, w.high_v}, w.high_u, w.high_u + 1,
+                leaf_u * (w.high_u - at_u));
         }
         if (w.low_v > 0 && w.low_v + reach == b + 1 && smooth(false, w.low_v)) {
-            add({w.surface, w.low_u, w.high_u, w.low_v - 1, w.low_v}, w.low_v, w.low_v - 1);
+            add({w.surface, w.low_u, w.high_u, w.low_v - 1, w.low_v}, w.low_v, w.low_v - 1,
+                leaf_v * (at_v - w.low_v));
         }
         if (w.high_v < grid.across_v && w.high_v == b + reach && smooth(false, w.high_v)) {
-            add({w.surface, w.low_u, w.high_u, w.high_v, w.high_v + 1}, w.high_v, w.high_v + 1);
+            add({w.surface, w.low_u, w.high_u, w.high_v, w.high_v + 1}, w.high_v, w.high_v + 1,
+                leaf_v * (w.high_v - at_v));
         }
     }
 }
@@ -246,7 +273,7 @@ SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work
         start = rest.place;
     }
     track.started = true;
-    track.reference = h;
+    track.reference = track.searched = h;
     track.distance = std::sqrt(foot.distance2);
     track.other = std::sqrt(rest.lower2) * (1.0 - 1e-14);
     track.certified = track.window.high_u > track.window.low_u && !rest.closer && rest.proven;
