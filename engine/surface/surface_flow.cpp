@@ -79,6 +79,10 @@ bool within(double t, double bulge) noexcept {
     return t > bulge && t < 1.0 - bulge;
 }
 
+bool on_patch(const Vec2& at) noexcept {
+    return within(at.x, -kBorder) && within(at.y, -kBorder);
+}
+
 }  // namespace
 
 FlowSpot SurfaceFlow::look(const Vec2& at) noexcept {
@@ -276,11 +280,11 @@ bool SurfaceFlow::meets_cone(
             to.rate = -1e-300;
             maybe = to.excess <= 0.0;
         }
-        // A little further on.
+        // A little further on, where no edge comes first.
         const bool last = i + 2 == step.count;
         maybe = maybe || (last && high.rate < 0.0 && high.excess <= -(kBeyond - 1.0) * high.rate &&
                           out > 1.9 && way_ + kBeyond * step.h < max_);
-        if (maybe && into_cone(arc, low, to, spot, x) && x <= out) {
+        if (maybe && into_cone(arc, low, to, spot, x) && x <= out && on_patch(arc.at(x))) {
             return true;
         }
     }
