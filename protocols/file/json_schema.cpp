@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 #include <vector>
 
@@ -16,8 +17,6 @@
 
 namespace palpate::protocols {
 namespace {
-
-using Names = std::vector<std::string_view>;
 
 template <class Record>
 std::string table_of() {
@@ -48,7 +47,7 @@ std::string segment_schema(Keys keys) {
     for (std::size_t i = 0; i < kSegmentKinds.size(); ++i) {
         const Keys own = keys_of_segment(static_cast<stimuli::Segment::Kind>(i));
         segment.rule(json_when(says("kind", {kSegmentKinds.at(i)}),
-                               needs_and_lacks(required_of(own), without(all, names_of(own)))));
+                               needs(required_of(own), without(all, names_of(own)))));
     }
     return segment.text();
 }
@@ -64,17 +63,13 @@ std::string object_schema() {
     Names of_sets = names_of(set);
     const Names of_ladders = names_of(ladder);
     of_sets.insert(of_sets.end(), of_ladders.begin(), of_ladders.end());
-    object.rule(json_when(
-        needs_all({"set"}),
-        json_object(
-            {{"allOf", fmt::format("[{}, {}]", has_none({"name", "curvature_per_m", "segment"}),
-                                   json_when(says("set", {"curvature_ladder"}),
-                                             needs_all(of_ladders), has_none(of_ladders)))}}),
-        json_object(
-            {{"allOf",
-              fmt::format("[{}]", needs_and_lacks(required_of(keys_of<ObjectSpec>()), of_sets))},
-             {"oneOf",
-              fmt::format("[{}, {}]", needs_all({"curvature_per_m"}), needs_all({"segment"}))}})));
+    object.rule(json_when(needs({"set"}),
+                          both(needs({}, {"name", "curvature_per_m", "segment"}),
+                               json_when(says("set", {"curvature_ladder"}), needs(of_ladders),
+                                         needs({}, of_ladders))),
+                          both(needs(required_of(keys_of<ObjectSpec>()), of_sets),
+                               fmt::format(R"({{"oneOf": [{}, {}]}})", needs({"curvature_per_m"}),
+                                           needs({"segment"})))));
     return object.text();
 }
 
@@ -93,7 +88,7 @@ std::string friction_schema() {
                 refused.push_back(key.name);
             }
         }
-        friction.rule(json_when(says("law", {law.law}), needs_and_lacks(needed, refused)));
+        friction.rule(json_when(says("law", {law.law}), needs(needed, refused)));
     }
     return friction.among("law", laws).text();
 }
@@ -120,8 +115,8 @@ std::string model_schema() {
     const Keys items = keys.last(1);
     return model
         .rule(json_when(says("kind", {word_of(ModelKind::identification)}),
-                        needs_and_lacks(required_of(items), names_of(function)),
-                        needs_and_lacks(required_of(function), names_of(items))))
+                        needs(required_of(items), names_of(function)),
+                        needs(required_of(function), names_of(items))))
         .text();
 }
 
@@ -130,7 +125,7 @@ void put_rule_tables(TableSchema& to) {
     for (const char* name : {"constant", "quest", "stimuli", "parameters"}) {
         to.put(name, TableSchema(procedure_keys(name)).text());
     }
-    to.put("staircase", json_list(TableSchema(procedure_keys("staircase")).text(), 1, 0));
+    to.put("staircase", json_list(TableSchema(procedure_keys("staircase")).text(), 1));
     to.put("model", model_schema());
     to.put("prior", prior_schema());
     to.put("stream", TableSchema(procedure_keys("stream")).text());
@@ -138,7 +133,7 @@ void put_rule_tables(TableSchema& to) {
 
 /// What follows from the kind of a rule. @param where  wraps the schema of the table with `kind`
 template <class Where>
-void add_rule_kinds(TableSchema& to, bool keys, bool tables, const Where& where) {
+void add_rule_kinds(TableSchema& to, const Where& where) {
     Names all_tables;
     for (const RuleKind kind :
          {RuleKind::constant, RuleKind::staircase, RuleKind::quest, RuleKind::quest_plus}) {
@@ -151,13 +146,9 @@ void add_rule_kinds(TableSchema& to, bool keys, bool tables, const Where& where)
         const Names own = tables_of_rule(kind);
         const Names needed = without(own, {"prior"});
         const Names other_keys = without(all_keys, names_of(keys_of_rule(kind)));
-        const std::string condition = where(says("kind", {kRuleKinds.at(i)}));
-        if (keys) {
-            to.rule(json_when(condition, where(has_none(other_keys))));
-        }
-        if (tables) {
-            to.rule(json_when(condition, needs_and_lacks(needed, without(all_tables, own))));
-        }
+        to.rule(
+            json_when(where(says("kind", {kRuleKinds.at(i)})),
+                      both(where(needs({}, other_keys)), needs(needed, without(all_tables, own)))));
     }
 }
 
@@ -165,7 +156,7 @@ std::string adaptive_schema() {
     TableSchema procedure(keys_of<AdaptiveSpec>());
     procedure.add(procedure_keys("procedure"));
     put_rule_tables(procedure);
-    add_rule_kinds(procedure, true, true, [](std::string schema) { return schema; });
+    add_rule_kinds(procedure, std::identity());
     return procedure.text();
 }
 
@@ -187,14 +178,10 @@ std::string design_or_procedure() {
         }
     }
     return json_when(
-        needs_all({"procedure"}),
-        json_object(
-            {{"required", json_words({"run"})},
-             {"properties",
-              json_object({{"design", has_none(without(names_of(design), {"break_every"}))}})}}),
-        json_object(
-            {{"required", json_words({"design"})},
-             {"properties", json_object({{"design", needs_all(needed)}, {"run", "false"}})}}));
+        needs({"procedure"}),
+        both(needs({"run"}),
+             where_given("design", needs({}, without(names_of(design), {"break_every"})))),
+        both(needs({"design"}, {"run"}), where_given("design", needs(needed))));
 }
 
 TableSchema protocol_schema() {
@@ -227,11 +214,8 @@ TableSchema procedure_schema() {
     put_format(file, kProcedureFormat);
     file.put("procedure", TableSchema(procedure_keys("procedure")).text(), true);
     put_rule_tables(file);
-    const auto inside = [](const std::string& schema) {
-        return json_object({{"properties", json_object({{"procedure", schema}})}});
-    };
-    add_rule_kinds(file, true, false, inside);
-    add_rule_kinds(file, false, true, inside);
+    add_rule_kinds(file,
+                   [](const std::string& schema) { return where_given("procedure", schema); });
     return file;
 }
 
@@ -243,7 +227,7 @@ TableSchema scene_schema() {
     TableSchema renderer(keys(0));
     renderer.add(keys(1), false)
         .rule(json_when(says("tracker", {"feedback", "feed_forward", "feedback_linearised"}),
-                        needs_all({"gain"}), has_none({"gain"})));
+                        needs({"gain"}), needs({}, {"gain"})));
     TableSchema friction(keys(2));
     friction.add(keys(3), false).add(keys(4), false);
     Names laws(kThesisLaws.begin(), kThesisLaws.end());
@@ -259,15 +243,14 @@ TableSchema scene_schema() {
         }
     }
     friction.among("law", laws)
-        .rule(json_when(says("law", rub, true), needs_all({"mu_d"})))
-        .rule(json_when(says("law", stick, true), needs_all({"mu_s"})));
+        .rule(json_when(says("law", rub, true), needs({"mu_d"})))
+        .rule(json_when(says("law", stick, true), needs({"mu_s"})));
     TableSchema file;
     file.put("renderer", renderer.text())
         .put("friction", friction.text())
-        .put("segment", json_list(segment_schema(keys(5)), 0, 0))
-        .put("surface", json_list(TableSchema(keys(6)).text(), 0, 0))
-        .rule(json_object(
-            {{"anyOf", fmt::format("[{}, {}]", needs_all({"segment"}), needs_all({"surface"}))}}));
+        .put("segment", json_list(segment_schema(keys(5))))
+        .put("surface", json_list(TableSchema(keys(6)).text()))
+        .rule(fmt::format(R"({{"anyOf": [{}, {}]}})", needs({"segment"}), needs({"surface"})));
     return file;
 }
 
@@ -292,16 +275,14 @@ TableSchema calibration_schema() {
         record.put(axis, table(all.axis_record));
     }
     gantry.put("board", table(all.gantry_board), true);
-    record.rule(json_when(needs_all({"axis_x"}),
-                          needs_and_lacks(axes, names_of(all.linkage_record)),
-                          needs_and_lacks(required_of(all.linkage_record), axes)));
+    record.rule(json_when(needs({"axis_x"}), needs(axes, names_of(all.linkage_record)),
+                          needs(required_of(all.linkage_record), axes)));
     TableSchema file;
     put_format(file, 1);
-    file.put("pantograph", json_list(pantograph.text(), 0, 0))
-        .put("gantry", json_list(gantry.text(), 0, 0))
+    file.put("pantograph", json_list(pantograph.text()))
+        .put("gantry", json_list(gantry.text()))
         .put("commissioning", record.text())
-        .rule(json_object({{"anyOf", fmt::format("[{}, {}]", needs_all({"pantograph"}),
-                                                 needs_all({"gantry"}))}}));
+        .rule(fmt::format(R"({{"anyOf": [{}, {}]}})", needs({"pantograph"}), needs({"gantry"})));
     return file;
 }
 
@@ -327,8 +308,9 @@ std::string json_schema(std::string_view kind) {
                                                 fmt::join(kSchemaKinds, ", ")));
     }
     const TableSchema schema = kMakers.at(static_cast<std::size_t>(found - kSchemaKinds.begin()))();
-    return schema.text({{"$schema", R"("https://json-schema.org/draft/2020-12/schema")"},
-                        {"title", fmt::format(R"("palpate: {}")", kind)}}) +
+    return schema.text(fmt::format(
+               R"("$schema": "https://json-schema.org/draft/2020-12/schema", "title": "palpate: {}", )",
+               kind)) +
            "\n";
 }
 

@@ -14,50 +14,27 @@ std::string in_quotes(std::string_view text) {
     return toml_text(std::string(text));
 }
 
-std::string json_array(const std::vector<std::string>& items) {
-    return fmt::format("[{}]", fmt::join(items, ", "));
-}
-
-Members number_members(const Range& range, std::string_view type = "number") {
-    Members members{{"type", in_quotes(type)}};
+std::string number(const Range& range, std::string_view type = "number") {
+    std::string text = fmt::format(R"("type": "{}")", type);
     if (std::isfinite(range.min)) {
-        members.emplace_back(range.above ? "exclusiveMinimum" : "minimum",
-                             fmt::format("{}", range.min));
+        text +=
+            fmt::format(R"(, "{}": {})", range.above ? "exclusiveMinimum" : "minimum", range.min);
     }
-    if (std::isfinite(range.max)) {
-        members.emplace_back("maximum", fmt::format("{}", range.max));
-    }
-    return members;
+    return std::isfinite(range.max) ? text + fmt::format(R"(, "maximum": {})", range.max) : text;
 }
 
-Members list_of(const Members& item, std::size_t least = 0, std::size_t most = 0) {
-    Members members{{"type", in_quotes("array")}, {"items", json_object(item)}};
-    if (least > 0) {
-        members.emplace_back("minItems", std::to_string(least));
-    }
-    if (most > 0) {
-        members.emplace_back("maxItems", std::to_string(most));
-    }
-    return members;
-}
-
-Members any_of(const std::vector<Members>& all) {
-    std::vector<std::string> texts;
-    for (const Members& one : all) {
-        texts.push_back(json_object(one));
-    }
-    return {{"anyOf", json_array(texts)}};
+std::string list_of(std::string_view item, std::size_t least = 0, std::size_t most = 0) {
+    std::string text = fmt::format(R"("type": "array", "items": {{{}}})", item);
+    text += least > 0 ? fmt::format(R"(, "minItems": {})", least) : "";
+    return most > 0 ? text + fmt::format(R"(, "maxItems": {})", most) : text;
 }
 
 /// { from, to, count } or { from, to, step }.
-Members spread(const Range& range, std::string_view third, const Members& of_third) {
-    const std::string end = json_object(number_members(range));
-    return {
-        {"type", in_quotes("object")},
-        {"properties",
-         json_object({{"from", end}, {"to", end}, {std::string(third), json_object(of_third)}})},
-        {"required", json_words({"from", "to", third})},
-        {"additionalProperties", "false"}};
+std::string spread(const std::string& end, std::string_view third, const std::string& of_third) {
+    return fmt::format(
+        R"("type": "object", "properties": {{"from": {{{0}}}, "to": {{{0}}}, "{1}": {{{2}}}}}, )"
+        R"("required": ["from", "to", "{1}"], "additionalProperties": false)",
+        end, third, of_third);
 }
 
 constexpr const char* kName = R"("^[a-z0-9_]{1,64}$")";
@@ -66,57 +43,56 @@ constexpr const char* kLines =
     R"("^(?=[\\s\\S]*[^ \\n])([^\\u0000-\\u001f\\u007f]*\\n){0,7}[^\\u0000-\\u001f\\u007f]*$")";
 static_assert(kMaxInstructionLines == 8, "what kLines counts");
 
-/// The schema of what a slot takes.
+/// The schema of what a slot takes, without its braces.
 struct ValueSchema {
     const Key& key;
+    std::string number = protocols::number(key.range);
 
-    Members operator()(const double*) const { return number_members(key.range); }
-    Members operator()(const std::optional<double>*) const { return number_members(key.range); }
-    Members operator()(const Whole&) const { return number_members(key.range, "integer"); }
-    Members operator()(const OneOf& choice) const {
-        return {{"enum", json_words({choice.words.begin(), choice.words.end()})}};
+    std::string operator()(const Whole&) const { return protocols::number(key.range, "integer"); }
+    std::string operator()(const OneOf& choice) const {
+        return R"("enum": )" + json_words({choice.words.begin(), choice.words.end()});
     }
-    Members operator()(const bool*) const { return {{"type", in_quotes("boolean")}}; }
-    Members operator()(const std::string*) const {
-        Members members{{"type", in_quotes("string")}};
+    std::string operator()(const bool*) const { return R"("type": "boolean")"; }
+    std::string operator()(const std::string*) const {
+        std::string text = R"("type": "string")";
         if (key.form == Form::name || key.form == Form::free) {
-            members.emplace_back("pattern", key.form == Form::name ? kName : kLine);
+            text += fmt::format(R"(, "pattern": {})", key.form == Form::name ? kName : kLine);
         } else if (key.form == Form::lines) {
-            members.emplace_back("maxLength", std::to_string(kMaxInstruction));
-            members.emplace_back("pattern", kLines);
+            text += fmt::format(R"(, "maxLength": {}, "pattern": {})", kMaxInstruction, kLines);
         }
-        return members;
+        return text;
     }
-    Members operator()(const engine::Vec2*) const {
-        return list_of(number_members(key.range), 2, 2);
-    }
-    Members operator()(const std::optional<engine::Vec2>*) const {
-        return list_of(number_members(key.range), 2, 2);
-    }
-    Members operator()(const std::vector<double>*) const {
-        const Members one = number_members(key.range);
-        switch (key.form) {
-            case Form::one_or_more:
-                return any_of({one, list_of(one)});
-            case Form::axis:
-                return any_of({one, list_of(one, 1),
-                               spread(key.range, "count", number_members({.min = 1.0}, "integer")),
-                               spread(key.range, "step", number_members(kPositive))});
-            default:
-                return list_of(one);
+    std::string operator()(const std::vector<double>*) const {
+        const std::string list = list_of(number, key.form == Form::axis ? 1 : 0);
+        if (key.form == Form::one_or_more) {
+            return fmt::format(R"("anyOf": [{{{}}}, {{{}}}])", number, list);
         }
+        return key.form != Form::axis
+                 ? list
+                 : fmt::format(R"("anyOf": [{{{}}}, {{{}}}, {{{}}}, {{{}}}])", number, list,
+                               spread(number, "count", protocols::number({.min = 1.0}, "integer")),
+                               spread(number, "step", protocols::number(kPositive)));
     }
-    Members operator()(const std::vector<std::string>*) const {
-        return list_of({{"type", in_quotes("string")}, {"pattern", kName}});
+    std::string operator()(const std::vector<std::string>*) const {
+        return list_of(fmt::format(R"("type": "string", "pattern": {})", kName));
     }
-    Members operator()(const PointList*) const {
-        const Members point = list_of(number_members(key.range), 2, 3);
+    std::string operator()(const PointList*) const {
+        const std::string point = list_of(number, 2, 3);
         return key.form == Form::point ? point : list_of(point);
     }
-    Members operator()(const PointGrid*) const {
-        return list_of(list_of(list_of(number_members(key.range), 3, 3)));
+    std::string operator()(const PointGrid*) const {
+        return list_of(list_of(list_of(number, 3, 3)));
     }
-    Members operator()(const NumberGrid*) const { return list_of(list_of(number_members({}))); }
+    std::string operator()(const NumberGrid*) const {
+        return list_of(list_of(protocols::number({})));
+    }
+    /// A number, or a point in the plane; or none.
+    template <class Value>
+    std::string operator()(const Value*) const {
+        constexpr bool is_number =
+            std::is_same_v<Value, double> || std::is_same_v<Value, std::optional<double>>;
+        return is_number ? number : list_of(number, 2, 2);
+    }
 };
 
 /// JSON of what the key is if it is left out; "" for none.
@@ -156,87 +132,55 @@ std::string description_of(const Key& key) {
 
 }  // namespace
 
-std::string json_object(const Members& members) {
-    std::string text = "{";
-    for (const auto& [name, value] : members) {
-        text += fmt::format("{}{}: {}", text.size() > 1 ? ", " : "", in_quotes(name), value);
-    }
-    return text + "}";
-}
-
-std::string json_words(const std::vector<std::string_view>& words) {
+std::string json_words(const Names& words) {
     std::vector<std::string> texts;
     for (const std::string_view word : words) {
         texts.push_back(in_quotes(word));
     }
-    return json_array(texts);
+    return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
-std::string json_when(const std::string& condition,
-                      const std::string& then,
-                      const std::string& otherwise) {
-    Members members{{"if", condition}};
-    if (!then.empty()) {
-        members.emplace_back("then", then);
-    }
-    if (!otherwise.empty()) {
-        members.emplace_back("else", otherwise);
-    }
-    return json_object(members);
+std::string json_when(std::string_view condition,
+                      std::string_view then,
+                      std::string_view otherwise) {
+    return fmt::format(R"({{"if": {}, "then": {}, "else": {}}})", condition, then, otherwise);
 }
 
-std::string json_list(const std::string& item, std::size_t least, std::size_t most) {
-    Members members{{"type", in_quotes("array")}, {"items", item}};
-    members.emplace_back("minItems", std::to_string(least));
-    if (most > 0) {
-        members.emplace_back("maxItems", std::to_string(most));
-    }
-    return json_object(members);
+std::string both(std::string_view one, std::string_view other) {
+    return fmt::format(R"({{"allOf": [{}, {}]}})", one, other);
 }
 
-std::string needs_all(const std::vector<std::string_view>& keys) {
-    return needs_and_lacks(keys, {});
+std::string json_list(std::string_view item, std::size_t least, std::size_t most) {
+    return fmt::format("{{{}}}", list_of(item.substr(1, item.size() - 2), least, most));
 }
 
-std::string has_none(const std::vector<std::string_view>& keys) {
-    return needs_and_lacks({}, keys);
-}
-
-std::string needs_and_lacks(const std::vector<std::string_view>& needed,
-                            const std::vector<std::string_view>& refused) {
-    Members none;
+std::string needs(const Names& needed, const Names& refused) {
+    std::string none;
     for (const std::string_view key : refused) {
-        none.emplace_back(key, "false");
+        none += fmt::format(R"({}"{}": false)", none.empty() ? "" : ", ", key);
     }
-    Members members;
-    if (!needed.empty()) {
-        members.emplace_back("required", json_words(needed));
-    }
-    if (!none.empty()) {
-        members.emplace_back("properties", json_object(none));
-    }
-    return json_object(members);
+    return fmt::format(R"({{"required": {}, "properties": {{{}}}}})", json_words(needed), none);
 }
 
-std::string says(std::string_view key, const std::vector<std::string_view>& words, bool or_none) {
-    Members members{{"properties", json_object({{std::string(key),
-                                                 json_object({{"enum", json_words(words)}})}})}};
-    if (!or_none) {
-        members.emplace_back("required", json_words({key}));
-    }
-    return json_object(members);
+std::string where_given(std::string_view key, std::string_view is_such) {
+    return fmt::format(R"({{"properties": {{"{}": {}}}}})", key, is_such);
 }
 
-std::vector<std::string_view> names_of(Keys keys) {
-    std::vector<std::string_view> names;
+std::string says(std::string_view key, const Names& words, bool or_none) {
+    const std::string given = where_given(key, fmt::format(R"({{"enum": {}}})", json_words(words)));
+    return or_none ? given : both(given, needs({key}));
+}
+
+Names names_of(Keys keys) {
+    Names names;
     for (const Key& key : keys) {
         names.push_back(key.name);
     }
     return names;
 }
 
-std::vector<std::string_view> required_of(Keys keys) {
-    std::vector<std::string_view> names;
+Names required_of(Keys keys) {
+    Names names;
     for (const Key& key : keys) {
         if (key.need == Need::required) {
             names.push_back(key.name);
@@ -254,33 +198,27 @@ TableSchema::Property& TableSchema::property(std::string_view name) {
 
 TableSchema& TableSchema::add(Keys keys, bool complete) {
     for (const Key& key : keys) {
-        Members& schema = property(key.name).schema;
-        schema = std::visit(ValueSchema{key}, key.slot(nullptr));
-        if (const std::string begun = begun_json(key); !begun.empty()) {
-            schema.emplace_back("default", begun);
-        }
-        schema.emplace_back("description", in_quotes(description_of(key)));
+        Property& one = property(key.name);
+        const std::string begun = begun_json(key);
+        one.type = std::visit(ValueSchema{key}, key.slot(nullptr));
+        one.about = begun.empty() ? "" : fmt::format(R"(, "default": {})", begun);
+        one.about += fmt::format(R"(, "description": {})", in_quotes(description_of(key)));
     }
-    const auto needed = complete ? required_of(keys) : std::vector<std::string_view>();
+    const Names needed = complete ? required_of(keys) : Names();
     required_.insert(required_.end(), needed.begin(), needed.end());
     return *this;
 }
 
 TableSchema& TableSchema::put(std::string_view name, std::string schema, bool required) {
-    Property& one = property(name);
-    one.whole = std::move(schema);
+    property(name).whole = std::move(schema);
     if (required) {
         required_.push_back(name);
     }
     return *this;
 }
 
-TableSchema& TableSchema::among(std::string_view name, const std::vector<std::string_view>& words) {
-    std::erase_if(property(name).schema, [](const auto& member) {
-        return member.first == "type" || member.first == "pattern";
-    });
-    Members& schema = property(name).schema;
-    schema.insert(schema.begin(), {"enum", json_words(words)});
+TableSchema& TableSchema::among(std::string_view name, const Names& words) {
+    property(name).type = R"("enum": )" + json_words(words);
     return *this;
 }
 
@@ -289,23 +227,16 @@ TableSchema& TableSchema::rule(std::string schema) {
     return *this;
 }
 
-std::string TableSchema::text(const Members& first) const {
+std::string TableSchema::text(std::string_view first) const {
     std::string properties;
     for (const Property& one : properties_) {
         properties += fmt::format("{}\n{}: {}", properties.empty() ? "" : ",", in_quotes(one.name),
-                                  one.whole.empty() ? json_object(one.schema) : one.whole);
+                                  one.whole.empty() ? "{" + one.type + one.about + "}" : one.whole);
     }
-    Members members = first;
-    members.emplace_back("type", in_quotes("object"));
-    members.emplace_back("properties", "{" + properties + "}");
-    if (!required_.empty()) {
-        members.emplace_back("required", json_words(required_));
-    }
-    members.emplace_back("additionalProperties", "false");
-    if (!rules_.empty()) {
-        members.emplace_back("allOf", json_array(rules_));
-    }
-    return json_object(members);
+    return fmt::format(R"({{{}"type": "object", "properties": {{{}}}, "required": {}, )"
+                       R"("additionalProperties": false, "allOf": [{}]}})",
+                       first, properties, json_words(required_),
+                       rules_.empty() ? "true" : fmt::format("{}", fmt::join(rules_, ", ")));
 }
 
 }  // namespace palpate::protocols

@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "protocols/file/schema.hpp"
@@ -10,32 +9,30 @@
 /// Private to protocols/file: rows of keys as JSON Schema, in text.
 namespace palpate::protocols {
 
-/// Members of a JSON object in their order: names, and values as JSON.
-using Members = std::vector<std::pair<std::string, std::string>>;
+using Names = std::vector<std::string_view>;
 
-[[nodiscard]] std::string json_object(const Members& members);
 /// Words as a JSON array of strings.
-[[nodiscard]] std::string json_words(const std::vector<std::string_view>& words);
-/// `then` and `otherwise` are schemas; "" for none.
-[[nodiscard]] std::string json_when(const std::string& condition,
-                                    const std::string& then,
-                                    const std::string& otherwise = {});
+[[nodiscard]] std::string json_words(const Names& words);
+/// All these are schemas.
+[[nodiscard]] std::string json_when(std::string_view condition,
+                                    std::string_view then,
+                                    std::string_view otherwise = "true");
+[[nodiscard]] std::string both(std::string_view one, std::string_view other);
 /// Schema of an array of such items. @param most  0: any number
-[[nodiscard]] std::string json_list(const std::string& item, std::size_t least, std::size_t most);
+[[nodiscard]] std::string json_list(std::string_view item,
+                                    std::size_t least = 0,
+                                    std::size_t most = 0);
 
-/// Schemas of a table in which these keys have to be, and must not be.
-[[nodiscard]] std::string needs_all(const std::vector<std::string_view>& keys);
-[[nodiscard]] std::string has_none(const std::vector<std::string_view>& keys);
-[[nodiscard]] std::string needs_and_lacks(const std::vector<std::string_view>& needed,
-                                          const std::vector<std::string_view>& refused);
+/// Schema of a table in which these keys have to be, and those must not be.
+[[nodiscard]] std::string needs(const Names& needed, const Names& refused = {});
+/// Of a table whose key is such, or left out.
+[[nodiscard]] std::string where_given(std::string_view key, std::string_view is_such);
 /// Of a table whose key is one of these words. @param or_none  also if it is left out
-[[nodiscard]] std::string says(std::string_view key,
-                               const std::vector<std::string_view>& words,
-                               bool or_none = false);
+[[nodiscard]] std::string says(std::string_view key, const Names& words, bool or_none = false);
 
-[[nodiscard]] std::vector<std::string_view> names_of(Keys keys);
+[[nodiscard]] Names names_of(Keys keys);
 /// Those of them that have to be there.
-[[nodiscard]] std::vector<std::string_view> required_of(Keys keys);
+[[nodiscard]] Names required_of(Keys keys);
 
 /// The schema of one table.
 class TableSchema {
@@ -48,23 +45,24 @@ public:
     /// A key or table by its schema; a key that is there already gets it instead of its own type.
     TableSchema& put(std::string_view name, std::string schema, bool required = false);
     /// A text that is one of these words: its meaning stays.
-    TableSchema& among(std::string_view name, const std::vector<std::string_view>& words);
+    TableSchema& among(std::string_view name, const Names& words);
     /// Another schema that holds for the table as well.
     TableSchema& rule(std::string schema);
 
     /// Keys that were not named are refused. @param first  members before its own
-    [[nodiscard]] std::string text(const Members& first = {}) const;
+    [[nodiscard]] std::string text(std::string_view first = {}) const;
 
 private:
     struct Property {
         std::string name{};
-        Members schema{};
+        std::string type{};   ///< members of its schema: what it may be
+        std::string about{};  ///< and what it means
         std::string whole{};  ///< instead: JSON as it stands
     };
     Property& property(std::string_view name);
 
     std::vector<Property> properties_;
-    std::vector<std::string_view> required_;
+    Names required_;
     std::vector<std::string> rules_;
 };
 
