@@ -69,7 +69,7 @@ TEST_CASE("what is asked of a running session is done by its own events, and the
     CHECK(session.ask({{"do", "end"}, {"word", again["word"]}})["ok"] == true);
     CHECK(session.program.wait().code == 3);
     CHECK(session.state()["ended"] == "ended early");
-    CHECK_FALSE(session.shown.process.alive());
+    CHECK_FALSE(session.shown.alive());
     CHECK(tests::palpate_command({"verify", session.file}).code == 0);
 }
 
@@ -98,7 +98,7 @@ TEST_CASE("two who ask at once are both answered, and done once", "[live][law]")
         std::string said;
         for (const int from : {one.get(), other.get()}) {
             REQUIRE(ui::readable(from, 5000));
-            said += ui::receive(from).bytes;
+            said += ui::receive(from).line;
         }
         return said;
     };
@@ -212,7 +212,7 @@ TEST_CASE("nobody obeys what is no order, and nobody writes into what a session 
     for (int i = 0; i < 10; ++i) {
         ui::send_line(endless.get(), std::string(4000, '{'));
     }
-    const ui::ControlAnswer state = ui::ask_session(session.shown.name, R"({"do":"state"})");
+    const ui::Received state = ui::ask_session(session.shown.name, R"({"do":"state"})");
     REQUIRE(state.file.get() >= 0);
     CHECK(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, state.file.get(), 0) ==
           MAP_FAILED);
@@ -252,7 +252,7 @@ TEST_CASE("another user is heard only with the file open for writing, and then o
         const ui::Descriptor to = ui::connect_to(name);
         ui::send_line(to.get(), line, right);
         static_cast<void>(ui::readable(to.get(), 5000));
-        return ui::receive(to.get()).bytes;
+        return ui::receive(to.get()).line;
     };
     const ui::Descriptor reads(open(session.file.c_str(), O_RDONLY | O_CLOEXEC));
     const ui::Descriptor writes(open(session.file.c_str(), O_RDWR | O_CLOEXEC));

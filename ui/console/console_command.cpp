@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -61,21 +63,21 @@ RunningSession the_session(const std::optional<std::string>& of) {
     return std::move(all.front());
 }
 
-std::optional<PageFile> console_file(std::string_view path) {
-    constexpr const char* kHtml = "text/html; charset=utf-8";
-    constexpr const char* kScript = "text/javascript; charset=utf-8";
-    constexpr const char* kStyle = "text/css; charset=utf-8";
-    return path == "/"            ? std::optional(PageFile{kHtml, std::string(console_page())})
-         : path == "/console.css" ? std::optional(PageFile{kStyle, std::string(console_style())})
-         : path == "/console.js"  ? std::optional(PageFile{kScript, std::string(console_script())})
-         : path == "/uplot.css" ? std::optional(PageFile{kStyle, std::string(data::uplot_style())})
-         : path == "/uplot.js" ? std::optional(PageFile{kScript, std::string(data::uplot_script())})
-                               : std::nullopt;
+std::optional<std::string> console_file(std::string_view path) {
+    constexpr std::array<std::pair<std::string_view, std::string_view (*)()>, 5> kParts{{
+        {"/", console_page},
+        {"/console.css", console_style},
+        {"/console.js", console_script},
+        {"/uplot.css", data::uplot_style},
+        {"/uplot.js", data::uplot_script},
+    }};
+    const auto* found = std::ranges::find(kParts, path, &decltype(kParts)::value_type::first);
+    return found == kParts.end() ? std::nullopt : std::optional(std::string(found->second()));
 }
 
 /// That of every page of the session, which holds it: one that was open goes on with this server.
 void take_address(const std::string& session, PageServerSpec& spec) {
-    const ControlAnswer held = ask_session(session, R"({"do":"page"})");
+    const Received held = ask_session(session, R"({"do":"page"})");
     const data::Json said = object_in(held.line);
     if (said.value("ok", false)) {
         spec.listening = fcntl(held.file.get(), F_DUPFD_CLOEXEC, 0);  // the server closes it

@@ -88,17 +88,15 @@ FeltStimuli::FeltStimuli(std::string protocol, RigSpec rig, std::string device)
     read_again();
 }
 
-std::pair<std::string, std::uint64_t> FeltStimuli::event() const {
+std::string FeltStimuli::event() const {
     const std::scoped_lock lock(mutex_);
     data::Json names = data::Json::array();
     for (const Stimulus& one : stimuli_) {
         names.push_back(one.name);
     }
-    return {fmt::format("event: felt\ndata: {}\n\n", one_line({{"device", device_},
-                                                               {"stimuli", names},
-                                                               {"on", json_or_null(on_)},
-                                                               {"said", said_}})),
-            version_};
+    return event_text(
+        "felt",
+        {{"device", device_}, {"stimuli", names}, {"on", json_or_null(on_)}, {"said", said_}});
 }
 
 std::string FeltStimuli::ask(const std::string& line, bool gone) {
@@ -142,7 +140,6 @@ void FeltStimuli::say_on_page(std::optional<std::size_t> on, std::string text) {
     const std::scoped_lock lock(mutex_);
     on_ = on;
     said_ = std::move(text);
-    ++version_;
 }
 
 void FeltStimuli::feel_asked() {
@@ -153,7 +150,6 @@ void FeltStimuli::feel_asked() {
             one = stimuli_.at(*at);
             on_ = at;
             said_ = "the device is opened for " + one->name;
-            ++version_;
         }
     }
     if (!one) {

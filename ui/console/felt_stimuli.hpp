@@ -2,11 +2,9 @@
 
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "protocols/trial/presentation.hpp"
@@ -25,9 +23,9 @@ public:
     /// @throws std::invalid_argument for a device that cannot be felt without a window
     FeltStimuli(std::string protocol, RigSpec rig, std::string device);
 
-    /// {"device": "sim", "stimuli": ["convex, friction off", ...], "on": 3 or null, "said": "..."},
-    /// and which one that is. Any thread.
-    [[nodiscard]] std::pair<std::string, std::uint64_t> event() const;
+    /// {"device": "sim", "stimuli": ["convex, friction off", ...], "on": 3 or null, "said": "..."}
+    /// as an event of the page. Any thread.
+    [[nodiscard]] std::string event() const;
     /// {"do": "feel", "at": 3} or {"do": "stop"}. Any thread. @return {"ok": ..., "text": ...}
     /// @param gone  whoever asked: nothing is felt for them
     [[nodiscard]] std::string ask(const std::string& line, bool gone);
@@ -57,7 +55,6 @@ private:
     std::optional<std::size_t> asked_;
     std::optional<std::size_t> on_;
     std::string said_;
-    std::uint64_t version_ = 1;
     std::atomic<bool> stop_{false};
 };
 

@@ -1,5 +1,6 @@
 #include "ui/console/page_server.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -66,6 +67,18 @@ std::size_t times(MHD_Connection* connection, const char* key) {
         },
         &count);
     return count.times;
+}
+
+const char* type_of(std::string_view path) {
+    constexpr std::array<std::pair<std::string_view, const char*>, 4> kTypes{{
+        {".css", "text/css; charset=utf-8"},
+        {".js", "text/javascript; charset=utf-8"},
+        {".svg", "image/svg+xml"},
+        {".png", "image/png"},
+    }};
+    const auto* found =
+        std::ranges::find_if(kTypes, [&](const auto& type) { return path.ends_with(type.first); });
+    return found == kTypes.end() ? "text/html; charset=utf-8" : found->second;
 }
 
 struct Stream {
@@ -170,7 +183,7 @@ struct PageRequest {
         }
         const auto file = server.spec_.file(path);
         return !file ? answer(connection, MHD_HTTP_NOT_FOUND, "there is no such page\n")
-                     : answer(connection, MHD_HTTP_OK, file->text, file->type);
+                     : answer(connection, MHD_HTTP_OK, *file, type_of(path));
     }
 
     MHD_Result act(const PageServer& server, MHD_Connection* connection) const {

@@ -21,12 +21,6 @@ struct MHD_Daemon;
 /// silence have limits.
 namespace palpate::ui {
 
-/// A part of a page.
-struct PageFile {
-    const char* type;  ///< "text/javascript"
-    std::string text;
-};
-
 /// What one open page gets: server-sent events.
 class EventSource {
 public:
@@ -50,8 +44,9 @@ struct PageServerSpec {
     std::string cookie{};         ///< the token is traded for it; empty: one of its own
     std::string certificate{};    ///< PEM; empty: http
     std::string key{};            ///< PEM
-    /// What is at "/", "/console.js", ...; none: nothing is. On any thread.
-    std::function<std::optional<PageFile>(std::string_view path)> file{};
+    /// What is at "/", "/console.js", ...; none: nothing is. On any thread. Its type is that of the
+    /// path's end, and HTML without one.
+    std::function<std::optional<std::string>(std::string_view path)> file{};
     /// @param shown  the page asks for what is felt as well
     std::function<std::unique_ptr<EventSource>(bool shown)> open{};
     /// A JSON object -> a JSON object, on any thread. None: the page may only look.

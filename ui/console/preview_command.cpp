@@ -105,18 +105,15 @@ public:
         }
         return saved;
     }
-    [[nodiscard]] std::pair<std::string, std::uint64_t> event() const {
+    [[nodiscard]] std::string event() const {
         const std::scoped_lock lock(mutex_);
-        return {event_, version_};
+        return event_;
     }
-    [[nodiscard]] std::optional<PageFile> file(std::string_view path) const {
+    [[nodiscard]] std::optional<std::string> file(std::string_view path) const {
         const std::scoped_lock lock(mutex_);
         const std::string name(path.substr(std::min<std::size_t>(1, path.size())));
-        if (!std::ranges::count(shown_, name)) {
-            return std::nullopt;
-        }
-        return PageFile{name.ends_with(".svg") ? "image/svg+xml" : "image/png",
-                        file_text(folder_.file(name))};
+        return std::ranges::count(shown_, name) ? std::optional(file_text(folder_.file(name)))
+                                                : std::nullopt;
     }
 
 private:
@@ -154,15 +151,13 @@ private:
         const std::scoped_lock lock(mutex_);
         shown_ = std::move(shown);
         ++version_;
-        event_ = fmt::format(
-            "event: drawn\ndata: {}\n\n",
-            one_line({{"protocol", protocol_},
-                      {"version", version_},
-                      {"right", right},
-                      {"check", check},
-                      {"order", ordered ? order : ""},
-                      {"screens", screens},
-                      {"objects", drawn ? data::Json("objects.svg") : data::Json(nullptr)}}));
+        event_ = event_text("drawn", {{"protocol", protocol_},
+                                      {"version", version_},
+                                      {"right", right},
+                                      {"check", check},
+                                      {"order", ordered ? order : ""},
+                                      {"screens", screens},
+                                      {"objects", json_or_null(drawn ? "objects.svg" : "")}});
     }
 
     std::string protocol_;
@@ -180,12 +175,11 @@ public:
     DrawnStream(const Drawn& drawn, const FeltStimuli* felt)
         : drawn_(drawn), felt_(felt), said_ns_(monotonic_ns()) {}
     [[nodiscard]] std::string next() override {
-        const auto [event, version] = drawn_.event();
-        std::string news = std::exchange(version_, version) != version ? event : "";
-        if (felt_ != nullptr) {
-            const auto [felt, felt_version] = felt_->event();
-            news += std::exchange(felt_version_, felt_version) != felt_version ? felt : "";
-        }
+        std::string drawn = drawn_.event();
+        std::string felt = felt_ == nullptr ? "" : felt_->event();
+        std::string news = (drawn != drawn_said_ ? drawn : "") + (felt != felt_said_ ? felt : "");
+        drawn_said_ = std::move(drawn);
+        felt_said_ = std::move(felt);
         if (news.empty() && monotonic_ns() - said_ns_ > 5'000 * kMillisecond) {
             news = ": still here\n\n";
         }
@@ -196,8 +190,8 @@ public:
 private:
     const Drawn& drawn_;
     const FeltStimuli* felt_;
-    std::uint64_t version_ = 0;
-    std::uint64_t felt_version_ = 0;
+    std::string drawn_said_;
+    std::string felt_said_;
     std::int64_t said_ns_;
 };
 
@@ -219,12 +213,10 @@ int run(const PreviewOptions& options) {
     Drawn drawn(options.protocol);
     PageServerSpec spec;
     spec.file = [&drawn](std::string_view path) {
-        return path == "/" ? PageFile{"text/html; charset=utf-8", std::string(preview_page())}
-             : path == "/preview.css"
-                 ? PageFile{"text/css; charset=utf-8", std::string(preview_style())}
-             : path == "/preview.js"
-                 ? PageFile{"text/javascript; charset=utf-8", std::string(preview_script())}
-                 : drawn.file(path);
+        return path == "/"            ? std::string(preview_page())
+             : path == "/preview.css" ? std::string(preview_style())
+             : path == "/preview.js"  ? std::string(preview_script())
+                                      : drawn.file(path);
     };
     spec.open = [&drawn, &felt](bool /*shown*/) {
         return std::make_unique<DrawnStream>(drawn, felt ? &*felt : nullptr);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/rendering/mode.hpp"
@@ -69,10 +68,6 @@ void add_felt(Json& event, const std::vector<LiveTick>& ticks) {
         strips["mode"].push_back(mode == engine::Mode::transition ? "slip" : to_string(mode));
     }
     event["strips"] = std::move(strips);
-}
-
-std::string event_text(std::string_view name, const Json& data) {
-    return fmt::format("event: {}\ndata: {}\n\n", name, one_line(data));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ public:
     /// @param shown  with what is felt, once that was revealed
     [[nodiscard]] std::string state(bool shown);
     /// The process is there. Any thread.
-    [[nodiscard]] bool alive() const { return session_.process.alive(); }
+    [[nodiscard]] bool alive() const { return session_.alive(); }
     /// Hands a line of the page on to the session. @return its answer
     /// @param gone  whoever asked: no force is all that is still done then
     [[nodiscard]] std::string ask(const std::string& line, bool gone) const;

@@ -159,7 +159,7 @@ std::string running_text(const Json& state) {
 
 /// As it stands; empty: it ended.
 Json state_of(const RunningSession& session) {
-    const auto state = session.process.alive() ? session.reader->state() : std::nullopt;
+    const auto state = session.alive() ? session.reader->state() : std::nullopt;
     return object_in(state ? state->json : "");
 }
 

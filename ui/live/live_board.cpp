@@ -29,8 +29,8 @@ void keep_newest(data::Json& list) {
     }
 }
 
-std::string practice_before(const protocols::TrialNumber& trial, std::string_view text) {
-    return fmt::format("{}{}", trial.practice ? "practice: " : "", text);
+data::Json of_trial(const protocols::TrialNumber& trial) {
+    return {{"trial", trial.number}, {"practice", trial.practice}};
 }
 
 /// What cannot be shown is not shown, and the session goes on.
@@ -63,122 +63,6 @@ struct LiveBoard::Lists {
     data::Json faults = data::Json::array();
     data::Json notes = data::Json::array();
     data::Json answers = data::Json::array();  ///< for nobody before they are revealed
-};
-
-/// The board as JSON.
-class LiveBoard::Text {
-public:
-    explicit Text(const LiveBoard& board) : board_(board) {}
-
-    [[nodiscard]] std::string text() const {
-        const LiveFacts& facts = board_.facts_;
-        const protocols::Protocol& protocol = board_.protocol_;
-        data::Json state{{"session", facts.uuid},
-                         {"kind", facts.kind},
-                         {"participant", facts.participant},
-                         {"number", facts.number},
-                         {"protocol", protocol.id},
-                         {"title", protocol.title},
-                         {"phase", kPhases.at(static_cast<std::size_t>(board_.phase_)).first},
-                         {"sentence", sentence()},
-                         {"trial", board_.trial_.number},
-                         {"trials", board_.trial_.total},
-                         {"practice", board_.trial_.practice},
-                         {"remaining", facts.left},
-                         {"remaining_min", json_or_null(board_.minutes_)},
-                         {"next_break_in", json_or_null(next_break())},
-                         {"answered", facts.answered},
-                         {"alarm", board_.alarm_},
-                         {"pausing", board_.wishes_.first},
-                         {"force", {{"on", force_on()}, {"why", why()}}},
-                         {"reveal", protocol.reveal == protocols::Reveal::never ? "never"
-                                    : board_.revealed_                          ? "shown"
-                                                                                : "ask"},
-                         {"ended", json_or_null(board_.ended_)}};
-        add_device(state);
-        state["not_counting"] = board_.lists_->not_counting;
-        state["faults"] = board_.lists_->faults;
-        state["notes"] = board_.lists_->notes;
-        if (board_.revealed_) {
-            state["hidden"] = hidden();
-        }
-        return one_line(state);
-    }
-
-private:
-    void add_device(data::Json& state) const {
-        const LiveFacts& facts = board_.facts_;
-        // Whoever lets go ends the exploration.
-        const auto dead_man = board_.protocol_.safety.dead_man && facts.gives_force
-                                ? std::optional(board_.phase_ == LivePhase::explore)
-                                : std::nullopt;
-        state["device"] = {{"name", facts.device},
-                           {"calibration", json_or_null(facts.calibration)},
-                           {"round_trip_us", json_or_null(facts.round_trip_us)},
-                           {"check", json_or_null(facts.check)},
-                           {"guard", json_or_null(facts.guard)},
-                           {"dead_man", json_or_null(dead_man)}};
-        const bool noise = board_.phase_ == LivePhase::ready || board_.phase_ == LivePhase::explore;
-        state["masking"] = facts.masking_db
-                             ? data::Json{{"on", noise}, {"level_db", *facts.masking_db}}
-                             : data::Json(nullptr);
-        state["late"] = {
-            {"edges_us", kEdges},
-            {"trial", board_.late_trial_},
-            {"session", board_.late_session_},
-            {"stale_share", static_cast<double>(board_.stale_) /
-                                static_cast<double>(std::max<std::uint64_t>(1, board_.ticks_))}};
-    }
-
-    [[nodiscard]] data::Json hidden() const {
-        data::Json hidden;
-        if (board_.felt_) {
-            const protocols::Presentation& felt = *board_.felt_;
-            hidden = {{"object", felt.object.name},
-                      {"friction", felt.friction.name},
-                      {"level", json_or_null(felt.stimulus)},
-                      {"outline", data::Json::array()}};
-            for (const engine::Vec2& point : board_.outline_) {
-                hidden["outline"].push_back({point.x, point.y});
-            }
-        }
-        hidden["answers"] = board_.lists_->answers;
-        return hidden;
-    }
-
-    [[nodiscard]] std::string sentence() const {
-        const std::string_view begun = kPhases.at(static_cast<std::size_t>(board_.phase_)).second;
-        return board_.phase_ == LivePhase::trouble ? board_.trouble_.sentence
-             : board_.phase_ == LivePhase::ended   ? fmt::format("{} {}", begun, board_.ended_)
-             : begun.ends_with(' ') ? fmt::format("{}{}", begun, number_text(board_.trial_))
-                                    : std::string(begun);
-    }
-
-    [[nodiscard]] bool force_on() const {
-        return board_.phase_ == LivePhase::explore && board_.facts_.gives_force &&
-               !board_.desk_.wants_stop();
-    }
-    [[nodiscard]] std::string why() const {
-        const char* barred = board_.desk_.barred();
-        return !board_.facts_.gives_force          ? "this device gives no force"
-             : barred != nullptr                   ? barred
-             : board_.desk_.wants_stop()           ? "stopped"
-             : board_.phase_ == LivePhase::trouble ? board_.trouble_.sentence
-             : board_.phase_ == LivePhase::explore ? "exploring"
-                                                   : "nothing is felt now";
-    }
-
-    [[nodiscard]] std::optional<std::size_t> next_break() const {
-        const auto& trials = board_.plan_.trials;
-        for (std::size_t k = 1; board_.facts_.answered + k < trials.size(); ++k) {
-            if (trials[board_.facts_.answered + k].break_before) {
-                return k;
-            }
-        }
-        return std::nullopt;
-    }
-
-    const LiveBoard& board_;
 };
 
 LiveBoard::LiveBoard(LiveFacts facts,
@@ -304,14 +188,12 @@ void LiveBoard::attempted(const protocols::Progress& progress,
         facts_.left = progress.left();
         minutes_ = minutes;
         alarm_ = alarm;
-        const std::size_t number = progress.number.number;
+        data::Json entry = of_trial(progress.number);
         if (result.fault) {
-            const std::string_view cause = to_string(result.fault->cause);
-            lists_->faults.push_back({{"trial", number},
-                                      {"cause", practice_before(progress.number, cause)},
-                                      {"advice", result.fault->text.empty()
-                                                     ? std::string(explanation(result.fault->cause))
-                                                     : result.fault->text}});
+            entry["cause"] = to_string(result.fault->cause);
+            entry["advice"] = result.fault->text.empty() ? explanation(result.fault->cause)
+                                                         : std::string_view(result.fault->text);
+            lists_->faults.push_back(entry);
         } else if (!result.invalid.empty() || !result.response) {
             add_not_counting(progress.number, result.invalid.empty()
                                                   ? std::string(to_string(result.outcome))
@@ -320,13 +202,12 @@ void LiveBoard::attempted(const protocols::Progress& progress,
         if (result.response) {
             const auto& given = *result.response;
             const protocols::Condition& condition = progress.planned.condition;
-            lists_->answers.push_back(
-                {{"trial", number},
-                 {"object", protocol_.objects.at(condition.object).name},
-                 {"friction", protocol_.frictions.at(condition.friction).name},
-                 {"answer", given.object ? protocol_.objects.at(*given.object).name
-                                         : fmt::format("{}", given.place + 1)},
-                 {"correct", json_or_null(given.correct)}});
+            entry["object"] = protocol_.objects.at(condition.object).name;
+            entry["friction"] = protocol_.frictions.at(condition.friction).name;
+            entry["answer"] = given.object ? protocol_.objects.at(*given.object).name
+                                           : fmt::format("{}", given.place + 1);
+            entry["correct"] = json_or_null(given.correct);
+            lists_->answers.push_back(std::move(entry));
         }
         keep_newest(lists_->faults);
         show();
@@ -334,7 +215,8 @@ void LiveBoard::attempted(const protocols::Progress& progress,
 }
 
 void LiveBoard::add_not_counting(const protocols::TrialNumber& trial, const std::string& why) {
-    lists_->not_counting.push_back({{"trial", trial.number}, {"why", practice_before(trial, why)}});
+    data::Json& entry = lists_->not_counting.emplace_back(of_trial(trial));
+    entry["why"] = why;
     keep_newest(lists_->not_counting);
 }
 
@@ -352,10 +234,10 @@ void LiveBoard::marked(const protocols::MarkReply& reply, const std::string& rea
 void LiveBoard::noted(const std::string& text) noexcept {
     unless_no_memory([&] {
         const bool in_trial = phase_ == LivePhase::explore || phase_ == LivePhase::question;
-        lists_->notes.push_back(
-            {{"at", data::utc_now()},
-             {"trial", in_trial ? data::Json(trial_.number) : data::Json(nullptr)},
-             {"text", text}});
+        data::Json note = in_trial ? of_trial(trial_) : data::Json{{"trial", nullptr}};
+        note["at"] = data::utc_now();
+        note["text"] = text;
+        lists_->notes.push_back(std::move(note));
         keep_newest(lists_->notes);
         show();
     });
@@ -379,13 +261,115 @@ bool LiveBoard::forget_half() {
     return any;
 }
 
+std::string LiveBoard::text() const {
+    data::Json state{{"session", facts_.uuid},
+                     {"kind", facts_.kind},
+                     {"participant", facts_.participant},
+                     {"number", facts_.number},
+                     {"protocol", protocol_.id},
+                     {"title", protocol_.title},
+                     {"phase", kPhases.at(static_cast<std::size_t>(phase_)).first},
+                     {"sentence", sentence()},
+                     {"trial", trial_.number},
+                     {"trials", trial_.total},
+                     {"practice", trial_.practice},
+                     {"remaining", facts_.left},
+                     {"remaining_min", json_or_null(minutes_)},
+                     {"next_break_in", json_or_null(next_break())},
+                     {"answered", facts_.answered},
+                     {"alarm", alarm_},
+                     {"pausing", wishes_.first},
+                     {"force", {{"on", force_on()}, {"why", why()}}},
+                     {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
+                                : revealed_                                  ? "shown"
+                                                                             : "ask"},
+                     {"ended", json_or_null(ended_)}};
+    add_device(state);
+    state["not_counting"] = lists_->not_counting;
+    state["faults"] = lists_->faults;
+    state["notes"] = lists_->notes;
+    add_hidden(state);
+    return one_line(state);
+}
+
+void LiveBoard::add_device(data::Json& state) const {
+    // Whoever lets go ends the exploration.
+    const auto dead_man = protocol_.safety.dead_man && facts_.gives_force
+                            ? std::optional(phase_ == LivePhase::explore)
+                            : std::nullopt;
+    state["device"] = {{"name", facts_.device},
+                       {"calibration", json_or_null(facts_.calibration)},
+                       {"round_trip_us", json_or_null(facts_.round_trip_us)},
+                       {"check", json_or_null(facts_.check)},
+                       {"guard", json_or_null(facts_.guard)},
+                       {"dead_man", json_or_null(dead_man)}};
+    const bool noise = phase_ == LivePhase::ready || phase_ == LivePhase::explore;
+    state["masking"] = facts_.masking_db
+                         ? data::Json{{"on", noise}, {"level_db", *facts_.masking_db}}
+                         : data::Json(nullptr);
+    state["late"] = {{"edges_us", kEdges},
+                     {"trial", late_trial_},
+                     {"session", late_session_},
+                     {"stale_share", static_cast<double>(stale_) /
+                                         static_cast<double>(std::max<std::uint64_t>(1, ticks_))}};
+}
+
+void LiveBoard::add_hidden(data::Json& state) const {
+    if (!revealed_) {
+        return;
+    }
+    data::Json& hidden = state["hidden"];
+    if (felt_) {
+        const protocols::Presentation& felt = *felt_;
+        hidden = {{"object", felt.object.name},
+                  {"friction", felt.friction.name},
+                  {"level", json_or_null(felt.stimulus)},
+                  {"outline", data::Json::array()}};
+        for (const engine::Vec2& point : outline_) {
+            hidden["outline"].push_back({point.x, point.y});
+        }
+    }
+    hidden["answers"] = lists_->answers;
+}
+
+std::string LiveBoard::sentence() const {
+    const std::string_view begun = kPhases.at(static_cast<std::size_t>(phase_)).second;
+    return phase_ == LivePhase::trouble ? trouble_.sentence
+         : phase_ == LivePhase::ended   ? fmt::format("{} {}", begun, ended_)
+         : begun.ends_with(' ')         ? fmt::format("{}{}", begun, number_text(trial_))
+                                        : std::string(begun);
+}
+
+bool LiveBoard::force_on() const {
+    return phase_ == LivePhase::explore && facts_.gives_force && !desk_.wants_stop();
+}
+
+std::string LiveBoard::why() const {
+    const char* barred = desk_.barred();
+    return !facts_.gives_force          ? "this device gives no force"
+         : barred != nullptr            ? barred
+         : desk_.wants_stop()           ? "stopped"
+         : phase_ == LivePhase::trouble ? trouble_.sentence
+         : phase_ == LivePhase::explore ? "exploring"
+                                        : "nothing is felt now";
+}
+
+std::optional<std::size_t> LiveBoard::next_break() const {
+    for (std::size_t k = 1; facts_.answered + k < plan_.trials.size(); ++k) {
+        if (plan_.trials[facts_.answered + k].break_before) {
+            return k;
+        }
+    }
+    return std::nullopt;
+}
+
 void LiveBoard::show() noexcept {
     shown_ns_ = monotonic_ns();
     wishes_ = wishes();
     unless_no_memory([&] {
-        std::string json = Text(*this).text();
+        std::string json = text();
         while (json.size() > LiveWriter::kStateRoom && forget_half()) {
-            json = Text(*this).text();
+            json = text();
         }
         writer_.show(json, phase_ns_);
     });

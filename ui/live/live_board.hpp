@@ -15,6 +15,7 @@
 #include "protocols/session/operator_desk.hpp"
 #include "protocols/session/ports.hpp"
 #include "protocols/trial/presentation.hpp"
+#include "data/csv/json_text.hpp"
 #include "ui/live/live_segment.hpp"
 
 namespace palpate::ui {
@@ -96,8 +97,15 @@ private:
     static constexpr std::array<double, 8> kEdges{5, 10, 20, 50, 100, 200, 500, 1000};
     using Bins = std::array<std::uint64_t, kEdges.size() + 1>;
     struct Lists;  ///< as they are shown
-    class Text;    ///< all of it as JSON, in one line
 
+    /// All of it as JSON, in one line.
+    [[nodiscard]] std::string text() const;
+    void add_device(data::Json& state) const;
+    void add_hidden(data::Json& state) const;
+    [[nodiscard]] std::string sentence() const;
+    [[nodiscard]] bool force_on() const;
+    [[nodiscard]] std::string why() const;
+    [[nodiscard]] std::optional<std::size_t> next_break() const;
     [[nodiscard]] std::pair<bool, bool> wishes() const noexcept {
         return {desk_.wants_pause(), desk_.wants_stop()};
     }

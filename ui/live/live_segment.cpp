@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstring>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
-#include "engine/base/files.hpp"
 #include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
@@ -25,9 +25,10 @@ using Word = std::atomic<std::uint64_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 8, "it lies in shared memory");
 
 constexpr std::uint64_t kMagic = 0x3176696c706c6170;  // "palplive", version 1
-constexpr std::size_t kTickWords = sizeof(LiveTick) / sizeof(Word);
-constexpr std::size_t kStateWords = LiveWriter::kStateRoom / sizeof(Word);
 constexpr int kTries = 1000;
+
+template <std::size_t Bytes>
+using Words = std::array<Word, Bytes / sizeof(Word)>;
 
 }  // namespace
 
@@ -37,13 +38,28 @@ struct LiveMemory {
     Word state_sequence;
     Word phase_ns;
     Word length;
-    std::array<Word, kStateWords> state;
+    Words<LiveWriter::kStateRoom> state;
     Word tick_sequence;
     Word ticks;  ///< shown so far
-    std::array<std::array<Word, kTickWords>, LiveWriter::kRing> ring;
+    std::array<Words<sizeof(LiveTick)>, LiveWriter::kRing> ring;
 };
 
 namespace {
+
+void put(std::span<Word> words, const void* bytes, std::size_t size) noexcept {
+    for (std::size_t at = 0; at < size; at += sizeof(Word)) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, static_cast<const char*>(bytes) + at, std::min(sizeof word, size - at));
+        words[at / sizeof word].store(word, std::memory_order_relaxed);
+    }
+}
+
+void take(std::span<const Word> words, void* bytes, std::size_t size) noexcept {
+    for (std::size_t at = 0; at < size; at += sizeof(Word)) {
+        const std::uint64_t word = words[at / sizeof(Word)].load(std::memory_order_relaxed);
+        std::memcpy(static_cast<char*>(bytes) + at, &word, std::min(sizeof word, size - at));
+    }
+}
 
 /// Runs `write` between two steps of the sequence.
 template <class Write>
@@ -55,20 +71,20 @@ void with_sequence(Word& sequence, const Write& write) {
     sequence.store(before + 2, std::memory_order_release);
 }
 
-/// Runs `read` until nothing was written meanwhile. @return the sequence; none: never
+/// Runs `read` until nothing was written meanwhile. @return false: something always was
 template <class Read>
-std::optional<std::uint64_t> at_rest(const Word& sequence, const Read& read) {
+bool at_rest(const Word& sequence, const Read& read) {
     for (int tries = 0; tries < kTries; ++tries) {
         const std::uint64_t before = sequence.load(std::memory_order_acquire);
         if ((before & 1U) == 0) {
             read();
             std::atomic_thread_fence(std::memory_order_acquire);
             if (sequence.load(std::memory_order_relaxed) == before) {
-                return before;
+                return true;
             }
         }
     }
-    return std::nullopt;
+    return false;
 }
 
 }  // namespace
@@ -107,11 +123,7 @@ void LiveWriter::show(std::string_view state, std::int64_t phase_ns) noexcept {
     with_sequence(memory_->state_sequence, [&] {
         memory_->phase_ns.store(static_cast<std::uint64_t>(phase_ns), std::memory_order_relaxed);
         memory_->length.store(state.size(), std::memory_order_relaxed);
-        for (std::size_t at = 0; at < state.size(); at += sizeof(Word)) {
-            std::uint64_t word = 0;
-            std::memcpy(&word, state.data() + at, std::min(sizeof word, state.size() - at));
-            memory_->state[at / sizeof word].store(word, std::memory_order_relaxed);
-        }
+        put(memory_->state, state.data(), state.size());
     });
 }
 
@@ -119,12 +131,9 @@ void LiveWriter::show(const LiveTick& tick) noexcept {
     if (memory_ == nullptr) {
         return;
     }
-    const auto words = std::bit_cast<std::array<std::uint64_t, kTickWords>>(tick);
     with_sequence(memory_->tick_sequence, [&] {
         const std::uint64_t count = memory_->ticks.load(std::memory_order_relaxed);
-        for (std::size_t i = 0; i < kTickWords; ++i) {
-            memory_->ring[count % kRing][i].store(words[i], std::memory_order_relaxed);
-        }
+        put(memory_->ring[count % kRing], &tick, sizeof tick);
         memory_->ticks.store(count + 1, std::memory_order_relaxed);
     });
 }
@@ -153,23 +162,14 @@ std::uint64_t LiveReader::version() const noexcept {
 
 std::optional<LiveState> LiveReader::state() const {
     LiveState state;
-    const auto version = at_rest(memory_->state_sequence, [&] {
+    const auto whole = at_rest(memory_->state_sequence, [&] {
         state.phase_ns =
             static_cast<std::int64_t>(memory_->phase_ns.load(std::memory_order_relaxed));
-        const std::size_t length = std::min<std::size_t>(
-            memory_->length.load(std::memory_order_relaxed), LiveWriter::kStateRoom);
-        state.json.resize(length);
-        for (std::size_t at = 0; at < length; at += sizeof(Word)) {
-            const std::uint64_t word =
-                memory_->state[at / sizeof(Word)].load(std::memory_order_relaxed);
-            std::memcpy(state.json.data() + at, &word, std::min(sizeof word, length - at));
-        }
+        state.json.resize(std::min<std::size_t>(memory_->length.load(std::memory_order_relaxed),
+                                                LiveWriter::kStateRoom));
+        take(memory_->state, state.json.data(), state.json.size());
     });
-    if (!version) {
-        return std::nullopt;
-    }
-    state.version = *version;
-    return state;
+    return whole ? std::optional(std::move(state)) : std::nullopt;
 }
 
 std::pair<std::vector<LiveTick>, std::uint64_t> LiveReader::ticks_after(std::uint64_t seen) const {
@@ -180,48 +180,17 @@ std::pair<std::vector<LiveTick>, std::uint64_t> LiveReader::ticks_after(std::uin
         count = memory_->ticks.load(std::memory_order_relaxed);
         const std::uint64_t kept = std::min<std::uint64_t>(count, LiveWriter::kRing);
         for (std::uint64_t i = std::max(std::min(seen, count), count - kept); i < count; ++i) {
-            std::array<std::uint64_t, kTickWords> words{};
-            for (std::size_t k = 0; k < kTickWords; ++k) {
-                words[k] = memory_->ring[i % LiveWriter::kRing][k].load(std::memory_order_relaxed);
-            }
-            ticks.push_back(std::bit_cast<LiveTick>(words));
+            take(memory_->ring[i % LiveWriter::kRing], &ticks.emplace_back(), sizeof(LiveTick));
         }
     });
     return whole ? std::pair{std::move(ticks), count} : std::pair{std::vector<LiveTick>(), seen};
-}
-
-namespace {
-
-/// Field 22 of /proc/PID/stat; the name before it may hold spaces and brackets. 0: no such process,
-/// or one that has ended.
-std::uint64_t start_of(std::int64_t pid) {
-    const std::string text = file_text(fmt::format("/proc/{}/stat", pid));
-    const std::size_t name = text.rfind(')');
-    if (name == std::string::npos || name + 2 >= text.size() || text[name + 2] == 'Z') {
-        return 0;
-    }
-    std::size_t at = name + 2;
-    for (int field = 3; field < 22 && at != std::string::npos; ++field) {
-        at = text.find(' ', at + 1);
-    }
-    return at == std::string::npos ? 0 : std::strtoull(text.c_str() + at, nullptr, 10);
-}
-
-}  // namespace
-
-bool ProcessIdentity::alive() const {
-    return started != 0 && start_of(pid) == started;
-}
-
-ProcessIdentity this_process() {
-    return {.pid = getpid(), .started = start_of(getpid())};
 }
 
 std::vector<RunningSession> running_sessions(const std::optional<std::string>& of) {
     const bool is_file = of && identity_of(*of) && !of->empty();
     std::vector<RunningSession> all;
     for (const std::string& name : session_names(is_file ? of : std::nullopt)) {
-        const ControlAnswer answer = ask_session(name, R"({"do":"state"})");
+        const Received answer = ask_session(name, R"({"do":"state"})");
         const data::Json said = object_in(answer.line);
         if (!said.contains("state") || !said["state"].is_object()) {
             continue;
@@ -230,12 +199,16 @@ std::vector<RunningSession> running_sessions(const std::optional<std::string>& o
         if (of && !is_file && uuid != *of) {
             continue;
         }
+        Descriptor process(
+            static_cast<int>(syscall(SYS_pidfd_open, said.value("pid", pid_t{-1}), 0)));
+        if (process.get() < 0) {
+            continue;
+        }
         try {
             all.push_back({.name = name,
                            .file = said.value("file", ""),
                            .uuid = std::move(uuid),
-                           .process = {said.value("pid", std::int64_t{0}),
-                                       said.value("started", std::uint64_t{0})},
+                           .process = std::move(process),
                            .reader = std::make_unique<LiveReader>(answer.file.get())});
         } catch (const std::runtime_error&) {  // of another version
         }

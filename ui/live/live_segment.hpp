@@ -65,7 +65,6 @@ private:
 struct LiveState {
     std::string json;  ///< empty: nothing yet
     std::int64_t phase_ns = 0;
-    std::uint64_t version = 0;  ///< another one for each state
 };
 
 /// Another program's side; also the session's own, for its other threads.
@@ -89,22 +88,15 @@ private:
     const LiveMemory* memory_ = nullptr;
 };
 
-/// A process, and not another one that has its number now.
-struct ProcessIdentity {
-    std::int64_t pid = 0;
-    std::uint64_t started = 0;  ///< in the kernel's clock ticks since boot
-
-    [[nodiscard]] bool alive() const;
-};
-[[nodiscard]] ProcessIdentity this_process();
-
 /// A session that runs now on this machine, and shows itself to this user.
 struct RunningSession {
     std::string name;  ///< of its control socket
     std::string file;  ///< its database
     std::string uuid;
-    ProcessIdentity process{};
+    Descriptor process;  ///< a pidfd: of this one, and of no other that gets its number
     std::unique_ptr<LiveReader> reader;
+
+    [[nodiscard]] bool alive() const { return !readable(process.get(), 0); }
 };
 
 /// @param of  a database, or a session's uuid; none: all

@@ -1,11 +1,14 @@
 #include "ui/live/live_session.hpp"
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
@@ -45,12 +48,8 @@ void LiveSession::begin(LiveFacts facts,
     never_reveals_ = protocol.reveal == protocols::Reveal::never;
     recorder_ = &recorder;
     board_ = std::make_unique<LiveBoard>(std::move(facts), protocol, plan, desk_);
-    const ProcessIdentity process = this_process();
-    head_ = one_line({{"ok", true},
-                      {"text", "what runs"},
-                      {"file", board_->facts().file},
-                      {"pid", process.pid},
-                      {"started", process.started}});
+    head_ = one_line(
+        {{"ok", true}, {"text", "what runs"}, {"file", board_->facts().file}, {"pid", getpid()}});
     head_.pop_back();
     try {
         reader_ = std::make_unique<LiveReader>(board_->descriptor());
@@ -139,9 +138,15 @@ void LiveSession::answer_page(const Caller& caller) {
 }
 
 void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& caller) {
+    using Obey = std::pair<std::string_view, void (LiveSession::*)(const Asked&)>;
+    constexpr std::array kObeyed{Obey{"pause", &LiveSession::pause},
+                                 Obey{"go on", &LiveSession::go_on},
+                                 Obey{"mark", &LiveSession::mark}, Obey{"note", &LiveSession::note},
+                                 Obey{"reveal", &LiveSession::reveal}};
     const data::Json asked = object_in(line);
     const std::string what = text_in(asked, "do");
     const std::string text = text_in(asked, what == "mark" ? "reason" : "text");
+    const auto* obeyed = std::ranges::find(kObeyed, what, &Obey::first);
     if (what == "state" && reader_) {
         answer_state(*caller);
     } else if (!open_) {
@@ -154,20 +159,19 @@ void LiveSession::hear(const std::string& line, const std::shared_ptr<Caller>& c
         caller->answer(false, fmt::format("{} bytes: {} are the most", text.size(), kLongestText));
     } else if (what == "note" && trimmed(text, " \t\r\n").empty()) {
         caller->answer(false, "the note is empty: say it in a few words");
-    } else if (what == "pause" || what == "go on" || what == "mark" || what == "note" ||
-               (what == "reveal" && may_reveal(text_in(asked, "word"), *caller))) {
-        const std::scoped_lock lock(mutex_);
-        if (inbox_.size() < kInbox) {
-            inbox_.push_back({what, text, caller});
-            asked_ = true;
-        } else {
-            caller->answer(false, "too much was asked for at once: nothing was done");
-        }
-    } else if (what != "reveal") {
+    } else if (obeyed == kObeyed.end()) {
         caller->answer(
             false,
             "\"do\" is stop, state, page, pause, go on, mark, note, end or reveal: nothing "
             "was done");
+    } else if (what != "reveal" || may_reveal(text_in(asked, "word"), *caller)) {
+        const std::scoped_lock lock(mutex_);
+        if (inbox_.size() < kInbox) {
+            inbox_.push_back({obeyed->second, text, caller});
+            asked_ = true;
+        } else {
+            caller->answer(false, "too much was asked for at once: nothing was done");
+        }
     }
 }
 
@@ -198,23 +202,11 @@ void LiveSession::obey_all() {
         asked_ = false;
     }
     for (const Asked& asked : all) {
-        obey(asked);
-    }
-}
-
-void LiveSession::obey(const Asked& asked) {
-    if (board_->phase() == LivePhase::ended) {
-        asked.caller->answer(false, "the session is over: nothing was done");
-    } else if (asked.what == "pause") {
-        pause(*asked.caller);
-    } else if (asked.what == "go on") {
-        go_on(*asked.caller);
-    } else if (asked.what == "mark") {
-        mark(asked);
-    } else if (asked.what == "note") {
-        note(asked);
-    } else {
-        reveal(asked);
+        if (board_->phase() == LivePhase::ended) {
+            asked.caller->answer(false, "the session is over: nothing was done");
+        } else {
+            (this->*asked.obey)(asked);
+        }
     }
 }
 
@@ -240,7 +232,8 @@ void LiveSession::reveal(const Asked& asked) {
                           });
 }
 
-void LiveSession::pause(const Caller& caller) {
+void LiveSession::pause(const Asked& asked) {
+    const Caller& caller = *asked.caller;
     if (board_->phase() == LivePhase::pause || board_->phase() == LivePhase::trouble) {
         caller.answer(false, "it waits already");
     } else if (desk_.wants_pause()) {
@@ -252,7 +245,8 @@ void LiveSession::pause(const Caller& caller) {
 }
 
 /// A pause alone: after a stop weak pulses may move the handle, and whoever goes on is to see it.
-void LiveSession::go_on(const Caller& caller) {
+void LiveSession::go_on(const Asked& asked) {
+    const Caller& caller = *asked.caller;
     const LivePhase phase = board_->phase();
     if (phase == LivePhase::trouble) {
         caller.answer(

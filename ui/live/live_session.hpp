@@ -55,7 +55,7 @@ public:
 
 private:
     struct Asked {
-        std::string what;
+        void (LiveSession::*obey)(const Asked&);
         std::string text;
         std::shared_ptr<Caller> caller;
     };
@@ -75,9 +75,8 @@ private:
 
     void look();
     void obey_all();
-    void obey(const Asked& asked);
-    void pause(const Caller& caller);
-    void go_on(const Caller& caller);
+    void pause(const Asked& asked);
+    void go_on(const Asked& asked);
     void mark(const Asked& asked);
     void note(const Asked& asked);
     void reveal(const Asked& asked);

@@ -165,7 +165,7 @@ Received receive(int from) {
         received.ended = got == 0 || (errno != EAGAIN && errno != EINTR);
         return received;
     }
-    received.bytes.assign(bytes.data(), static_cast<std::size_t>(got));
+    received.line.assign(bytes.data(), static_cast<std::size_t>(got));
     const cmsghdr* head = CMSG_FIRSTHDR(&packet.head);
     if (head != nullptr && head->cmsg_type == SCM_RIGHTS) {
         int file = -1;
@@ -234,7 +234,7 @@ void ControlSocket::accept_callers() {
 bool ControlSocket::hear(Line& line, const Obey& obey) const {
     const Received received = receive(line.caller->descriptor());
     const auto now = std::chrono::steady_clock::now();
-    if (received.bytes.empty()) {
+    if (received.line.empty()) {
         return !received.ended && now - line.heard < kSilence;
     }
     line.heard = now;
@@ -242,7 +242,7 @@ bool ControlSocket::hear(Line& line, const Obey& obey) const {
     if (!line.may_speak) {
         return false;
     }
-    line.begun += received.bytes;
+    line.begun += received.line;
     for (std::size_t end = 0; (end = line.begun.find('\n')) != std::string::npos;) {
         const std::string whole = line.begun.substr(0, end);
         line.begun.erase(0, end + 1);
@@ -264,19 +264,19 @@ namespace {
 
 constexpr int kAnswerMs = 2000;  ///< a session's time to answer
 
-/// Until `end`, on the clock of monotonic_ns(). Hung up: no line, and `ended`.
-ControlAnswer line_from(const Descriptor& from, std::int64_t end, bool& ended) {
-    ControlAnswer answer;
-    while (!ended && !answer.line.ends_with('\n')) {
+/// A whole one until `end`, on the clock of monotonic_ns(), or none.
+Received line_from(const Descriptor& from, std::int64_t end) {
+    Received answer;
+    while (!answer.ended && !answer.line.ends_with('\n')) {
         const std::int64_t left = (end - monotonic_ns()) / kMillisecond;
         if (!readable(from.get(), static_cast<int>(std::max<std::int64_t>(left, 0)))) {
             return {};
         }
-        Received received = receive(from.get());
-        ended = received.ended;
-        answer.line += received.bytes;
-        if (received.file.get() >= 0) {
-            answer.file = std::move(received.file);
+        Received more = receive(from.get());
+        answer.ended = more.ended;
+        answer.line += more.line;
+        if (more.file.get() >= 0) {
+            answer.file = std::move(more.file);
         }
     }
     return answer;
@@ -297,20 +297,21 @@ StopResult stop_sessions(const std::optional<std::string>& database) {
     StopResult stopped;
     const std::int64_t end = monotonic_ns() + kAnswerMs * kMillisecond;
     for (const Descriptor& line : lines) {
-        bool ended = false;
-        const std::string text = line_from(line, end, ended).line;
-        const data::Json answer = object_in(text);
+        const Received said = line_from(line, end);
+        const data::Json answer = object_in(said.line);
         const bool ok = answer.value("ok", false);
-        (ok ? stopped.sessions : ended || !text.empty() ? stopped.refused : stopped.silent) += 1;
+        const bool heard = said.ended || !said.line.empty();
+        (ok ? stopped.sessions : heard ? stopped.refused : stopped.silent) += 1;
         stopped.labels += ok ? answer.value("text", "") : "";
     }
     return stopped;
 }
 
-ControlAnswer ask_session(const std::string& name, const std::string& line) {
+Received ask_session(const std::string& name, const std::string& line) {
     const Descriptor to = connect_to(name);
-    bool ended = to.get() < 0 || !send_line(to.get(), line);
-    return line_from(to, monotonic_ns() + kAnswerMs * kMillisecond, ended);
+    return to.get() >= 0 && send_line(to.get(), line)
+             ? line_from(to, monotonic_ns() + kAnswerMs * kMillisecond)
+             : Received();
 }
 
 }  // namespace palpate::ui

@@ -44,8 +44,6 @@ private:
 struct FileIdentity {
     unsigned long long device = 0;
     unsigned long long inode = 0;
-
-    friend bool operator==(const FileIdentity&, const FileIdentity&) = default;
 };
 /// @param database  empty: what stands for one that is not there yet. @return none: no such file
 [[nodiscard]] std::optional<FileIdentity> identity_of(const std::string& database);
@@ -64,10 +62,10 @@ void warn_of_unblinding(const std::string& database);
 /// went out
 bool send_line(int to, std::string_view line, int file = -1) noexcept;
 
-/// What came in one piece.
+/// What came from the other side.
 struct Received {
-    std::string bytes;
-    Descriptor file;     ///< that came with them
+    std::string line;
+    Descriptor file{};   ///< that came with it
     bool ended = false;  ///< nothing more will
 };
 /// What has come so far; waits for nothing.
@@ -138,12 +136,8 @@ struct StopResult {
 /// stop. Calls all before it hears any: one that hangs keeps nobody else's force on.
 [[nodiscard]] StopResult stop_sessions(const std::optional<std::string>& database);
 
-/// What a session answered.
-struct ControlAnswer {
-    std::string line;  ///< JSON; empty: it hung up, or did not answer within 2 s
-    Descriptor file{};
-};
 /// @param name  of session_names()   @param line  JSON, without its end
-[[nodiscard]] ControlAnswer ask_session(const std::string& name, const std::string& line);
+/// @return a line of JSON; empty: it hung up, or did not answer within 2 s
+[[nodiscard]] Received ask_session(const std::string& name, const std::string& line);
 
 }  // namespace palpate::ui

@@ -1,5 +1,6 @@
 #include "ui/rig/json_line.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace palpate::ui {
@@ -15,6 +16,10 @@ Json object_in(std::string_view line) {
     return value.is_object() ? value : Json::object();
 }
 
+std::string event_text(std::string_view name, const Json& data) {
+    return fmt::format("event: {}\ndata: {}\n\n", name, one_line(data));
+}
+
 std::string answer_of(bool ok, std::string_view text, std::string_view word) {
     Json answer{{"ok", ok}, {"text", text}};
     if (!word.empty()) {
@@ -27,16 +32,12 @@ Json json_or_null(const std::string& text) {
     return text.empty() ? Json(nullptr) : Json(text);
 }
 
-Json json_or_null(std::optional<double> number) {
-    return number ? Json(*number) : Json(nullptr);
-}
-
-Json json_or_null(std::optional<std::size_t> number) {
-    return number ? Json(*number) : Json(nullptr);
-}
-
-Json json_or_null(std::optional<bool> value) {
+template <class Value>
+Json json_or_null(const std::optional<Value>& value) {
     return value ? Json(*value) : Json(nullptr);
 }
+template Json json_or_null(const std::optional<double>&);
+template Json json_or_null(const std::optional<std::size_t>&);
+template Json json_or_null(const std::optional<bool>&);
 
 }  // namespace palpate::ui

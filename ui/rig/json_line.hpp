@@ -15,13 +15,14 @@ namespace palpate::ui {
 [[nodiscard]] std::string one_line(const data::Json& value);
 /// An object; one without members where the line is none.
 [[nodiscard]] data::Json object_in(std::string_view line);
+/// A server-sent event of a page.
+[[nodiscard]] std::string event_text(std::string_view name, const data::Json& data);
 /// What became of what was asked. @param word  to be repeated; empty: none
 [[nodiscard]] std::string answer_of(bool ok, std::string_view text, std::string_view word = {});
 
 /// null for nothing, and for a text that is empty.
 [[nodiscard]] data::Json json_or_null(const std::string& text);
-[[nodiscard]] data::Json json_or_null(std::optional<double> number);
-[[nodiscard]] data::Json json_or_null(std::optional<std::size_t> number);
-[[nodiscard]] data::Json json_or_null(std::optional<bool> value);
+template <class Value>
+[[nodiscard]] data::Json json_or_null(const std::optional<Value>& value);
 
 }  // namespace palpate::ui
