@@ -60,8 +60,10 @@
   const counted = (n, one, more) => n + ' ' + (n === 1 ? one : more || one + 's');
   const ago = ms => ms < 1000 ? Math.round(ms) + ' ms ago' : ms < 120000 ? (ms / 1000).toFixed(1) + ' s ago'
     : Math.round(ms / 60000) + ' min ago';
-  const gone = () => lost !== null || (state !== null && !state.alive);
   const over = () => state !== null && (state.phase === 'ended' || is(state.ended));
+  const rests = () => over() && state.ended !== 'killed';
+  const gone = () => !rests() && (lost !== null || (state !== null && !state.alive));
+  const named = one => (one.practice ? 'Practice ' : 'Trial ') + one.trial;
 
   // ------------------------------------------------------------------------------------------ what is shown
 
@@ -94,15 +96,15 @@
   }
 
   function showForce() {
-    const now = over() && state.ended !== 'killed' ? 'off' : gone() ? 'unknown' : state.force.on ? 'on' : 'off';
+    const now = rests() ? 'off' : gone() ? 'unknown' : state.force.on ? 'on' : 'off';
     document.body.dataset.force = now;
     put($('force-word'), now === 'unknown' ? 'Force not known' : 'Force ' + now);
-    put($('force-why'), gone() || !state.force.why ? '' : '(' + state.force.why + ')');
+    put($('force-why'), gone() || over() || !state.force.why ? '' : '(' + state.force.why + ')');
   }
 
   function trialRows() {
     const rows = [
-      ['Remaining', counted(state.remaining, 'trial') + (is(state.remaining_min)
+      ['Remaining', counted(state.remaining, 'trial') + (is(state.remaining_min) && state.remaining > 0
         ? ', some ' + Math.max(1, Math.round(state.remaining_min)) + ' min at this pace' : '')],
       ['Next break', is(state.next_break_in) ? 'after ' + counted(state.next_break_in, 'more trial') : 'none'],
       ['Do not count', String(state.not_counting.length)],
@@ -112,9 +114,9 @@
     $('not-h').hidden = state.not_counting.length === 0;
     $('faults-h').hidden = state.faults.length === 0;
     fill($('not'), state.not_counting, () => state.not_counting.slice().reverse()
-      .map(one => make('li', 'Trial ' + one.trial + ': ' + one.why)));
+      .map(one => make('li', named(one) + ': ' + one.why)));
     fill($('faults'), state.faults, () => state.faults.slice().reverse().map(one => {
-      const item = make('li', (is(one.trial) ? 'Trial ' + one.trial + ': ' : '') + one.cause);
+      const item = make('li', (is(one.trial) ? named(one) + ': ' : '') + one.cause);
       item.append(make('small', one.advice));
       return item;
     }));
@@ -137,7 +139,7 @@
     const sound = state.masking;
     const saved = is(state.saved_ms) ? state.saved_ms + 1000 * (seconds() - stateAt) : null;
     facts($('kept'), [
-      ['Saved', saved === null ? 'nothing yet' : ago(saved)],
+      ['Saved', over() ? null : saved === null ? 'nothing yet' : ago(saved)],
       ['Disk', is(state.disk_free_mb) ? (state.disk_free_mb / 1000).toFixed(1) + ' GB free' : null, state.disk_free_mb < 1000],
       ['Newest seal', state.seal || 'none yet'],
       ['Masking noise', !sound ? 'none' : (sound.on ? 'on' : 'off') +
@@ -181,7 +183,7 @@
     fill($('notes'), state.notes, () => state.notes.slice().reverse().map(note => {
       const item = make('li', note.text), at = new Date(note.at);
       item.append(make('small', (isNaN(at) ? note.at : at.toLocaleTimeString()) +
-        (is(note.trial) ? ', trial ' + note.trial : '')));
+        (is(note.trial) ? ', ' + named(note).toLowerCase() : '')));
       return item;
     }));
     $('notes').hidden = state.notes.length === 0;
@@ -209,7 +211,7 @@
     facts($('hidden'), [['Object', h.object], ['Friction', h.friction], ['Level', is(h.level) ? String(h.level) : null]]);
     fill($('answers'), h.answers, () => h.answers.slice().reverse().map(one => {
       const row = make('tr', null, one.correct === false ? 'wrong' : '');
-      [one.trial, one.object, one.friction, one.answer, one.correct === true ? 'right' : one.correct === false ? '\u2715 wrong'
+      [(one.practice ? 'practice ' : '') + one.trial, one.object, one.friction, one.answer, one.correct === true ? 'right' : one.correct === false ? '\u2715 wrong'
         : 'neither'].forEach(text => row.append(make('td', is(text) ? String(text) : '')));
       return row;
     }));
@@ -241,7 +243,7 @@
     put($('title'), state.title);
     put($('protocol'), state.title === state.protocol ? '' : '(' + state.protocol + ')');
     put($('shape'), SHAPES[state.phase] || '');
-    put($('sentence'), (gone() && !over() ? 'last heard: ' : '') + state.sentence + (state.practice && !/practice/.test(state.sentence) ? ' (practice)' : ''));
+    put($('sentence'), (gone() ? 'last heard: ' : '') + state.sentence + (state.practice && !over() && !/practice/.test(state.sentence) ? ' (practice)' : ''));
     const all = state.answered + state.remaining;
     $('bar').max = Math.max(1, all);
     $('bar').value = state.answered;
@@ -281,19 +283,20 @@
     if (strips !== null) strips.forEach(plot => plot.destroy());
     const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
     const font = 0.8 * rem + 'px sans-serif', text = colour('--text'), rule = colour('--rule');
-    const axis = { stroke: text, font: font, size: 2 * rem, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } };
+    const axis = { stroke: text, font: font, size: 2 * rem, space: 4 * rem, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } };
     const line = (label, ink, dash, paths) => ({ label: label, stroke: colour(ink), width: 2, dash: dash, paths: paths,
       points: { show: false } });
     const plot = (title, height, lines, y, scale) => new uPlot({
       title: title, width: Math.max(240, $('strips').clientWidth), height: height * rem, legend: { show: false },
       cursor: { show: false }, scales: { x: { time: false }, y: scale },
       axes: [Object.assign({}, axis, { values: (u, at) => at.map(t => +t.toFixed(2) + ' s') }),
-        Object.assign({}, axis, { size: 3.5 * rem }, y)],
+        Object.assign({}, axis, { size: 3.5 * rem, space: 1.8 * rem }, y)],
       series: [{}].concat(lines)
     }, [[]].concat(lines.map(() => [])), $('strips'));
+    const atLeast = most => ({ range: { min: { pad: 0.1, soft: 0, mode: 1 }, max: { pad: 0.1, soft: most, mode: 1 } } });
     strips = [
-      plot('Force, N: normal solid, friction dashed', 10, [line('normal', '--blue'), line('friction', '--vermillion', [6, 4])], {}, {}),
-      plot('Speed of the hand, mm/s', 8, [line('speed', '--blue')], {}, {}),
+      plot('Force, N: normal solid, friction dashed', 10, [line('normal', '--blue'), line('friction', '--vermillion', [6, 4])], {}, atLeast(1)),
+      plot('Speed of the hand, mm/s', 8, [line('speed', '--blue')], {}, atLeast(10)),
       plot('Mode of the contact', 7, [line('mode', '--green', undefined, uPlot.paths.stepped({ align: 1 }))],
         { splits: MODES.map((m, i) => i), values: MODES }, { range: [-0.4, MODES.length - 0.6] })
     ];
@@ -416,7 +419,9 @@
     });
   }
 
-  on('stop', () => act({ do: 'stop' }));
+  on('stop', async () => {
+    if ((await act({ do: 'stop' })).ok) say(true, 'No force any more.');
+  });
   on('pause', () => act({ do: goesOn() ? 'go on' : 'pause' }));
   on('mark', async () => {
     const reason = await ask('Does not count', 'The running or last trial is kept, marked, and run again.', 'Why (kept with it)',
