@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <csignal>
+#include <vector>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
@@ -129,6 +131,57 @@ TEST_CASE("a preview shows what a protocol shows, and each problem at its line o
     tests::write(file, tests::replaced(good, "rate_hz = 1000", "rate_hz = 1"));
     CHECK_THAT(stream.hear_until("\"objects\":null}"), Has("mine.toml:11:11: rate_hz is 1"));
     CHECK_THAT(browser.get("/choose.png", browser.cookie), StartsWith("HTTP/1.1 404"));
+    preview.signal(SIGTERM);
+    CHECK(preview.wait().code == 0);
+}
+
+TEST_CASE("a preview shows of a rule's stimuli what is known before anybody answers",
+          "[console][law]") {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder.file("mine.toml");
+    const std::string stairs =
+        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
+    tests::write(file, stairs);
+    tests::Process preview({tests::palpate_program(), "preview", file, "--device", "sim"});
+    REQUIRE(eventually([&] { return preview.out().find("\nCtrl+C") != std::string::npos; }));
+    Browser browser(preview.out());
+    browser.trade();
+    tests::HttpLine stream(browser.port);
+    stream.say("GET /stream HTTP/1.1\r\nHost: " + browser.host + "\r\n" + browser.cookie + "\r\n");
+    /// What stands behind "mu" in trials of a phase.
+    const auto levels = [&](const std::string& phase) {
+        const std::string heard = stream.hear_until("\"objects\":\"objects.svg\"}");
+        std::vector<std::string> all;
+        for (std::size_t at = heard.find("\\ntrial "); at != std::string::npos;
+             at = heard.find("\\ntrial ", at + 1)) {
+            const std::string line = heard.substr(at + 2, heard.find("\\n", at + 2) - at - 2);
+            const std::size_t mu = line.find(", mu ");
+            REQUIRE(mu != std::string::npos);
+            if (line.find("  " + phase) != std::string::npos) {
+                all.push_back(line.substr(mu + 5, line.find("  (", mu) - mu - 5));
+            }
+        }
+        return all;
+    };
+    CHECK(levels("practice") == std::vector<std::string>(4, "0.9"));
+    std::vector<std::string> main = levels("main");
+    REQUIRE(main.size() == 80);
+    CHECK(main.back() == "0.305 to 1.2");  // 40 answers of a kind lead to either end
+    std::erase_if(main, [](const std::string& mu) { return mu.find(" to ") != std::string::npos; });
+    std::ranges::sort(main);
+    CHECK(main == std::vector<std::string>{"0.6", "0.9"});  // where its staircases begin
+    CHECK_THAT(stream.hear_until("event: felt"),
+               Has(R"(["more, standard","more, mu 0.305","more, mu 0.7525","more, mu 1.2"])"));
+
+    stream.forget();
+    const std::size_t kind = stairs.find("kind = \"staircase\"");
+    tests::write(file, stairs.substr(0, kind) +
+                           "kind = \"constant\"\n[procedure.constant]\nstimuli = [0.4, 0.9]\n"
+                           "repetitions = 3\n" +
+                           stairs.substr(stairs.find("[[run]]")));
+    main = levels("main");
+    std::ranges::sort(main);
+    CHECK(main == std::vector<std::string>{"0.4", "0.4", "0.4", "0.9", "0.9", "0.9"});
     preview.signal(SIGTERM);
     CHECK(preview.wait().code == 0);
 }

@@ -6,10 +6,13 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/session/progress.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
 #include "ui/cli/plan_text.hpp"
@@ -133,16 +136,52 @@ void print_pictures(const Sequence& sequence) {
     }
 }
 
+/// What is known of a rule's stimuli before anybody answers: what it shows once all answers were of
+/// the first kind, and once all were of the last.
+class KnownStimuli {
+public:
+    explicit KnownStimuli(const Sequence& sequence)
+        : protocol_(sequence.study.protocol),
+          alike_(2, {protocol_, session_stream(sequence.study.hash, sequence.key, sequence.seed)}) {
+    }
+    /// Of the next trial: "mu 0.9", or "mu 0.45 to 1.2" where it hangs on the answers.
+    std::string next(const PlannedTrial& trial) {
+        const protocols::AdaptiveSpec& rule = *protocol_.procedure;
+        std::vector<double> felt;
+        for (protocols::AdaptiveRuns& runs : alike_) {
+            const std::size_t run = trial.adaptive->run;
+            const double shown = *stimulus_for(protocol_, trial, runs);
+            felt.push_back(felt_value(rule, shown));
+            if (trial.phase != protocols::Phase::practice) {
+                const bool last = felt.size() > 1;
+                runs.update({run, shown, last ? runs.of(run).outcomes() - 1 : 0});
+            }
+        }
+        std::ranges::sort(felt);
+        return fmt::format("{} {:.4g}", word_of(rule.varies), felt.front()) +
+               (felt.front() == felt.back() ? "" : fmt::format(" to {:.4g}", felt.back()));
+    }
+
+private:
+    const Protocol& protocol_;
+    std::vector<protocols::AdaptiveRuns> alike_;
+};
+
+void print_rule_trials(const Sequence& sequence) {
+    say("\nWhere two numbers stand, answers that are all alike lead to one of them.\n");
+    KnownStimuli known(sequence);
+    for (const PlannedTrial& trial : sequence.plan.trials) {
+        say("trial {:>3}  {:<8}  {:<11} comparison in interval {}, {}{}\n", trial.position + 1,
+            to_string(trial.phase), sequence.study.protocol.runs.at(trial.adaptive->run).name,
+            trial.adaptive->comparison, known.next(trial),
+            trial.break_before ? "  (after a break)" : "");
+    }
+}
+
 void print_trials(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     say("\n");
     for (const PlannedTrial& trial : sequence.plan.trials) {
-        if (trial.adaptive) {
-            say("trial {:>3}  {:<8}  {:<11} comparison in interval {}{}\n", trial.position + 1,
-                to_string(trial.phase), protocol.runs.at(trial.adaptive->run).name,
-                trial.adaptive->comparison, trial.break_before ? "  (after a break)" : "");
-            continue;
-        }
         say("trial {:>3}  {:<8}  {:<11} friction {}{}\n", trial.position + 1,
             to_string(trial.phase), protocol.objects.at(trial.condition.object).name,
             protocol.frictions.at(trial.condition.friction).name,
@@ -165,7 +204,7 @@ void print_text(const Sequence& sequence) {
     }
     if (protocol.procedure) {
         say("{}{}", rule_text(protocol, sequence.plan), breaks_text(summary));
-        print_trials(sequence);
+        print_rule_trials(sequence);
         return;
     }
     say("{}", limits_text(protocol, sequence.plan, summary));
