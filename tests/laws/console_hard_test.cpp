@@ -1,4 +1,6 @@
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -130,6 +132,42 @@ TEST_CASE("a request that is wrong in one place is obeyed in none", "[console][s
     CHECK(session.kept(kNotes) == "0");
     CHECK_THAT(browser.act(kNote, browser.cookie + browser.origin()), Has("\"ok\":true"));
     CHECK(session.kept(kNotes) == "1");
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+}
+
+TEST_CASE("whoever has no cookie keeps nobody out, however many lines are held open",
+          "[console][safety][law]") {
+    ShownSession session;
+    const Console console(session);
+    tests::Browser& browser = *console.browser;
+    browser.trade();
+    std::vector<std::unique_ptr<tests::HttpLine>> pages;
+    for (int i = 0; i < 8; ++i) {
+        pages.push_back(console.stream());
+        CHECK_THAT(pages.back()->hear_until("event: state"), Has("event: state"));
+    }
+    std::vector<std::unique_ptr<tests::HttpLine>> strangers;
+    for (int i = 0; i < 90; ++i) {
+        strangers.push_back(std::make_unique<tests::HttpLine>(browser.port));
+        strangers.back()->say("GET / HTTP/1.1\r\nHost: ");
+    }
+    const std::jthread never_silent([&](const std::stop_token& end) {
+        while (!end.stop_requested()) {
+            for (const auto& one : strangers) {
+                one->say("a");
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        }
+    });
+    for (int i = 0; i < 5; ++i) {  // who comes while others are let go may have to come again
+        CHECK(eventually(
+            [&] { return browser.get("/", browser.cookie).starts_with("HTTP/1.1 200"); }));
+    }
+    for (const auto& page : pages) {
+        page->forget();
+        CHECK_THAT(page->hear_until("event: state"), Has("event: state"));
+    }
     session.program.signal(SIGTERM);
     CHECK(session.program.wait().code == 3);
 }

@@ -4,23 +4,29 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <deque>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 
 #include "data/store/uuid.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
 namespace {
 
-constexpr unsigned kConnections = 24;
+constexpr unsigned kConnections = 64;
+constexpr std::size_t kStrangers = 16;  ///< of them, but for those that are being let go
 constexpr std::size_t kConnectionMemory = 32768;
 constexpr unsigned kSilence = 15;  ///< s
 
@@ -109,6 +115,41 @@ ssize_t read_stream(void* at, std::uint64_t /*from*/, char* bytes, std::size_t r
 }
 
 }  // namespace
+
+/// Who is connected, and did not show the cookie. Of more than some the first makes room.
+class PageServer::Strangers {
+public:
+    static void notified(void* at,
+                         MHD_Connection* who,
+                         void** /*own*/,
+                         MHD_ConnectionNotificationCode what) {
+        auto& self = *static_cast<Strangers*>(at);
+        try {
+            what == MHD_CONNECTION_NOTIFY_STARTED ? self.comes(who) : self.forget(who);
+        } catch (const std::exception&) {  // no memory: it is no stranger, and stays
+        }
+    }
+    /// It left, or is no stranger any more.
+    void forget(MHD_Connection* who) {
+        const std::scoped_lock lock(mutex_);
+        std::erase_if(all_, [&](const auto& one) { return one.first == who; });
+    }
+
+private:
+    void comes(MHD_Connection* who) {
+        const std::scoped_lock lock(mutex_);
+        const MHD_ConnectionInfo* line =
+            MHD_get_connection_info(who, MHD_CONNECTION_INFO_CONNECTION_FD);
+        all_.emplace_back(who, Descriptor(fcntl(line->connect_fd, F_DUPFD_CLOEXEC, 0)));
+        if (all_.size() > kStrangers) {
+            shutdown(all_.front().second.get(), SHUT_RDWR);  // its thread lets it go
+            all_.pop_front();
+        }
+    }
+
+    std::mutex mutex_;
+    std::deque<std::pair<MHD_Connection*, Descriptor>> all_;  ///< who came first first
+};
 
 /// One request, from its head to its answer.
 struct PageRequest {
@@ -225,6 +266,7 @@ struct PageRequest {
             return answer(connection, MHD_HTTP_FORBIDDEN,
                           "open the address that palpate console printed\n");
         }
+        server.strangers_->forget(connection);
         return acts ? act(server, connection) : get(server, connection, path);
     }
 
@@ -264,7 +306,8 @@ struct PageRequest {
     }
 };
 
-PageServer::PageServer(PageServerSpec spec) : spec_(std::move(spec)) {
+PageServer::PageServer(PageServerSpec spec)
+    : spec_(std::move(spec)), strangers_(std::make_unique<Strangers>()) {
     for (std::string* secret : {&spec_.token, &spec_.cookie}) {
         *secret = secret->empty() ? data::random_secret() : *secret;
     }
@@ -292,7 +335,8 @@ PageServer::PageServer(PageServerSpec spec) : spec_(std::move(spec)) {
     daemon_ = MHD_start_daemon(
         flags, 0, nullptr, nullptr, &PageRequest::heard, this, MHD_OPTION_LISTEN_SOCKET,
         spec_.listening, MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_NOTIFY_COMPLETED,
-        &PageRequest::completed, nullptr, MHD_OPTION_CONNECTION_LIMIT, kConnections,
+        &PageRequest::completed, nullptr, MHD_OPTION_NOTIFY_CONNECTION, &Strangers::notified,
+        strangers_.get(), MHD_OPTION_CONNECTION_LIMIT, kConnections,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_CONNECTION_TIMEOUT,
         kSilence, MHD_OPTION_ARRAY, tls ? certificates : certificates + 2, MHD_OPTION_END);
     const int error = errno;

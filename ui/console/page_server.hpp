@@ -18,7 +18,7 @@ struct MHD_Daemon;
 /// reads and no other site sends. Host and Origin must be this server's own: neither another page
 /// in the same browser nor a name that was made to point here gets an answer. Nothing is loaded
 /// from anywhere else, and nothing is kept by the browser. Connections, their memory and their
-/// silence have limits.
+/// silence have limits; of many without the cookie who came first makes room.
 namespace palpate::ui {
 
 /// What one open page gets: server-sent events.
@@ -73,12 +73,14 @@ public:
 
 private:
     friend struct PageRequest;
+    class Strangers;
 
     PageServerSpec spec_;
     std::string cookie_name_;
     std::string host_;  ///< "127.0.0.1:34567"
     std::string port_;
     std::atomic<bool> ends_{false};
+    std::unique_ptr<Strangers> strangers_;
     MHD_Daemon* daemon_ = nullptr;
 };
 
