@@ -50,6 +50,12 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     page.press("pause");
     CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'go on'", "1"));
     CHECK(eventually([&] { return page.text("pause-word") == "Pause"; }));
+    page.press("mark");
+    REQUIRE(
+        eventually([&] { return page.value("document.getElementById('ask').open") == "true"; }));
+    page.press("ask-stop");
+    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'stop'", "1"));
+    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind = 'mark'") == "0");
     CHECK(page.value("performance.getEntriesByType('resource').every(one => "
                      "one.name.startsWith(location.origin))") == "true");
 

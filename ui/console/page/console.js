@@ -455,6 +455,10 @@
   $('ask-form').addEventListener('submit', () => { $('ask').returnValue = 'yes'; });
   $('ask-yes').value = 'yes';
   $('ask-no').addEventListener('click', () => $('ask').close(''));
+  $('ask-stop').addEventListener('click', () => {  // a dialog covers the other one
+    $('ask').close('');
+    $('stop').click();
+  });
   $('note-form').addEventListener('submit', async event => {
     event.preventDefault();
     const text = $('note').value.trim();
