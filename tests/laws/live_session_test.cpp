@@ -230,6 +230,7 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     const data::Json now =
         data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
     CHECK(now["studies"][0]["planned"] == 1);
+    REQUIRE(now["running"].size() == 1);
     CHECK(now["running"][0]["participant"] == "P1");
     CHECK(now["running"][0]["kind"] == "simulated");
     CHECK_THAT(tests::palpate_command({"status", session.file}).out,

@@ -8,6 +8,7 @@ is: "shipped", "wrong" (a mutant whose key, type, range or word is wrong), "othe
 import copy
 import json
 import pathlib
+import re
 import sys
 import tomllib
 
@@ -61,19 +62,26 @@ def rows_of(schema, path):
     return schema
 
 
+RANGE = re.compile(r"\((?:above (N)|(N)(?= to | or more))?(?: or more)?(?:(?:, at most | to |up to )(N))?\)$"
+                   .replace("N", r"[-+.\de]+"))
+
+
 def wrong_values(row, value):
     """Values of another type, out of the range, and words that are none."""
     yield 7 if isinstance(value, str) else "text"
     yield {"a": 1, "b": 2}
     if not isinstance(value, bool):
         yield True
-    low = row.get("minimum", row.get("exclusiveMinimum"))
-    if "exclusiveMinimum" in row:
-        yield low if row["type"] == "number" else int(low)
-    if low is not None:
-        yield low - 1 if row["type"] == "number" else int(low) - 1
-    if "maximum" in row and row["maximum"] < 9e18:
-        yield row["maximum"] * 1.5 + 1 if row["type"] == "number" else int(row["maximum"]) + 1
+    ends = RANGE.search(row.get("description", "")) if row.get("type") in ("number", "integer") else None
+    if ends:  # as people read it: a bound that the schema forgot is one all the same
+        above, least, most = (None if end is None else float(end) if row["type"] == "number" else int(float(end))
+                              for end in ends.groups())
+        if above is not None:
+            yield above
+        if above is not None or least is not None:
+            yield (least if above is None else above) - 1
+        if most is not None and most < 9e18:
+            yield most + abs(most) + 1
     if "enum" in row:
         yield row["enum"][0] + "x"
     if row.get("pattern"):
