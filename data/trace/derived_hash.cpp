@@ -5,8 +5,15 @@
 #include <cstring>
 #include <new>
 
+#if defined(__x86_64__)  // for the processors that have AVX2 as well: see update()
+#include <immintrin.h>
+#define XXH_DISPATCH_AVX2 1
+#define XXH_TARGET_AVX2 __attribute__((__target__("avx2")))
+#endif
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+
+#include "engine/base/processor.hpp"
 
 namespace palpate::data {
 
@@ -18,6 +25,18 @@ constexpr std::size_t kBytes = sizeof(TickRecord);
 static_assert(kBytes == 208);
 constexpr std::size_t kHashedTicks = 32;  ///< at once: 7 kB of the first cache
 
+/// Bytes of a tick from one of its fields on: neighbours that are hashed as they lie.
+template <std::size_t Size>
+struct Bytes {
+    std::array<std::byte, Size> bytes;
+};
+template <std::size_t Size>
+Bytes<Size> from(const TickRecord& tick, std::size_t offset) noexcept {
+    Bytes<Size> some;
+    std::memcpy(&some, reinterpret_cast<const std::byte*>(&tick) + offset, Size);
+    return some;
+}
+
 /// The fields one after the other, which are all of a tick.
 template <class... Fields>
 void join(std::byte* out, const Fields&... fields) noexcept {
@@ -25,13 +44,35 @@ void join(std::byte* out, const Fields&... fields) noexcept {
     ((std::memcpy(out, &fields, sizeof fields), out += sizeof fields), ...);
 }
 
+/// Vectors lie with their z, and x and y are hashed first.
 void declared(const TickRecord& t, std::byte* out) noexcept {
-    using engine::Vec2;
-    join(out, t.tick, t.time_ns, Vec2(t.hip), Vec2(t.cp), Vec2(t.go), Vec2(t.force),
-         Vec2(t.command), t.normal_force, t.tangential_force, t.mu, t.u, t.counts[0], t.counts[1],
-         t.codes[0], t.codes[1], t.lateness_us, t.segment, t.mode, t.flags, t.hip.z, t.cp.z, t.go.z,
-         t.force.z, t.command.z, t.v, t.counts[2], t.codes[2]);
+    constexpr auto kTwo = 2 * sizeof(std::int32_t);
+    join(out, from<16>(t, offsetof(TickRecord, tick)), from<16>(t, offsetof(TickRecord, hip)),
+         from<16>(t, offsetof(TickRecord, cp)), from<16>(t, offsetof(TickRecord, go)),
+         from<16>(t, offsetof(TickRecord, force)), from<16>(t, offsetof(TickRecord, command)),
+         from<32>(t, offsetof(TickRecord, normal_force)),
+         from<kTwo>(t, offsetof(TickRecord, counts)), from<kTwo>(t, offsetof(TickRecord, codes)),
+         from<8>(t, offsetof(TickRecord, lateness_us)), t.hip.z, t.cp.z, t.go.z, t.force.z,
+         t.command.z, t.v, t.counts[2], t.codes[2]);
 }
+
+void update(XXH3_state_t* state, std::span<const std::byte> bytes) noexcept {
+    XXH3_64bits_update(state, bytes.data(), bytes.size());
+}
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void update_by_avx2(XXH3_state_t* state,
+                                            std::span<const std::byte> bytes) noexcept {
+#if XXH_VERSION_NUMBER >= 802
+    constexpr auto kAccumulate = XXH3_accumulate_avx2;
+#else
+    constexpr auto kAccumulate = XXH3_accumulate_512_avx2;
+#endif
+    XXH3_update(state, reinterpret_cast<const xxh_u8*>(bytes.data()), bytes.size(), kAccumulate,
+                XXH3_scrambleAcc_avx2);
+}
+#else
+constexpr auto update_by_avx2 = update;
+#endif
 
 }  // namespace
 
@@ -54,7 +95,8 @@ void DerivedHash::add(std::span<const TickRecord> ticks) noexcept {
         for (std::size_t i = 0; i < part.size(); ++i) {
             declared(part[i], &some[i * kBytes]);
         }
-        XXH3_64bits_update(state, some.data(), part.size() * kBytes);
+        const auto bytes = std::span<const std::byte>(some).first(part.size() * kBytes);
+        has_avx2() ? update_by_avx2(state, bytes) : update(state, bytes);
         ticks = ticks.subspan(part.size());
     }
 }
