@@ -9,6 +9,7 @@
 
 #include <zlib.h>
 
+#include "engine/base/processor.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "data/trace/packed_numbers.hpp"
 
@@ -224,11 +225,13 @@ void stored_values(ColumnId column,
 namespace {
 
 /// The stream of a column, block by block; none if all its numbers are 0.
-/// @param number_of  of a value and its tick
-template <class Number>
+/// @param numbers_of  puts the numbers of values and their ticks
+/// @param from_zero   numbers are 0 as long as the values are
+template <class Numbers>
 void pack_blocks(ColumnId which,
                  std::span<const TickRecord> ticks,
-                 Number number_of,
+                 bool from_zero,
+                 Numbers numbers_of,
                  std::vector<std::byte>& data) {
     const std::size_t at = data.size();
     std::array<std::int64_t, kBlock> values;
@@ -236,34 +239,68 @@ void pack_blocks(ColumnId which,
     std::uint64_t all = 0;
     for (std::size_t first = 0; first < ticks.size(); first += kBlock) {
         const auto part = ticks.subspan(first, std::min(kBlock, ticks.size() - first));
-        stored_values(which, part, std::span(values).first(part.size()));
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            numbers[i] = number_of(values[i], part[i].tick);
-            all |= numbers[i];
+        const auto stored = std::span(values).first(part.size());
+        stored_values(which, part, stored);
+        if (all == 0 && from_zero && all_zero(std::as_bytes(stored))) {
+            data.push_back(std::byte{0});  // of no bits, as pack_numbers() says it
+            continue;
         }
-        pack_numbers(std::span(numbers).first(part.size()), data);
+        const auto made = std::span(numbers).first(part.size());
+        numbers_of(stored, part, made);
+        for (const std::uint64_t number : made) {
+            all |= number;
+        }
+        pack_numbers(made, data);
     }
     if (all == 0) {
         data.resize(at);
     }
 }
 
+/// What a Predictor leaves of values, block after block, for vector instructions:
+///
+///     number = value - a (the one before) + b (the one before that) - c
 template <class Word>
-void pack_words(ColumnId which,
-                std::span<const TickRecord> ticks,
-                const ChunkClock& clock,
-                std::vector<std::byte>& data) {
-    const Rule rule = stored_columns()[static_cast<std::size_t>(which)].rule;
-    const Word period = rule == Rule::clock ? static_cast<Word>(clock.period_ns) : Word{0};
-    const auto number_of = [predicted = Predictor<Word>(rule, clock.first_tick), period](
-                               std::int64_t stored, std::int64_t tick) mutable {
-        const Word value = static_cast<Word>(stored) - static_cast<Word>(tick) * period;
-        const Word number = fold<Word>(value - predicted.next());
-        predicted.see(value);
-        return std::uint64_t{number};
-    };
-    pack_blocks(which, ticks, number_of, data);
-}
+class Differences {
+public:
+    Differences(Rule rule, const ChunkClock& clock) noexcept
+        : a_(rule == Rule::line ? Word{2} : Word{1}),
+          b_(rule == Rule::line ? Word{1} : Word{0}),
+          c_(rule == Rule::after ? Word{1} : Word{0}),
+          period_(rule == Rule::clock ? static_cast<Word>(clock.period_ns) : Word{0}) {
+        values_[1] = rule == Rule::after ? static_cast<Word>(clock.first_tick) - 1 : Word{0};
+    }
+
+    void operator()(std::span<const std::int64_t> stored,
+                    std::span<const TickRecord> ticks,
+                    std::span<std::uint64_t> numbers) noexcept {
+        for (std::size_t i = 0; period_ != 0 && i < stored.size(); ++i) {
+            due_[i] = static_cast<Word>(ticks[i].tick) * period_;
+        }
+        as_this_processor_can([&] {
+            // Copies, which no store into an array can change: else nothing becomes a vector.
+            const std::size_t n = stored.size();
+            const auto [a, b, c] = std::array{a_, b_, c_};
+            auto* const to = numbers.data();
+            for (std::size_t i = 0; i < n; ++i) {
+                values_[i + 2] = static_cast<Word>(stored[i]) - due_[i];
+            }
+            for (std::size_t i = 0; i < n; ++i) {
+                to[i] = fold<Word>(values_[i + 2] - a * values_[i + 1] + b * values_[i] - c);
+            }
+        });
+        values_[0] = values_[stored.size()];
+        values_[1] = values_[stored.size() + 1];
+    }
+
+private:
+    Word a_;
+    Word b_;
+    Word c_;
+    Word period_;
+    std::array<Word, kBlock> due_{};
+    std::array<Word, kBlock + 2> values_{};  ///< behind the two before them
+};
 
 }  // namespace
 
@@ -272,16 +309,21 @@ void pack_column(ColumnId which,
                  const ChunkClock& clock,
                  std::vector<std::byte>& data) {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
+    const bool from_zero = column.rule == Rule::line || column.rule == Rule::plain;
     if (column.rule == Rule::plain) {
-        const auto number_of = [mask = ~std::uint64_t{0} >> (64U - 8U * column.size)](
-                                   std::int64_t value, std::int64_t /*tick*/) {
-            return static_cast<std::uint64_t>(value) & mask;
+        const auto masked = [mask = ~std::uint64_t{0} >> (64U - 8U * column.size)](
+                                std::span<const std::int64_t> stored,
+                                std::span<const TickRecord> /*ticks*/,
+                                std::span<std::uint64_t> numbers) {
+            std::ranges::transform(stored, numbers.begin(), [mask](std::int64_t value) {
+                return static_cast<std::uint64_t>(value) & mask;
+            });
         };
-        pack_blocks(which, ticks, number_of, data);
+        pack_blocks(which, ticks, from_zero, masked, data);
     } else if (column.size == sizeof(std::uint32_t)) {
-        pack_words<std::uint32_t>(which, ticks, clock, data);
+        pack_blocks(which, ticks, from_zero, Differences<std::uint32_t>(column.rule, clock), data);
     } else {
-        pack_words<std::uint64_t>(which, ticks, clock, data);
+        pack_blocks(which, ticks, from_zero, Differences<std::uint64_t>(column.rule, clock), data);
     }
 }
 

@@ -19,14 +19,20 @@ void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>
             continue;
         }
         std::array<std::uint64_t, kBlock + 1> bits;
-        std::fill_n(bits.begin(), width + 1, std::uint64_t{0});
-        std::size_t bit = 0;
+        std::size_t whole = 0;
+        std::size_t filled = 0;  // bits of the word that is not whole
+        std::uint64_t word = 0;
         for (const std::uint64_t number : block) {
-            const std::size_t shift = bit % 64;
-            bits[bit / 64] |= number << shift;
-            bits[bit / 64 + 1] |= number >> 1U >> (63U - shift);
-            bit += width;
+            word |= number << filled;
+            filled += width;
+            if (filled >= 64) {
+                bits[whole++] = word;
+                filled -= 64;
+                word = number >> 1U >> (width - filled - 1);  // a shift by 64 is none in C++
+            }
         }
+        bits[whole] = word;
+        const std::size_t bit = 64 * whole + filled;
         const auto* const bytes = reinterpret_cast<const std::byte*>(bits.data());
         data.insert(data.end(), bytes, bytes + (bit + 7) / 8);
     }
