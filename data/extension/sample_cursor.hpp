@@ -61,6 +61,8 @@ public:
     /// Where it stands: the interval and its tick. @pre not at_end()
     [[nodiscard]] const TrialPart& part() const noexcept { return part_; }
     [[nodiscard]] const engine::TickRecord& tick() const noexcept { return *tick_; }
+    /// What it gives was replayed: commands to the last bit, not in the steps that chunks hold.
+    [[nodiscard]] bool replayed() const noexcept { return (scan_.columns & kReplayedColumns) != 0; }
     /// Velocity of HIP from the stored tick before, m/s; NaN without one, or with no time between.
     [[nodiscard]] engine::Vec3 velocity() const noexcept;
 

@@ -1,6 +1,7 @@
 #include "data/extension/sample_module.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <new>
@@ -86,6 +87,7 @@ void estimate(sqlite3_index_info& info, const std::string& letters) {
     info.estimatedCost = has("T") ? 100.0 + ticks : 1e3 * trials * kTicks;
 }
 
+constexpr double kWhole = 9e15;  // below it a double's whole number is exact
 /// The whole number that an INTEGER column could equal; none for NULL, text, fractions.
 std::optional<std::int64_t> equal_to(sqlite3_value* value) {
     const int type = sqlite3_value_numeric_type(value);
@@ -93,7 +95,6 @@ std::optional<std::int64_t> equal_to(sqlite3_value* value) {
         return sqlite3_value_int64(value);
     }
     const double real = sqlite3_value_double(value);
-    constexpr double kWhole = 9e15;
     if (type == SQLITE_FLOAT && std::fabs(real) < kWhole && std::floor(real) == real) {
         return static_cast<std::int64_t>(real);
     }
@@ -102,7 +103,6 @@ std::optional<std::int64_t> equal_to(sqlite3_value* value) {
 
 /// The lowest whole number >= bound, or > bound.
 std::int64_t lowest(double bound, bool beyond) noexcept {
-    constexpr double kWhole = 9e15;
     const double whole = beyond ? std::floor(bound) + 1.0 : std::ceil(bound);
     return whole < -kWhole ? INT64_MIN
          : whole > kWhole  ? INT64_MAX
@@ -202,8 +202,8 @@ SampleScan chosen_scan(std::string_view plan, std::span<sqlite3_value* const> va
     return scan;
 }
 
-constexpr auto kKeys =
-    static_cast<std::size_t>(SampleColumn::tick);  // columns before those of a tick
+constexpr auto kKeys = static_cast<std::size_t>(SampleColumn::tick);  // before those of a tick
+constexpr int kVelocity = static_cast<int>(SampleColumn::hip_vx_m_per_s);
 
 struct Table : sqlite3_vtab {
     explicit Table(sqlite3* db) : sqlite3_vtab{}, store(db) {}
@@ -294,6 +294,15 @@ double in_whole_steps(double command) noexcept {
     return steps_in_newton(in_steps(command, kCommandSteps));
 }
 
+/// Where the reals of a tick lie; 0 for what is none.
+const auto kReals = [] {
+    std::array<std::size_t, static_cast<std::size_t>(SampleColumn::count_of_columns)> places{};
+    std::ranges::transform(trace_columns(), &places[kKeys], [](const TraceColumn& column) {
+        return column.memory == "f64le" ? column.offset : 0;
+    });
+    return places;
+}();
+
 void give(sqlite3_context* context, std::int64_t whole) {
     sqlite3_result_int64(context, whole);
 }
@@ -311,17 +320,9 @@ void give(sqlite3_context* context, const SampleCursor& at, SampleColumn column)
         case SampleColumn::interval:
             return give(context, at.part().interval);
         case SampleColumn::hip_vx_m_per_s:
-            return give(context, at.velocity().x);
         case SampleColumn::hip_vy_m_per_s:
-            return give(context, at.velocity().y);
         case SampleColumn::hip_vz_m_per_s:
-            return give(context, at.velocity().z);
-        case SampleColumn::commanded_x_n:
-            return give(context, in_whole_steps(at.tick().command.x));
-        case SampleColumn::commanded_y_n:
-            return give(context, in_whole_steps(at.tick().command.y));
-        case SampleColumn::commanded_z_n:
-            return give(context, in_whole_steps(at.tick().command.z));
+            return give(context, at.velocity()[static_cast<int>(column) - kVelocity]);
         default:
             return std::visit(
                 [context](const auto& value) { give(context, value); },
@@ -330,7 +331,16 @@ void give(sqlite3_context* context, const SampleCursor& at, SampleColumn column)
 }
 
 int column(sqlite3_vtab_cursor* cursor, sqlite3_context* context, int number) {
-    give(context, static_cast<Cursor*>(cursor)->cursor, static_cast<SampleColumn>(number));
+    const SampleCursor& at = static_cast<Cursor*>(cursor)->cursor;
+    const auto column = static_cast<SampleColumn>(number);
+    if (const std::size_t place = kReals[static_cast<std::size_t>(number)]; place != 0) {
+        const auto* const bytes = reinterpret_cast<const std::byte*>(&at.tick());
+        const double real = *reinterpret_cast<const double*>(bytes + place);
+        const bool rounded = (bit(column) & kCommandColumns) != 0 && at.replayed();
+        give(context, rounded ? in_whole_steps(real) : real);
+    } else {
+        give(context, at, column);
+    }
     return SQLITE_OK;
 }
 

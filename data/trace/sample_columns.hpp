@@ -63,6 +63,10 @@ inline constexpr SampleColumns kVelocityColumns = bit(SampleColumn::hip_vx_m_per
 inline constexpr SampleColumns kHipColumns = bit(SampleColumn::hip_x_m) |
                                              bit(SampleColumn::hip_y_m) |
                                              bit(SampleColumn::hip_z_m) | kVelocityColumns;
+/// Columns of commanded forces.
+inline constexpr SampleColumns kCommandColumns = bit(SampleColumn::commanded_x_n) |
+                                                 bit(SampleColumn::commanded_y_n) |
+                                                 bit(SampleColumn::commanded_z_n);
 /// Columns that no force needs: looked for where they are asked for.
 inline constexpr SampleColumns kClosestColumns =
     bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m) | bit(SampleColumn::cp_z_m);
