@@ -136,7 +136,7 @@ void ChunkReplay::Unpacker::unpack(Chunk& chunk,
                                    const std::optional<engine::ManyHips>& machine,
                                    bool in_space) {
     const ChunkView& view = chunk.view;
-    const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
+    const ChunkReader& reader = chunk.columns.emplace(view);
     const std::size_t size = chunk.ticks.size();
     read_small(reader, size);
     const auto& [count_1, count_2, code_1, code_2, late, flags] = small_;
@@ -193,7 +193,7 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
         rest = rest.subspan(size);
     }
     spare_.reserve(2);
-    if (helped && chunks.size() > 1) {
+    if (helped && chunks.size() > 1 && std::thread::hardware_concurrency() > 1) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
         } catch (const std::system_error&) {  // then who asks does it all
@@ -230,7 +230,9 @@ ChunkReplay::Again ChunkReplay::chunk(std::size_t i) {
             changed_.wait(lock);
         }
     }
-    return {.ticks = chunks_[i].ticks, .as_recorded = chunks_[i].as_recorded};
+    return {.ticks = chunks_[i].ticks,
+            .as_recorded = chunks_[i].as_recorded,
+            .columns = &*chunks_[i].columns};
 }
 
 void ChunkReplay::work_ahead() noexcept {

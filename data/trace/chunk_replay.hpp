@@ -37,7 +37,8 @@ public:
     ///                 its columns say there
     /// @param scene    nothing: contacts are what the chunks hold
     /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
-    /// @param helped   by a thread; not where intervals are replayed side by side
+    /// @param helped   by a thread, if there is a second core; not where intervals are replayed side
+    ///                 by side
     /// @param room     of an earlier replay: memory that is there already
     ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                 const engine::SceneView& scene,
@@ -53,8 +54,9 @@ public:
 
     /// What a chunk's ticks are again, each field as it was, without closest points.
     struct Again {
-        std::span<engine::TickRecord> ticks;  ///< good as long as this is
-        bool as_recorded = false;             ///< they give the chunk's hash
+        std::span<engine::TickRecord> ticks;   ///< good as long as this is
+        bool as_recorded = false;              ///< they give the chunk's hash
+        const ChunkReader* columns = nullptr;  ///< as they are stored
     };
     /// @throws TraceError if the chunk or one before it is damaged
     [[nodiscard]] Again chunk(std::size_t i);
@@ -68,6 +70,7 @@ public:
 private:
     struct Chunk {
         ChunkView view{};
+        std::optional<ChunkReader> columns{};   ///< once it is unpacked
         std::span<engine::TickRecord> ticks{};  ///< its part of ticks_
         std::vector<engine::TickRecord>
             exact{};            ///< that hold what a contact would overwrite, if any is held

@@ -246,7 +246,7 @@ std::int64_t felt_ticks(const SessionFrame& frame,
     const auto all = static_cast<std::int64_t>(trace.ticks.size());
     const std::int64_t stored = row.integer("ticks");
     const bool tripped = all > 0 && trips(trace.ticks.back());
-    if (faulted && on_virtual_clock(trace)) {
+    if (faulted && trace.on_virtual_clock) {
         return all;
     }
     if (tripped) {
@@ -258,7 +258,7 @@ std::int64_t felt_ticks(const SessionFrame& frame,
                          fmt::format("at least {}: ticks are missing at the end", ramp));
     }
     const std::int64_t max = std::max<std::int64_t>(0, all - ramp);
-    return on_virtual_clock(trace) ? max : std::clamp<std::int64_t>(stored, 0, max);
+    return trace.on_virtual_clock ? max : std::clamp<std::int64_t>(stored, 0, max);
 }
 
 /// @param pressed  somebody may have said done, also in a trial that was aborted or faulted later
@@ -337,7 +337,7 @@ std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
         check_shared("presentation", row, one, force, findings);
         const bool pressed = outcome != "timed_out" || intervals.size() > 1;
         check_done("presentation", row, pressed, ticks, period_ns,
-                   answered_by_numbers && on_virtual_clock(trace), findings);
+                   answered_by_numbers && trace.on_virtual_clock, findings);
         sum = i == 0 ? one : together(sum, one);
     }
     check_shared("trial", trial, sum, force, findings);

@@ -13,7 +13,7 @@
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/column_codec.hpp"
 #include "data/trace/columns.hpp"
-#include "data/trace/derived_hash.hpp"
+#include "data/trace/fixed_point.hpp"
 #include "data/trace/retrace.hpp"
 
 namespace palpate::data {
@@ -63,6 +63,8 @@ public:
         }
         trace.ticks = replay_.take();
         trace.ticks.resize(static_cast<std::size_t>(next_));
+        trace.on_virtual_clock = never_late_;
+        trace.punctual = punctual_;
         return trace;
     }
 
@@ -85,16 +87,14 @@ private:
                 fmt::format("its period is {} ns, not {}", chunk.period_ns, period_ns_));
         }
         const ChunkReplay::Again again = replay_.chunk(i);
-        std::int64_t due = next_;
-        for (const TickRecord& tick : again.ticks) {
-            if (tick.tick != due) {
-                throw TraceError(
-                    fmt::format("tick {} stands where tick {} belongs", tick.tick, due));
-            }
-            ++due;
+        const Look look = look_at(*again.columns, again.ticks);
+        if (!look.right) {
+            require_order(again.ticks);
+            check_readable(*again.columns, again.ticks);
         }
-        check_readable(chunk, again.ticks);
-        next_ = due;
+        never_late_ = never_late_ && look.never_late;
+        punctual_ = punctual_ && look.punctual;
+        next_ += static_cast<std::int64_t>(again.ticks.size());
         if (!again.as_recorded && !another_hash_) {
             another_hash_ = true;
             differs_from(first, "trace_chunk.derived", "the hash of what the servo had",
@@ -102,28 +102,63 @@ private:
         }
     }
 
+    /// All that is asked of a chunk's ticks, at once.
+    struct Look {
+        bool right;  ///< in order, in the plane, and readable as they are; else it is asked again
+        bool never_late;
+        bool punctual;  ///< by whole periods
+    };
+    Look look_at(const ChunkReader& reader, std::span<const TickRecord> ticks) {
+        for (std::size_t i = 0; i < kInPlane.size(); ++i) {
+            columns_[i].resize(ticks.size());
+            reader.read(kInPlane[i], columns_[i]);
+        }
+        const auto& [hip_x, hip_y, command_x, command_y, flags, lateness] = columns_;
+        // These are the steps of a value: see in_steps().
+        const auto are = [](std::int32_t steps, double value, double per_unit) {
+            const double exact = value * per_unit + 0.5;
+            return unsigned{steps <= exact} & unsigned{exact < steps + 1.0};
+        };
+        unsigned right = unsigned{reader.all_zero(ColumnId::hip_z)} &
+                         unsigned{reader.all_zero(ColumnId::command_z)};
+        unsigned never_late = 1;
+        unsigned punctual = 1;
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            const TickRecord& tick = ticks[i];
+            const std::int64_t due = next_ + static_cast<std::int64_t>(i);
+            right &= unsigned{tick.tick == due} & unsigned{tick.flags == flags[i]} &
+                     are(hip_x[i], tick.hip.x, kHipSteps) & are(hip_y[i], tick.hip.y, kHipSteps) &
+                     are(command_x[i], tick.command.x, kCommandSteps) &
+                     are(command_y[i], tick.command.y, kCommandSteps) &
+                     are(lateness[i], static_cast<double>(tick.lateness_us), kLatenessSteps) &
+                     unsigned{tick.hip.z == 0.0} & unsigned{tick.command.z == 0.0};
+            never_late &= unsigned{tick.lateness_us == 0.0F};
+            punctual &= unsigned{tick.time_ns == due * period_ns_};
+        }
+        return {right != 0, never_late != 0, punctual != 0};
+    }
+
+    void require_order(std::span<const TickRecord> ticks) const {
+        for (std::int64_t due = next_; const TickRecord& tick : ticks) {
+            if (tick.tick != due) {
+                throw TraceError(
+                    fmt::format("tick {} stands where tick {} belongs", tick.tick, due));
+            }
+            ++due;
+        }
+    }
+
     /// What everybody can read must be what the exact numbers say. The other columns are the ticks'
     /// own.
-    void check_readable(const ChunkView& chunk, std::span<const TickRecord> ticks) {
-        constexpr std::array kReadable{
-            ColumnId::lateness_ns, ColumnId::flags,     ColumnId::hip_x,     ColumnId::hip_y,
-            ColumnId::hip_z,       ColumnId::command_x, ColumnId::command_y, ColumnId::command_z};
-        const ChunkReader reader(chunk);
-        stored_.resize(chunk.ticks);
-        exact_.resize(chunk.ticks);
-        const bool flat = std::ranges::all_of(ticks, [](const TickRecord& tick) {
-            return tick.hip.z == 0.0 && tick.command.z == 0.0;
-        });
+    void check_readable(const ChunkReader& reader, std::span<const TickRecord> ticks) {
+        std::vector<std::int64_t> stored(ticks.size());
+        std::vector<std::int64_t> exact(ticks.size());
         for (const ColumnId column : kReadable) {
-            if (flat && (column == ColumnId::hip_z || column == ColumnId::command_z) &&
-                reader.all_zero(column)) {
-                continue;
-            }
-            reader.read(column, stored_);
-            stored_values(column, ticks, exact_);
-            if (stored_ != exact_) {
-                const auto wrong = std::ranges::mismatch(stored_, exact_);
-                const auto at = static_cast<std::size_t>(wrong.in1 - stored_.begin());
+            reader.read(column, stored);
+            stored_values(column, ticks, exact);
+            if (stored != exact) {
+                const auto wrong = std::ranges::mismatch(stored, exact);
+                const auto at = static_cast<std::size_t>(wrong.in1 - stored.begin());
                 differs_from(ticks[at].tick,
                              fmt::format("trace.{}",
                                          stored_columns()[static_cast<std::size_t>(column)].name),
@@ -133,14 +168,23 @@ private:
         }
     }
 
+    static constexpr std::array kReadable{
+        ColumnId::lateness_ns, ColumnId::flags,     ColumnId::hip_x,     ColumnId::hip_y,
+        ColumnId::hip_z,       ColumnId::command_x, ColumnId::command_y, ColumnId::command_z};
+    /// Those of sessions in the plane.
+    static constexpr std::array kInPlane{ColumnId::hip_x,     ColumnId::hip_y,
+                                         ColumnId::command_x, ColumnId::command_y,
+                                         ColumnId::flags,     ColumnId::lateness_ns};
+
     std::span<const ChunkView> chunks_;
     ChunkReplay replay_;
     std::int64_t period_ns_;
     Findings& findings_;
     std::int64_t next_ = 0;  ///< tick after the last good chunk
     bool another_hash_ = false;
-    std::vector<std::int64_t> stored_;
-    std::vector<std::int64_t> exact_;
+    bool never_late_ = true;
+    bool punctual_ = true;
+    std::array<std::vector<std::int32_t>, kInPlane.size()> columns_;
 };
 
 }  // namespace
@@ -269,13 +313,11 @@ void check_counts(const engine::Gantry& gantry, const StoredTrace& trace, Findin
     }
 }
 
-bool on_virtual_clock(const StoredTrace& trace) noexcept {
-    return std::all_of(trace.ticks.begin(), trace.ticks.end(),
-                       [](const TickRecord& tick) { return tick.lateness_us == 0.0F; });
-}
-
 void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& findings) {
-    const bool is_virtual = on_virtual_clock(trace);
+    const bool is_virtual = trace.on_virtual_clock;
+    if (is_virtual && trace.punctual) {
+        return;
+    }
     std::int64_t before = 0;
     for (const TickRecord& tick : trace.ticks) {
         const std::int64_t due = tick.tick * period_ns;

@@ -19,6 +19,8 @@ struct StoredTrace {
     bool whole = true;  ///< nothing is damaged or missing in between
     /// Contacts are what chunks hold; else all are what the scene makes of HIP.
     bool holds_contacts = false;
+    bool on_virtual_clock = true;  ///< no tick was ever late by anything
+    bool punctual = true;          ///< all ticks are whole periods after the first deadline
 };
 
 /// Checks every chunk: codec, checksum, streams, counts, order, that the replay of what it does not
@@ -50,8 +52,5 @@ void check_counts(const engine::Gantry& gantry, const StoredTrace& trace, Findin
 /// clock's ticks: time never goes back.
 /// @param period_ns  T, ns
 void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& findings);
-
-/// No tick was ever late by anything: the trial ran on a virtual clock.
-[[nodiscard]] bool on_virtual_clock(const StoredTrace& trace) noexcept;
 
 }  // namespace palpate::data
