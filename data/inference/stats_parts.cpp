@@ -111,8 +111,9 @@ void add_alike(const StatsReport& report, PersonStats& person) {
             cell.alike_d_prime = both.d_prime;
             cell.alike_criterion = both.criterion;
         } else {
+            const auto alternatives = static_cast<std::int64_t>(report.table.alternatives);
             cell.alike_d_prime =
-                d_prime(cell.k, cell.n, static_cast<std::int64_t>(report.table.alternatives), n);
+                cell.n == n ? cell.d_prime : d_prime(cell.k, cell.n, alternatives, n);
         }
     }
 }

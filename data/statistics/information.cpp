@@ -1,6 +1,7 @@
 #include "data/statistics/information.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,14 +17,51 @@ constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
 double share_correct(double d, std::int64_t m) {
     constexpr double kStep = 0.0625;
     constexpr int kReach = 144;  // 9 deviations to each side: phi(9) is 1e-18
+    static const auto kBells = [] {
+        std::array<double, 2 * kReach + 1> bells{};
+        for (int i = -kReach; i <= kReach; ++i) {
+            const double x = kStep * i;
+            bells[static_cast<std::size_t>(i + kReach)] = std::exp(-0.5 * x * x);
+        }
+        return bells;
+    }();
     double sum = 0.0;
-    for (int i = -kReach; i <= kReach; ++i) {
-        const double x = kStep * i;
-        sum += std::exp(-0.5 * x * x) *
-               std::pow(protocols::normal_cdf(x + d), static_cast<double>(m - 1));
+    double x = -kStep * kReach;  // its sums are exact
+    for (const double bell : kBells) {
+        sum += bell * std::pow(protocols::normal_cdf(x + d), static_cast<double>(m - 1));
+        x += kStep;
     }
     return sum * kStep * kInverseSqrtTwoPi;
 }
+
+namespace {
+
+/// A place and what the share of correct answers is there beyond the one looked for.
+struct Beyond {
+    double d = 0.0;
+    double by = 0.0;
+};
+
+/// Where nothing is beyond, about, between two ends: by the secant, the weight of an end that stays
+/// halved (Illinois' rule).
+template <class At>
+double passed_near(Beyond low, Beyond high, const At& at) {
+    double before = 0.0;
+    for (int i = 0; i < 30 && low.by < 0.0 && high.by > 0.0; ++i) {
+        const Beyond next = at(high.d - high.by * (high.d - low.d) / (high.by - low.by));
+        if (std::fabs(next.by) < 1e-15) {
+            return next.d;
+        }
+        (next.by < 0.0 ? low : high) = next;
+        if (next.by * before > 0.0) {
+            (next.by < 0.0 ? high : low).by *= 0.5;
+        }
+        before = next.by;
+    }
+    return low.by < 0.0 ? high.d : low.d;
+}
+
+}  // namespace
 
 double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m, std::int64_t least) {
     const auto count = static_cast<double>(n);
@@ -32,20 +70,26 @@ double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m, std::int64_t l
     if (m == 2) {
         return std::sqrt(2.0) * protocols::normal_quantile(share);
     }
-    double low = -1.0;
-    double high = 1.0;
-    while (share_correct(low, m) > share) {
-        low *= 2.0;
+    const auto at = [share, m](double d) {
+        return Beyond{d, share_correct(d, m) - share};
+    };
+    Beyond low = at(-1.0);
+    Beyond high = at(1.0);
+    while (low.by > 0.0) {
+        low = at(2.0 * low.d);
     }
-    while (share_correct(high, m) < share) {
-        high *= 2.0;
+    while (high.by < 0.0) {
+        high = at(2.0 * high.d);
     }
-    // Halving only: 60 halvings of 64 end below 1e-16, and a table of thousands takes a second.
-    for (int i = 0; i < 60 && high - low > 1e-12; ++i) {
-        const double middle = 0.5 * (low + high);
-        (share_correct(middle, m) < share ? low : high) = middle;
+    // Halvings, of which most are decided by where it passes, about.
+    constexpr double kAbout = 1e-11;
+    const double near = passed_near(low, high, at);
+    for (int i = 0; i < 60 && high.d - low.d > 1e-12; ++i) {
+        const double middle = 0.5 * (low.d + high.d);
+        const bool below = std::fabs(middle - near) > kAbout ? middle < near : at(middle).by < 0.0;
+        (below ? low : high).d = middle;
     }
-    return 0.5 * (low + high);
+    return 0.5 * (low.d + high.d);
 }
 
 YesNo yes_no(std::int64_t hits,
