@@ -288,8 +288,10 @@ Reading SimulatedPantograph::read() noexcept {
         plant_.advance(period_);
     }
     Reading reading;
-    reading.counts = machine_.counts(plant_.angles());
-    fix_ = plant_.lost() ? std::nullopt : machine_.locate(machine_.angles(reading.counts));
+    as_this_processor_can([this, &reading] {
+        reading.counts = machine_.counts(plant_.angles());
+        fix_ = plant_.lost() ? std::nullopt : machine_.locate(machine_.angles(reading.counts));
+    });
     if (fix_) {
         reading.hip = Vec3(fix_->hip, 0.0);
     } else {
