@@ -19,10 +19,11 @@ bool is_base(const engine::Outline& outline, std::size_t span) noexcept {
 }  // namespace
 
 Deciles deciles_of(std::vector<double>& values) noexcept {
-    const auto smallest = [&](std::size_t tenths) {
+    auto smallest = [&, from = values.begin()](std::size_t tenths) mutable {
         const std::size_t rank = (tenths * values.size() + 9) / 10;  // ceil, without a rounding
         const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-        std::nth_element(values.begin(), at, values.end());
+        std::nth_element(from, at, values.end());
+        from = at;  // what lies before is smaller
         return *at;
     };
     return values.empty() ? Deciles{} : Deciles{smallest(1), smallest(5), smallest(9)};
