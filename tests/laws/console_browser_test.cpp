@@ -99,10 +99,13 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
     }
     CHECK(one.value(covers) == "false");
     CHECK(other.value(covers) == "true");
+    const pid_t server = tests::console_of(session.program.id());
+    REQUIRE(server > 0);
     session.program.signal(SIGTERM);
     CHECK(session.program.wait().code == 3);
     for (tests::DevTools* page : {&one, &other}) {
         CHECK(
             eventually([&] { return page->text("link").find("page rests") != std::string::npos; }));
     }
+    CHECK(eventually([&] { return tests::has_ended(server); }));
 }

@@ -15,6 +15,7 @@ using tests::Browser;
 using tests::Console;
 using tests::console_of;
 using tests::eventually;
+using tests::has_ended;
 using tests::ShownSession;
 
 namespace {
@@ -174,11 +175,7 @@ TEST_CASE("a server that stood still does nothing late but switch the force off,
     session.program.signal(SIGTERM);
     CHECK(session.program.wait().code == 3);
     CHECK(session.kept(events("note")) == "1");
-    CHECK(eventually([&] {
-        return kill(console, 0) != 0 ||
-               tests::slurp("/proc/" + std::to_string(console) + "/stat").find(") Z ") !=
-                   std::string::npos;
-    }));
+    CHECK(eventually([&] { return has_ended(console); }));
 }
 
 TEST_CASE("another user of the machine finds neither the page's token nor another way to it",

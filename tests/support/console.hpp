@@ -1,6 +1,7 @@
 #pragma once
 
 #include <charconv>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -29,6 +30,12 @@ namespace palpate::tests {
         }
     }
     return 0;
+}
+
+/// It ended, whether or not anybody asked how.
+[[nodiscard]] inline bool has_ended(pid_t process) {
+    return kill(process, 0) != 0 ||
+           slurp("/proc/" + std::to_string(process) + "/stat").find(") Z ") != std::string::npos;
 }
 
 /// `palpate console` on a session, and a browser that has its address.
