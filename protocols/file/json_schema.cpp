@@ -308,9 +308,9 @@ std::string json_schema(std::string_view kind) {
                                                 fmt::join(kSchemaKinds, ", ")));
     }
     const TableSchema schema = kMakers.at(static_cast<std::size_t>(found - kSchemaKinds.begin()))();
-    return schema.text(fmt::format(
-               R"("$schema": "https://json-schema.org/draft/2020-12/schema", "title": "palpate: {}", )",
-               kind)) +
+    return schema.text(fmt::format(R"("$schema": "https://json-schema.org/draft/2020-12/schema", )"
+                                   R"("title": "palpate: {}", )",
+                                   kind)) +
            "\n";
 }
 
