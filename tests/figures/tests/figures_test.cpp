@@ -10,8 +10,8 @@ using namespace palpate::tests;
 
 namespace {
 
-constexpr double kMuS = 0.7;
-constexpr double kMuD = 0.5;
+constexpr double kPlotMuS = 0.7;
+constexpr double kPlotMuD = 0.5;
 constexpr double kStiffness = 1000.0;  // N/m
 constexpr double kFree = 0.0;
 constexpr double kStuck = 1.0;
@@ -67,8 +67,8 @@ void check_friction(const Columns& run, const std::string& law) {
             continue;
         }
         REQUIRE(std::fabs(friction[i]) <= mu[i] * normal[i] + 1e-9);
-        REQUIRE(mu[i] >= kMuD);
-        REQUIRE(mu[i] <= kMuS);
+        REQUIRE(mu[i] >= kPlotMuD);
+        REQUIRE(mu[i] <= kPlotMuS);
         if (i > 0 && mode[i - 1] == kStuck) {
             REQUIRE(mu[i] >= mu[i - 1]);
         } else if (i > 0 && mode[i - 1] != kFree) {
@@ -217,14 +217,14 @@ TEST_CASE(
     const auto& speed = curves.at("speed_m_per_s");
     for (std::size_t i = 0; i < speed.size(); ++i) {
         CAPTURE(speed[i]);
-        CHECK(curves.at("stiction_sliding")[i] == Approx(kMuD).epsilon(1e-9));
-        CHECK(curves.at("stiction_breakaway")[i] <= kMuS + 1e-9);
+        CHECK(curves.at("stiction_sliding")[i] == Approx(kPlotMuD).epsilon(1e-9));
+        CHECK(curves.at("stiction_breakaway")[i] <= kPlotMuS + 1e-9);
         if (speed[i] < 0.005) {  // a tick of a faster hand goes over the top
-            CHECK(curves.at("stiction_breakaway")[i] == Approx(kMuS).epsilon(0.01));
+            CHECK(curves.at("stiction_breakaway")[i] == Approx(kPlotMuS).epsilon(0.01));
         }
         const double share = speed[i] / 0.01;
-        const double steady =
-            (kMuD + (kMuS - kMuD) * std::exp(-share * share)) * std::tanh(speed[i] / 0.002);
+        const double steady = (kPlotMuD + (kPlotMuS - kPlotMuD) * std::exp(-share * share)) *
+                              std::tanh(speed[i] / 0.002);
         CHECK(curves.at("stribeck_sliding")[i] == Approx(steady).epsilon(1e-6));
     }
 }

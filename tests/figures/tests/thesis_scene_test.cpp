@@ -12,7 +12,7 @@ using namespace palpate::tests;
 
 namespace {
 
-constexpr double kTick = 0.001;
+constexpr double kSceneTick = 0.001;
 constexpr ThesisLaw kLaws[] = {ThesisLaw::frictionless, ThesisLaw::literal, ThesisLaw::latched};
 
 ThesisScene scene_of(ThesisLaw law, const TrackerSpec& tracker) {
@@ -27,7 +27,7 @@ std::vector<Vec2> hand(unsigned seed) {
     const auto curves = two_cubics();
     std::vector<Vec2> path;
     for (int k = 0; k < 3000; ++k) {
-        const double t = k * kTick;
+        const double t = k * kSceneTick;
         const double w = 1.0 + 0.9 * std::sin(3.0 * t + a);
         const auto& curve = curves[w < 1.0 ? 0 : 1];
         const Jet<2> jet = curve.at(w < 1.0 ? w : w - 1.0);
@@ -64,8 +64,8 @@ TEST_CASE("with an exact tracker the frictionless thesis scene is K times the pe
 }
 
 TEST_CASE("a lagging tracker is felt as drag without friction", "[thesis]") {
-    const ThesisScene scene =
-        scene_of(ThesisLaw::frictionless, {.gain = feedback_gain(two_cubics()[0], 0.04, kTick)});
+    const ThesisScene scene = scene_of(ThesisLaw::frictionless,
+                                       {.gain = feedback_gain(two_cubics()[0], 0.04, kSceneTick)});
     ThesisState state;
     double max = 0.0;
     for (const Vec2& hip : hand(1)) {
@@ -127,7 +127,7 @@ TEST_CASE("a thesis scene repeats to the bit, can be copied mid-way and allocate
           "[thesis][law]") {
     for (const ThesisLaw law : kLaws) {
         const ThesisScene scene =
-            scene_of(law, {.gain = feedback_gain(two_cubics()[0], 0.5, kTick)});
+            scene_of(law, {.gain = feedback_gain(two_cubics()[0], 0.5, kSceneTick)});
         const auto path = hand(4);
         ThesisState first;
         ThesisState second;
