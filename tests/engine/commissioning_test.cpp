@@ -161,8 +161,8 @@ TEST_CASE(
 
 TEST_CASE("a motion that mass and friction do not explain blames no motor",
           "[commissioning][law]") {
-    const unsigned seed = GENERATE(1U, 3U, 5U, 11U);
-    const double cable = 1.0 + seed % 4;  // N/m: dry friction holds the handle
+    const auto [cable, seed] =  // N/m: dry friction holds the handle
+        GENERATE(table<double, unsigned>({{2.0, 1U}, {1.0, 3U}, {4.0, 5U}, {3.0, 11U}}));
     CAPTURE(cable, seed);
     const PlantModel plant = some_plant(seed);
     MiswiredMachine device(plant, {}, {});

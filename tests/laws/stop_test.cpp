@@ -176,7 +176,7 @@ TEST_CASE(
     pause(0.5);
     CHECK(session.screen_name() == "trouble");
     leave_trouble(hand);
-    CHECK(session.screen_name() == "ready");
+    session.wait_for_screen("ready");
     CHECK(session.ask("SELECT count(*) FROM trial") == "1");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
