@@ -49,6 +49,10 @@ std::vector<std::size_t> pieces_at(const std::vector<double>& t, double u) {
     return found;
 }
 
+bool on_corner(const engine::SurfacePlace& p) {
+    return (p.u == 0.0 || p.u == 1.0) && (p.v == 0.0 || p.v == 1.0);
+}
+
 }  // namespace
 
 SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene, const std::vector<SurfaceData>& data)
@@ -236,7 +240,8 @@ void SurfaceLaws::check_flow(const Tick& now, const SurfaceState& before) {
     const double mu = engine::coefficient(friction, before.theta);
     if (!before.touching || !started_ || free(last_.contact) || !(mu > 0.0) || !c.on_flow ||
         !c.settled || c.outside_cone || !scene_->spec().contact.slew.none() ||
-        singular(last_.contact)) {  // which side it begins on hangs on rounding
+        singular(last_.contact) ||  // which side it begins on hangs on rounding
+        on_corner(before.place)) {  // the oracle goes on in the patch it came by alone
         return;
     }
     const ExactFlow flow(scene_->object(), oracles_);
