@@ -1,6 +1,7 @@
 #include "engine/surface/surface_closest.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/surface_cuts.hpp"
 #include "tests/support/surface_hands.hpp"
 #include "tests/support/surfaces.hpp"
 
@@ -171,6 +172,40 @@ TEST_CASE("tracking over rings, folds, teleports and far away is global too",
         REQUIRE(tracked.proven);
         REQUIRE(std::fabs(tracked.distance - global.distance) <= 1e-15 * (1.0 + glm::length(h)));
     }
+}
+
+TEST_CASE("a proof that is renewed on the way still sees what comes near from elsewhere",
+          "[contact][surface][law]") {
+    SEEDED(random, 4U);
+    const auto sheet = [&](double height, double hills, double spread) {
+        SurfaceData d{.degree_u = 3, .degree_v = 3};
+        d.knots_u = d.knots_v = {0, 0, 0, 0, 1, 2, 3, 4, 5, 5, 5, 5};
+        for (int i = 0; i < 8; ++i) {
+            d.points.emplace_back();
+            d.weights.emplace_back();
+            for (int j = 0; j < 8; ++j) {
+                d.points.back().push_back(
+                    {0.014 * i, 0.014 * j, height + random.in(-hills, hills)});
+                d.weights.back().push_back(std::exp(random.in(-spread, spread)));
+            }
+        }
+        return made(d);
+    };
+    const SurfaceFeet feet(  // hills of 8 mm under a lid
+        std::make_shared<const SurfaceObject>(
+            std::vector{sheet(0.0, 0.008, 0.7), sheet(0.016, 0.0, 0.0)}));
+    SurfaceTrack track;
+    int renewed = 0;
+    for (int k = 0; k < 3000; ++k) {
+        const Vec3 h{0.05 + 0.03 * std::sin(0.001 * k), 0.05 + 0.03 * std::sin(0.0017 * k),
+                     0.006 + 0.004 * std::sin(0.003 * k + seed)};
+        CAPTURE(k, track.slack);
+        const SurfaceClosest found = feet.track(track, h);
+        REQUIRE(found.proven);
+        REQUIRE(std::fabs(found.distance - feet.closest(h).distance) < 1e-16);
+        renewed += track.reference != track.searched ? 1 : 0;
+    }
+    CHECK(renewed > 10);
 }
 
 TEST_CASE("above a hollow, through and beyond its centres of curvature, the answer is global",
