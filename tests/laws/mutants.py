@@ -6,6 +6,7 @@ Writes each mutant into FOLDER, and prints a line for each file: what it is, its
 is: "shipped", "wrong" (a mutant whose key, type, range or word is wrong), "other" (any other change).
 """
 import copy
+import itertools
 import json
 import pathlib
 import re
@@ -93,11 +94,17 @@ def wrong_values(row, value):
             yield [value[0], bound + 1]
 
 
+# In turn, three for each value.
+OTHERS = itertools.cycle([0, 1, -1, 0.5, 3, 1e6, -1e6, 2.5, "", "x", "two words", False, [], [1], [0.5, 1, 2],
+                          [[0, 0], [1, 1]]])
+
+
 def mutants(file, schema, seen):
     for path, value in leaves(file):
-        what = ([step for step in path if isinstance(step, str)], list(value) if isinstance(value, dict) else value)
+        what = ([step for step in path if isinstance(step, str)],
+                list(value) if isinstance(value, dict) else value if isinstance(value, str) else type(value))
         if repr(what) in seen:
-            continue  # as another file or table has it
+            continue  # as another file or table has it, but for a number
         seen.add(repr(what))
         row = rows_of(schema, path)
         if isinstance(value, dict):
@@ -108,9 +115,9 @@ def mutants(file, schema, seen):
             continue
         for wrong in wrong_values(row, value):
             yield "wrong", changed(file, path, wrong)
-        for other in (0, 1, -1, 0.5, 3, 1e6, -1e6, 2.5, "", "x", "two words", False, [], [1], [0.5, 1, 2],
-                      [[0, 0], [1, 1]], None):
-            yield "other", changed(file, path, other)
+        yield "other", changed(file, path, None)
+        for _ in range(3):
+            yield "other", changed(file, path, next(OTHERS))
 
 
 def main():

@@ -147,7 +147,7 @@ TEST_CASE("an independent validator and the program judge files alike, by the pr
             ++wrong;
             CHECK_FALSE(by_schema);
             CHECK_FALSE(by_program);
-            if (kind.name == "protocol" && wrong % 400 == 0) {
+            if (kind.name == "protocol" && wrong % 200 == 0) {
                 CHECK(palpate_command({"check", line[1]}).code == 2);
             }
         } else {

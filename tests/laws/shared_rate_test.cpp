@@ -61,7 +61,7 @@ TEST_CASE(
         words.insert(words.end(), asked.begin(), asked.end());
         return words;
     };
-    const Json all = fitted(with({csv, "--bootstrap", "200"}));
+    const Json all = fitted(with({csv, "--bootstrap", "40"}));
     CHECK(all[rate] == "free, one for all conditions of a person");
     const Finished text = palpate_command(with({"fit", csv, "--bootstrap", "0"}));
     CHECK_THAT(text.out, Has(rate + " free, one for all conditions of a person",

@@ -1,6 +1,7 @@
 #include "tests/support/child.hpp"
 
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -52,6 +53,11 @@ pid_t guard_of(pid_t palpate) {
         }
     }
     return -1;
+}
+
+std::int64_t patience_ns() {
+    const char* const given = std::getenv("PALPATE_TEST_PATIENCE");  // s
+    return (given != nullptr ? std::atoll(given) : 50) * 1000 * kMillisecond;
 }
 
 void wait_a_little(int ms) {

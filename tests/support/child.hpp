@@ -21,11 +21,14 @@ void die_with(pid_t parent);
 
 void wait_a_little(int ms = 1);
 
-/// Lets up to 50 s pass until `done`, and looks less and less often, up to every 8 ms: who looks on
-/// keeps no board from its turn. @return done
+/// How long a test waits for what must come: 50 s, or PALPATE_TEST_PATIENCE, of a test that must fail.
+[[nodiscard]] std::int64_t patience_ns();
+
+/// Lets up to patience_ns() pass until `done`, and looks less and less often, up to every 8 ms: who
+/// looks on keeps no board from its turn. @return done
 template <class Done>
 bool eventually(const Done& done) {
-    const std::int64_t end = monotonic_ns() + 50'000 * kMillisecond;
+    const std::int64_t end = monotonic_ns() + patience_ns();
     for (int looks = 0; monotonic_ns() < end; ++looks) {
         if (done()) {
             return true;
