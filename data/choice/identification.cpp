@@ -278,6 +278,11 @@ IdentificationReport identification_of(TrialTable table, const IdentificationOpt
     }
     name_items(report);
     for (std::size_t subject = 0; subject < report.table.subjects.size(); ++subject) {
+        if (std::ranges::none_of(report.table.trials, [&](const Trial& trial) {
+                return trial.subject == subject && trial.excluded.empty();
+            })) {
+            continue;  // the account of who is left out says why
+        }
         try {
             report.people.push_back(fitted(report, subject));
         } catch (const std::invalid_argument& e) {
@@ -287,7 +292,7 @@ IdentificationReport identification_of(TrialTable table, const IdentificationOpt
     if (report.people.empty()) {
         throw std::invalid_argument(
             fmt::format("{}: {}", report.table.source,
-                        report.left_out.empty() ? "nobody answered" : report.left_out.front()));
+                        report.left_out.empty() ? "no answer counts" : report.left_out.front()));
     }
     over_people(report);
     return report;

@@ -88,8 +88,9 @@ Table conditions_table(const IdentificationReport& report, const IdentifiedPerso
         fmt::format("Deviance {:.1f} of {} df.", person.thurstone.deviance, person.thurstone.df));
     if (!person.thurstone.agree) {
         table.notes.push_back(
-            fmt::format("The second optimiser ends elsewhere: log-likelihood {:.6f}, not {:.6f}.",
-                        person.thurstone.second, person.thurstone.log_likelihood));
+            fmt::format("The optimisers end apart, at log-likelihoods of {:.9g} and {:.9g}: the "
+                        "larger is taken.",
+                        person.thurstone.first, person.thurstone.second));
     }
     return table;
 }
@@ -154,6 +155,7 @@ void add_matrices(const IdentificationReport& report,
 Json person_json(const IdentificationReport& report, const IdentifiedPerson& person) {
     Json one = {{"participant", person.name},
                 {"log_likelihood", person.thurstone.log_likelihood},
+                {"log_likelihood_climbed", person.thurstone.first},
                 {"log_likelihood_nelder_mead", person.thurstone.second},
                 {"optimisers_agree", person.thurstone.agree},
                 {"deviance", person.thurstone.deviance},

@@ -190,7 +190,7 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
             top = std::move(found);
         }
     }
-    ThurstoneFit fit{.log_likelihood = top.value, .second = std::nan("")};
+    ThurstoneFit fit{.log_likelihood = top.value, .first = top.value, .second = std::nan("")};
     if (spec.checked) {
         const Parameters start = start_at(layout, spec, spacing);
         std::vector<double> edge(start.size(), 0.3 * spacing);

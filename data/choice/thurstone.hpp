@@ -38,8 +38,9 @@ struct ThurstoneFit {
     std::vector<double> criteria{};
     std::vector<ThurstonePart> parts{};
     double log_likelihood = 0.0;
+    double first = 0.0;     ///< by the climb alone
     double second = 0.0;    ///< by the simplex; NaN: not asked for
-    bool agree = true;      ///< both within 1e-6
+    bool agree = true;      ///< both within 1e-6; else the larger is taken
     double deviance = 0.0;  ///< against shares of each row and condition that are free
     std::int64_t df = 0;    ///< free shares less parameters
 };

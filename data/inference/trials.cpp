@@ -83,7 +83,10 @@ public:
 
     [[nodiscard]] std::string excluded(std::size_t row) const {
         const std::string_view text = without_mark(table_.text(row, "excluded").value_or(""));
-        return text == "0" || text == "NA" ? std::string() : std::string(text);
+        constexpr std::array<std::string_view, 7> kCounts{"0",     "NA",    "n/a", "False",
+                                                          "false", "FALSE", "0.0"};
+        return std::ranges::find(kCounts, text) != kCounts.end() ? std::string()
+                                                                 : std::string(text);
     }
 
 private:

@@ -62,9 +62,9 @@ struct NamedTrial {
 [[nodiscard]] TrialTable table_of_names(std::vector<NamedTrial> all);
 
 /// Columns subject,trial,shape,friction,response and, if they are there, rt_s, confidence,
-/// explore_s, since_break and excluded (why a trial does not count; empty or 0: it does). Numbers
-/// that are not known are empty, or NA. Answers of yes and no alone are those of yes/no; else the
-/// pictures are the shapes and responses that occur.
+/// explore_s, since_break and excluded (why a trial does not count; empty, 0, NA or False: it
+/// does). Numbers that are not known are empty, or NA. Answers of yes and no alone are those of
+/// yes/no; else the pictures are the shapes and responses that occur.
 /// @param others  answers that name no shape are kept, as pictures of what nobody felt
 /// @throws CsvError with file, line and character, value and remedy; so is such an answer without
 /// `others`

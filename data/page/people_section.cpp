@@ -48,20 +48,23 @@ void add_gone(std::vector<std::string>& gone, std::int64_t count, const std::str
 }
 
 std::string flow_html(const Study& study, const Rows& rows) {
+    const LeftOut& account = study.left_out();
+    std::vector<std::string> unseen;
+    add_gone(unseen, account.no_consent.people, "noted as not consenting");
+    add_gone(unseen, account.withdrawn.people, "all of whose sessions were withdrawn");
+    std::map<std::string, std::string> rules;  // by person
+    for (const auto& [person, why] : account.broken) {
+        std::string& all = rules[person];
+        all += (all.empty() ? "" : "; ") + why;
+    }
     std::vector<std::string> left;
-    for (const auto& [person, why] : study.left_out().broken) {
+    for (const auto& [person, why] : rules) {
         left.push_back(fmt::format("less person {}: {}", person, why));
     }
     if (left.empty()) {
         left.emplace_back("nobody is left out by a rule of the protocol");
     }
-    std::vector<std::string> silent;
-    for (const auto& [session, why] : study.left_out().withdrawals) {
-        silent.push_back(fmt::format("less person {}: withdrawn", session));
-    }
-    const auto people = static_cast<std::int64_t>(rows.cells.size());
-    const std::int64_t counting = people_with(rows, "counting");
-    add_gone(silent, people - counting, "without an answer that counts");
+    add_gone(left, account.no_answer, "without an answer that counts");
     std::vector<std::string> lost;
     add_gone(lost, sum_of(rows, "faulted"), "the force went off by itself");
     add_gone(lost, sum_of(rows, "unanswered"), "nobody answered in time");
@@ -74,11 +77,12 @@ std::string flow_html(const Study& study, const Rows& rows) {
     add_gone(of_left, sum_of(rows, "counting") - sum_of(rows, "analysed"),
              "answers of people left out");
     std::string out = "<div class=\"flow\">\n<div>\n<h4>People</h4>\n<ol>\n";
-    out +=
-        step(people, fmt::format("with a {} session of the study", study.options().kind), silent);
-    out += step(counting, "with an answer that counts", left);
-    out += step(people_with(rows, "analysed"), "analysed, exclusions applied");
-    out += "</ol>\n</div>\n<div>\n<h4>Main trials</h4>\n<ol>\n";
+    out += step(account.in_file.people,
+                fmt::format("with a {} session of the study", study.options().kind), unseen);
+    out += step(account.in_file.people - account.no_consent.people - account.withdrawn.people,
+                "whose answers may be looked at", left);
+    out += step(account.analysed.people, "analysed, exclusions applied");
+    out += "</ol>\n</div>\n<div>\n<h4>Their main trials</h4>\n<ol>\n";
     out += step(sum_of(rows, "planned"), "planned");
     out += step(sum_of(rows, "attempts"), "attempts: what does not count is run again", lost);
     out += step(sum_of(rows, "answered"), "answered", invalid);

@@ -203,8 +203,9 @@ SELECT session.session_id AS session_id,
        (SELECT coalesce(sum(event.count), 0) FROM event
         WHERE event.session_id = session.session_id AND event.event_kind = 'ticks lost') AS lost_ticks,  -- found no room on their way to the disk
        sum(trial.ticks) / session.rate_hz AS felt_s,  -- on the servo's clock, all attempts that ended
-       (julianday(coalesce(session.finished_utc, max(trial.ended_utc), max(trial.started_utc)))
-        - julianday(session.started_utc)) * 86400.0 AS duration_s,  -- wall clock, pauses included
+       CASE WHEN coalesce(session.finished_utc, max(trial.ended_utc), max(trial.started_utc)) >= session.started_utc
+            THEN (julianday(coalesce(session.finished_utc, max(trial.ended_utc), max(trial.started_utc)))
+                  - julianday(session.started_utc)) * 86400.0 END AS duration_s,  -- wall clock, pauses included; none where it was set back
        (SELECT count(*) FROM event WHERE event.session_id = session.session_id AND event.event_kind = 'break') AS breaks  -- taken
 FROM session
 JOIN participant USING (participant_id)

@@ -350,7 +350,9 @@ Estimate belief(std::string name, std::span<const Weighed> values) {
     }
     made.sd = std::sqrt(square);
     made.high = made.high.value_or(values.back().first);
-    made.cut = made.low == values.front().first || made.high == values.back().first;
+    // The same end by another way differs in its last bits.
+    const double same = 1e-9 * (values.back().first - values.front().first);
+    made.cut = *made.low <= values.front().first + same || *made.high >= values.back().first - same;
     return made;
 }
 

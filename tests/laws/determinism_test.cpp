@@ -1,5 +1,6 @@
 #include "tests/support/content_hash.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/sql_first.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;
@@ -47,4 +48,8 @@ TEST_CASE("a wall clock that jumps by days while a session runs changes nothing 
     CHECK(hash(folder.file("a.sqlite"),
                {"LD_PRELOAD=" PALPATE_JUMPING_CLOCK, "ASAN_OPTIONS=verify_asan_link_order=0"}) ==
           hash(folder.file("b.sqlite"), {}));
+    data::Database(folder.file("a.sqlite"), data::Access::write)
+        .execute("UPDATE session SET started_utc = '2999-01-01T00:00:00Z'");
+    CHECK(sql_first(folder.file("a.sqlite"), "SELECT duration_s IS NULL FROM session_health") ==
+          "1");  // set back: nobody knows how long it took
 }

@@ -195,6 +195,34 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     }
 }
 
+TEST_CASE("who is excluded is not said to have answered badly, and what counts is False, 0 or NA",
+          "[fit][choice][left-out]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.csv");
+    const auto table = [&](const char* counts) {
+        std::string text = "subject,trial,shape,friction,response,excluded\n";
+        for (int i = 0; i < 8; ++i) {
+            const int shape = i % 2 * 5;
+            const char* const friction = i < 4 ? "off" : "on";
+            text += fmt::format("A,{0},{1},{2},{3},{4}\nB,{0},{1},{2},{1},tired\n", i, shape,
+                                friction, i % 3 == 2 ? 5 - shape : shape, counts);
+        }
+        write(file, text);
+        return fitted({file});
+    };
+    const Json of = table("");
+    CHECK(of["not_fitted"].empty());
+    REQUIRE(of["people"].size() == 1);
+    const Json& one = of["people"][0];
+    CHECK(one["optimisers_agree"].get<bool>() ==
+          (std::fabs(one["log_likelihood_climbed"].get<double>() -
+                     one["log_likelihood_nelder_mead"].get<double>()) < 1e-6));
+    for (const char* counts : {"0", "False", "NA"}) {
+        CHECK(table(counts)["people"] == of["people"]);
+    }
+    CHECK(palpate_command({"stats", file, "--json", "--simulations", "0"}).code == 0);
+}
+
 TEST_CASE(
     "palpate fit of identifications parts how well from how named, of a database as of its trials",
     "[fit][choice]") {

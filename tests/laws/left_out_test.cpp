@@ -121,6 +121,9 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
                              std::string(command) == "report" ? "file says why" : "was asleep"));
         CHECK((std::string(command) != "report" || text.find("asleep") == std::string::npos));
     }
+    CHECK_THAT(slurp(page),
+               Has("<b>5</b> with a simulated", "less 1: noted as not consenting",
+                   "less 1: all of whose", "<b>3</b> whose answers", "<b>2</b> analysed"));
     CHECK_THAT(stats.out,
                !Has("Nothing is excluded") && Has("Exclusions applied: 2 people, 7 answers"));
     // Of a whole file that account is among the others.

@@ -125,7 +125,7 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
         Has("2 sessions", "was asleep"));
     ran({"report", file, "--kind", "simulated", "-o", folder.file("r.html"), "--simulations", "0",
          "--bootstrap", "0"});
-    CHECK_THAT(slurp(folder.file("r.html")), Has(": withdrawn</span>"));
+    CHECK_THAT(slurp(folder.file("r.html")), Has("sessions were withdrawn</span>"));
     check_edit(file, edited, "UPDATE session SET withdrawn_reason = NULL");
     check_edit(file, edited, "UPDATE session SET withdrawn_reason = 'x'");
     CHECK_THAT(said_no(run_words("shape_friction_demo", "P1", file, {"--headless"})),

@@ -301,3 +301,28 @@ TEST_CASE("psi is QUEST+ on a grid of log10 slopes", "[psi][law]") {
     CHECK(a.estimates()[1].name == "log10_slope");
     CHECK(std::pow(10.0, a.estimates()[1].mean.value()) < b.estimates()[1].mean.value());
 }
+
+TEST_CASE("a JND is said to end at the grid's end where its deviation does", "[quest_plus][law]") {
+    Random random(3);
+    int cut = 0;
+    for (int run = 0; run < 40; ++run) {
+        QuestPlus quest(
+            {.model = psychometric_model(Family::normal, LapseForm::two_sided, SlopeAs::sd),
+             .stimuli = Grid({{"stimulus", evenly(-8.0, 8.0, 17)}}),
+             .parameters = Grid({{"threshold", evenly(-4.0, 4.0, 23)},
+                                 {"sd", evenly(1.1, 7.9, 9)},
+                                 {"lapse", {0.02}}}),
+             .trials = 200});
+        const double sd = random.in(0.5, 12.0);
+        for (int trial = 0; trial < 24; ++trial) {
+            const std::vector<double> shown = quest.next();
+            const double share = 0.5 * std::erfc(-shown[0] / (sd * std::sqrt(2.0)));
+            quest.update(shown, random.in(0.0, 1.0) < share ? 1 : 0);
+        }
+        const Estimate of_sd = quest.estimates()[1];
+        CAPTURE(run, sd, *of_sd.low, *of_sd.high);
+        CHECK(quest.jnd()->cut == of_sd.cut);  // it is 0.67 deviations, whatever the threshold
+        cut += of_sd.cut ? 1 : 0;
+    }
+    CHECK((cut >= 5 && cut <= 35));
+}
