@@ -34,28 +34,6 @@ TEST_CASE("every point of a rational quadratic arc lies on its circle, with the 
     }
 }
 
-TEST_CASE("derivatives agree with central differences for every degree and weight", "[geometry]") {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const int degree = 1 + random.below(kMaxDegree);
-        std::vector<Vec2> points;
-        std::vector<double> weights;
-        for (int i = 0; i <= degree; ++i) {
-            points.push_back(random.point(-1.0, 1.0));
-            weights.push_back(random.in(0.5, 2.0));
-        }
-        const RationalBezier<2> curve(points, weights);
-        const double u = random.in(0.1, 0.9);
-        const double e = 1e-5;
-        const Jet<2> jet = curve.at(u);
-        const Vec2 first = (curve.at(u + e).point - curve.at(u - e).point) / (2.0 * e);
-        const Vec2 second = (curve.at(u + e).first - curve.at(u - e).first) / (2.0 * e);
-        CHECK(glm::length(first - jet.first) <= 1e-6 * (1.0 + glm::length(jet.first)));
-        CHECK(glm::length(second - jet.second) <= 1e-5 * (1.0 + glm::length(jet.second)));
-    }
-}
-
 TEST_CASE("what is not a curve is refused with the value and the remedy", "[geometry]") {
     const Vec2 a{0.0, 0.0};
     const Vec2 b{0.1, 0.0};

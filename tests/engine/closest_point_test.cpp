@@ -44,32 +44,6 @@ TEST_CASE("at the centre of curvature every foot is as good, and one is found", 
     }
 }
 
-TEST_CASE("no sample of any rational span of degree 1 to 9 is closer than the closest point",
-          "[contact]") {
-    for (std::uint64_t seed = 0; seed < 400; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const int degree = 1 + random.below(kMaxDegree);
-        std::vector<Vec2> points;
-        std::vector<double> weights;
-        for (int i = 0; i <= degree; ++i) {
-            points.push_back(random.point(-1.0, 1.0));
-            weights.push_back(random.decade(-1.0, 1.0));
-        }
-        const RationalBezier<2> curve(points, weights);
-        const PieceTree<2> feet({curve});
-        const Vec2 h = random.point(-1.5, 1.5);
-        const double found = std::sqrt(feet.closest(h).distance2);
-        double sampled = 1e9;
-        for (int i = 0; i <= 4000; ++i) {
-            sampled = std::min(sampled, glm::length(curve.at(i / 4000.0).point - h));
-        }
-        CHECK(found <= sampled + 1e-14);
-        CHECK(found >= sampled - 1e-2);  // and it is a distance to the curve
-        CHECK(feet.bound_without(h, {}) <= found);
-    }
-}
-
 TEST_CASE("the closest feature of a two-curve object agrees with circles and lines", "[contact]") {
     const double kappa = GENERATE(-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
     CAPTURE(kappa);

@@ -86,6 +86,9 @@ CommissioningResult commissioned_on_card(RigOnCard& rig) {
 TEST_CASE("a rig on a card is commissioned, and every miswiring of it is found and named",
           "[device][comedi][commissioning][law]") {
     for (const Connection& wrong : all_connections()) {
+        if (std::fabs(wrong.factor[0]) != 1.0 || std::fabs(wrong.factor[1]) != 1.0) {
+            continue;  // how strong a motor is no wire tells: commissioning_test.cpp
+        }
         CAPTURE(wrong.swapped, wrong.factor[0], wrong.factor[1]);
         RigOnCard encoders(wrong, {.swapped = true, .factor = {-2.0, 0.5}});
         if (!(wrong == Connection{})) {

@@ -93,7 +93,7 @@ TEST_CASE("a sampled spring with friction, cut and ramped, never raises the ener
 TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
     // With everything that is not a spring: vertex slew, slew limit, delay, old readings, coarse
     // counts.
-    SEEDED(random, std::uint64_t{150});
+    SEEDED(random, std::uint64_t{60});
     auto [scene, limits] = honest(random, true);
     limits.slew = 2000.0 * limits.period;
     limits.delay_ticks = random.coin() ? 0.0 : random.in(0.0, 3.0);
@@ -120,7 +120,7 @@ TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
 
 TEST_CASE("a force that follows the motion trips before it gave the limit and a tick",
           "[safety][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{60}));
+    const auto seed = GENERATE(seeds(std::uint64_t{20}));
     const bool linear = GENERATE(true, false);  // -b v with b < 0, or of one size along v
     CAPTURE(seed, linear);
     Random random(seed);

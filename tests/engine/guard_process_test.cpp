@@ -123,17 +123,6 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("an exception that ends palpate leaves the motors at zero", "[guard][law]") {
-    EmulatedBoard board(haply_machine(), guided_hand());
-    const auto presser = pressing(board, Presser::End::exception);
-    const pid_t guard = presser->guard();
-    presser->end();
-    presser->reap();
-    CHECK(off(board));
-    CHECK(stays_off(board));
-    CHECK(gone(guard));
-}
-
 TEST_CASE(
     "a palpate that hangs or is stopped with the force on has its motors zeroed, and may not "
     "press again",

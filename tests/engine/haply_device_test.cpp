@@ -5,39 +5,6 @@
 using namespace palpate::engine;
 using namespace palpate::tests;
 
-TEST_CASE("HIP is where the handle is, to half a count, for every machine and place",
-          "[haply][law]") {
-    const char* preset = GENERATE("gen3", "gen2", "haplet");
-    HaplyBench bench(emulated_calibration(preset));
-    bench.open();
-    Random random(5);
-    int reached = 0;
-    for (int i = 0; i < 500; ++i) {
-        const Vec2 hip{random.in(-0.035, 0.035), random.in(0.0, 0.060)};
-        if (!bench.pantograph.reach(hip)) {
-            continue;
-        }
-        ++reached;
-        bench.plant.lead(hip);
-        bench.tick({});
-        const Reading reading = bench.tick({});
-        REQUIRE(reading.ok());
-        CHECK(reading.fresh);
-        // Both ends of the way count from home, which is rounded as well: one count and a little.
-        const JointAngles truth = bench.plant.angles();
-        const JointAngles read = bench.pantograph.angles(reading.counts);
-        const double count = 2.0 * M_PI / bench.machine.pantograph.axes[0].counts_per_turn;
-        const double turn = 2.0 * M_PI;
-        CHECK(std::fabs(std::remainder(read[0] - truth[0], turn)) <= 1.51 * count);
-        CHECK(std::fabs(std::remainder(read[1] - truth[1], turn)) <= 1.51 * count);
-        const auto fix = bench.pantograph.locate(read);
-        REQUIRE(fix);
-        CHECK(glm::length(fix->hip - Vec2(reading.hip)) < 1e-12);
-        CHECK(glm::length(Vec2(reading.hip) - hip) < 3e-4);
-    }
-    CHECK(reached > 400);
-}
-
 TEST_CASE("after the set-up HIP is home", "[haply]") {
     HaplyBench bench;
     bench.plant.lead({0.013, 0.027});  // wherever it was: counts start at the set-up

@@ -31,31 +31,6 @@ std::unique_ptr<BoardDevice> patient(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("over a real port HIP follows the hand and the motors the force", "[haply]") {
-    EmulatedBoard board(haply_machine(), guided_hand());
-    const auto device = patient(board.path());
-    board.begin({.start = {0.0, 0.06}, .speed = 0.5, .tremor = 0.0});
-    device->expect_move();
-    Vec3 low{1.0};
-    Vec3 high{-1.0};
-    while (!board.hand_is_done()) {
-        const Reading reading = device->read();
-        REQUIRE(reading.ok());
-        device->write({0.2, 0.2, 0.0});
-        low = glm::min(low, reading.hip);
-        high = glm::max(high, reading.hip);
-    }
-    CHECK_FALSE(board.motors().off());
-    CHECK(low.x < -0.028);  // the hand was near A and near B
-    CHECK(high.x > 0.028);
-    device->write({});
-    CHECK(eventually([&] { return board.motors().off(); }));
-    CHECK(board.journal().setups == 1);
-    CHECK(board.journal().desyncs == 0);
-    CHECK(board.journal().missing == 0);
-    CHECK(board.journal().unknown == 0);
-}
-
 TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
     EmulatedBoard board(haply_machine(), guided_hand());
     const auto device = patient(board.path());
@@ -73,37 +48,6 @@ TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
     CHECK(allocations() - between == 0);
     CHECK(between - before < 5);  // hush() itself
     board.hush(false);
-}
-
-TEST_CASE("a board unplugged and plugged in again over a real port reads right again", "[haply]") {
-    const TemporaryFolder folder;
-    EmulatedBoard board(haply_machine(), guided_hand(), folder.file("ttyACM0"));
-    const auto device = patient(board.path());
-    REQUIRE(device->read().ok());
-    device->write({0.2, 0.2, 0.0});
-    board.plug(false);
-    Reading reading;
-    CHECK(eventually([&] {
-        reading = device->read();
-        device->write({0.2, 0.2, 0.0});
-        return !reading.ok();
-    }));
-    CHECK(reading.fault == DeviceFault::lost);
-    CHECK_FALSE(device->reconnect());
-    CHECK_THAT(device->trouble(), Has("there is no device at "));
-    board.plug(true);
-    // Back, but where is the handle? A busy machine opens the port at a second try.
-    CHECK(eventually([&] {
-        REQUIRE_FALSE(device->reconnect());
-        return device->trouble().find("put the handle at its home pose") != std::string::npos;
-    }));
-    CHECK(eventually([&] { return device->reconnect(); }));
-    CHECK(device->trouble().empty());
-    reading = device->read();
-    CHECK(reading.ok());
-    CHECK(glm::length(Vec2(reading.hip) - *haply_machine().home) < 3e-4);
-    device->write({0.2, 0.2, 0.0});
-    CHECK(eventually([&] { return !board.motors().off(); }));
 }
 
 TEST_CASE("a port that is absent, taken, or no port gives a sentence with the remedy", "[haply]") {

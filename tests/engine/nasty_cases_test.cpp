@@ -46,7 +46,7 @@ std::vector<long double> samples() {
 }  // namespace
 
 TEST_CASE("the oracle proves its distance, and no sample of the curve beats it", "[oracle][law]") {
-    for (std::uint64_t seed = 0; seed < kCases; seed += 13) {
+    for (std::uint64_t seed = 0; seed < kCases; seed += 40) {
         const NastyCase nasty = nasty_case(seed);
         const FootOracle oracle(nasty.curve);
         const OracleFoot found = oracle.closest(nasty.query);
@@ -84,9 +84,10 @@ TEST_CASE("no nasty query is answered wrongly", "[contact][law]") {
     int above_16_ulp = 0;
     double worst = 0.0;
     std::string failures;
-    std::vector<std::uint64_t> seeds(kCases);
-    std::iota(seeds.begin(), seeds.end(), 0U);
-    seeds.insert(seeds.end(), kWorst.begin(), kWorst.end());
+    std::vector<std::uint64_t> seeds(kWorst.begin(), kWorst.end());
+    for (std::uint64_t seed = 0; seed < kCases; seed += 3) {
+        seeds.push_back(seed);
+    }
     for (const std::uint64_t seed : seeds) {
         const NastyCase nasty = nasty_case(seed);
         const FootOracle oracle(nasty.curve);

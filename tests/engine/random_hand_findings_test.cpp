@@ -109,46 +109,6 @@ TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve
     }
 }
 
-TEST_CASE("a concave vertex never pulls, also when the slew holds the god-object back",
-          "[vertex][law]") {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        CAPTURE(seed);
-        Random random(seed);
-        const double turn = random.in(0.05, 3.0);
-        // An edge whose speed changes: a step of the budget's length may run over its end.
-        const std::vector<Vec2> uneven{Vec2{-1.0, 0.0}, Vec2{-random.in(0.01, 0.99), 0.0}, Vec2{}};
-        const auto outline = std::make_shared<const Outline>(
-            Outline({RationalBezier<2>(uneven, std::vector<double>{1.0, random.in(0.1, 9.0), 1.0}),
-                     make_line(Vec2{}, Vec2{std::cos(turn), std::sin(turn)})},
-                    false));
-        const Scene scene(outline, {.slew = {.speed = 0.01, .radius = 0.1}});
-        ContactState state;
-        for (int i = 0; i < 1000; ++i) {
-            const Vec2 h = random.decade(-3.0, 0.0) * random.point(-1.0, 1.0);
-            REQUIRE(scene.tick(state, h).normal_force >= 0.0);
-        }
-    }
-}
-
-TEST_CASE("a hand that leaves over the tip of a spike is let go inside the cone", "[vertex][law]") {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        CAPTURE(seed);
-        Random random(seed);
-        const double turn = -random.in(1.6, 3.1);
-        const auto outline =
-            chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, Vec2{std::cos(turn), std::sin(turn)}}, false);
-        const Slew slew = random.coin() ? Slew{.speed = 0.1, .radius = 0.003} : Slew{};
-        const Scene scene(outline, {.friction = {.mu_s = 0.8, .mu_d = 0.8}, .slew = slew});
-        ContactState state;
-        static_cast<void>(scene.tick(state, {-0.02, 1e-3 * std::sin(turn)}));
-        for (int i = 0; i < 20; ++i) {
-            const Contact contact = scene.tick(state, 0.02 * random.point(-1.0, 1.0));
-            REQUIRE(std::fabs(contact.tangential_force) <=
-                    contact.mu * contact.normal_force * (1.0 + 1e-9) + 1e-9);
-        }
-    }
-}
-
 TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out", "[contact]") {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         CAPTURE(seed);

@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
@@ -53,7 +51,7 @@ TEST_CASE("without friction the force is K times the depth along the closest poi
 }
 
 TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
+    const auto seed = GENERATE(seeds(std::uint64_t{8}));
     CAPTURE(seed);
     for (const double kappa : kCurvatures) {
         for (const Friction& friction : {Friction{}, kSceneFriction}) {
@@ -78,22 +76,6 @@ TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") 
     }
 }
 
-TEST_CASE("the same path gives the same forces to the bit, and a state can be copied mid-way",
-          "[scene][law]") {
-    const Scene scene = scene_of(5.0, kSceneFriction, kSceneSlew);
-    ContactState first;
-    ContactState second;
-    const std::vector<Vec2> path = scene_hand(3);
-    for (std::size_t k = 0; k < path.size(); ++k) {
-        if (k == path.size() / 2) {
-            second = first;
-        }
-        const Contact a = scene.tick(first, path[k]);
-        const Contact b = scene.tick(second, path[k]);
-        REQUIRE(std::memcmp(&a.force, &b.force, sizeof a.force) == 0);
-    }
-}
-
 TEST_CASE("a tick allocates nothing", "[scene][law]") {
     for (const Friction& friction : {Friction{}, kSceneFriction}) {
         const Scene scene = scene_of(-5.0, friction, kSceneSlew);
@@ -104,39 +86,6 @@ TEST_CASE("a tick allocates nothing", "[scene][law]") {
             static_cast<void>(scene.tick(state, h));
         }
         CHECK(allocations() == before);
-    }
-}
-
-TEST_CASE("a HIP that is not finite gives zero force, and the next tick is sane", "[scene][law]") {
-    const Scene scene = scene_of(0.0, kSceneFriction, kSceneSlew);
-    const double bad =
-        GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
-    ContactState state;
-    static_cast<void>(scene.tick(state, {-0.02, 0.025}));
-    const Contact inside = scene.tick(state, {-0.02, 0.018});
-    REQUIRE(inside.mode != Mode::free);
-    const Contact refused = scene.tick(state, {bad, 0.018});
-    CHECK(refused.refused);
-    CHECK(refused.force == Vec2{});
-    const Contact again = scene.tick(state, {-0.02, 0.018});
-    CHECK(again.mode != Mode::free);
-    CHECK(std::fabs(again.normal_force - inside.normal_force) < 1e-9);
-}
-
-TEST_CASE("finite in, finite out: HIP anywhere, at any speed", "[scene][law]") {
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const Scene scene = scene_of(random.in(-20.0, 20.0),
-                                     seed % 2 == 0 ? kSceneFriction : Friction{}, kSceneSlew);
-        ContactState state;
-        for (int k = 0; k < 2000; ++k) {
-            const double size = random.decade(-4.0, 3.0);
-            const Contact c = scene.tick(state, random.point(-size, size));
-            REQUIRE((std::isfinite(c.force.x) && std::isfinite(c.force.y) &&
-                     std::isfinite(c.go.x) && std::isfinite(c.go.y)));
-            REQUIRE(c.normal_force >= 0.0);
-        }
     }
 }
 

@@ -122,27 +122,6 @@ TEST_CASE("the standard machine is passive at the study's stiffness, and says wh
     CHECK_FALSE(device.weakest_force({0.0, 0.3, 0.0}));
 }
 
-TEST_CASE("the same forces make the same path, to the last bit", "[device][law]") {
-    SimulatedPantograph one({}, 1.0 / 3000.0);
-    SimulatedPantograph two({}, 1.0 / 3000.0);
-    two.begin({.speed = 0.05});
-    for (int i = 0; i < 500; ++i) {  // another past
-        static_cast<void>(two.read());
-        two.write({1.0, 1.0, 0.0});
-    }
-    one.begin({});
-    two.begin({});
-    for (int i = 0; i < 6000; ++i) {
-        const Reading a = one.read();
-        const Reading b = two.read();
-        REQUIRE(a.hip == b.hip);
-        REQUIRE(a.counts == b.counts);
-        const Vec3 force{0.0, std::fmax(0.0, 300.0 * (0.030 - a.hip.y)), 0.0};
-        one.write(force);
-        two.write(force);
-    }
-}
-
 TEST_CASE("a simulated machine that cannot be is refused with its number", "[device]") {
     CHECK_THROWS_WITH(SimulatedPantograph({}, 0.0), Has("period is 0 s"));
     CHECK_THROWS_WITH(SimulatedPantograph({.plant = {}, .delay_ticks = 2}, 1e-3),

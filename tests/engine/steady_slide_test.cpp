@@ -81,18 +81,6 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
     CHECK(max < 2.0 * std::hypot(1.0, 0.7) * 1.05);
 }
 
-TEST_CASE("a flat frictionless wall has no ripple", "[rendering][law]") {
-    const auto wall =
-        std::make_shared<const Outline>(std::vector{make_line({-1.0, 0.0}, {1.0, 0.0})}, false);
-    const Scene scene(wall, {});
-    ContactState state;
-    for (int i = 0; i < 2000; ++i) {
-        const Contact c = scene.tick(state, {-0.1 + 1e-4 * i, -0.002});
-        REQUIRE(c.force.x == Approx(0.0).margin(1e-13));
-        REQUIRE(c.force.y == Approx(2.0).epsilon(1e-14));
-    }
-}
-
 namespace {
 
 /// A hand on its way along an open outline, and how far from 200 kHz it may feel, N: the largest

@@ -24,7 +24,7 @@ Vec3 random_point(Random& random, double size) {
 
 TEST_CASE("the closest point of any surface is the one an independent search finds",
           "[contact][surface][law]") {
-    SEEDED(random, 35U);
+    SEEDED(random, 12U);
     const double size = seed % 5U == 4U ? random.decade(-4.0, 3.0) : 0.1;
     const SurfaceData data =
         random_surface(random, size, seed % 3U == 0U ? 0.0 : 1.0, 5, seed % 2U == 0U);
@@ -153,7 +153,7 @@ TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a
 
 TEST_CASE("tracking over rings, folds, teleports and far away is global too",
           "[contact][surface][law]") {
-    SEEDED(random, 30U);
+    SEEDED(random, 12U);
     const SurfaceFeet feet = feet_of(seed % 3U == 0U   ? torus(0.06, 0.02)
                                      : seed % 3U == 1U ? random_surface(random, 0.1, 0.5, 4, false)
                                                        : random_surface(random, 0.1, 0.0, 4, true));

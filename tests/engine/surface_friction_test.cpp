@@ -79,73 +79,9 @@ TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][sur
     CHECK(worst < 1e-9);
 }
 
-TEST_CASE("the force never leaves the friction cone of the GO's own normal",
-          "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{30}));
-    CAPTURE(seed);
-    const Friction friction = some_friction(seed);
-    const SurfaceScene scene = scene_of(smooth_object(seed), friction);
-    SurfaceState state;
-    double excess = -1.0;
-    int touched = 0;
-    for (const Vec3& h : surface_hand(scene.surface(), seed, 3000, 0.003, 0.25, 0.5)) {
-        const SurfaceContact c = scene.tick(state, h);
-        if (c.mode == Mode::free) {
-            REQUIRE(c.force == Vec3{});
-            continue;
-        }
-        ++touched;
-        const Vec3 normal = c.normal;
-        // Next to a pole du x dv has few digits, and u, v between two patches belong to either.
-        REQUIRE(glm::length(normal - scene.surface().normal(c.go_u, c.go_v)) <
-                (seed % 5U == 3U ? 1e-7 : 1e-11));
-        const double load = glm::dot(c.force, normal);
-        const double rest = glm::length(c.force - load * normal);
-        REQUIRE(load >= 0.0);
-        REQUIRE(c.normal_force == Approx(load).margin(1e-10));
-        REQUIRE(c.tangential_force == Approx(rest).margin(1e-10));
-        excess = std::max(excess, rest - c.mu * load);
-        if (!c.outside_cone) {
-            REQUIRE(glm::length(c.force - kStiffness * (c.go - h)) < 1e-10);
-        }
-    }
-    CHECK(touched > 300);
-    CHECK(excess < 1e-9);
-}
-
-TEST_CASE("a contact gives back no more than was put in, whatever mu does",
-          "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{30}));
-    CAPTURE(seed);
-    const SurfaceScene scene = scene_of(smooth_object(seed), some_friction(seed));
-    SurfaceState state;
-    Vec3 last_h{};
-    SurfaceContact last{};
-    double sum = 0.0;
-    double worst_tick = -1.0;
-    double worst = -1.0;
-    for (const Vec3& h : surface_hand(scene.surface(), seed, 4000, 0.003, 0.25, 0.4)) {
-        const SurfaceContact c = scene.tick(state, h);
-        if (last.mode != Mode::free) {
-            const Vec3 dh = h - last_h;
-            const double left = c.mode != Mode::free ? energy(c, h) : 0.0;
-            const double gain = glm::dot(last.force, dh) - energy(last, last_h) + left -
-                                0.5 * kStiffness * glm::dot(dh, dh);
-            worst_tick = std::max(worst_tick, gain);
-            sum = std::max(sum, 0.0) + gain;
-            worst = std::max(worst, sum);
-        }
-        sum = c.mode == Mode::free ? 0.0 : sum;
-        last = c;
-        last_h = h;
-    }
-    CHECK(worst_tick < 1e-15);
-    CHECK(worst < 1e-9);
-}
-
 TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop allow",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{30}));
+    const auto seed = GENERATE(seeds(std::uint64_t{10}));
     CAPTURE(seed);
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(smooth_object(seed), friction);
@@ -175,32 +111,6 @@ TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop al
     if (seed % 5U != 4U) {
         CHECK(way_over < 1e-5);
     }
-}
-
-TEST_CASE("a hand at rest leaves the contact stuck, slip ends on the cone",
-          "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
-    CAPTURE(seed);
-    const Friction friction{.mu_s = 0.5, .mu_d = 0.5};
-    const SurfaceScene scene = scene_of(smooth_object(seed), friction);
-    SurfaceState state;
-    int slips = 0;
-    for (const Vec3& h : surface_hand(scene.surface(), seed, 3000, 0.003, 0.18, 0.35)) {
-        const SurfaceContact c = scene.tick(state, h);
-        if (c.mode != Mode::slip || c.outside_cone) {
-            continue;
-        }
-        ++slips;
-        const double short_of = 1.0 - c.tangential_force / (c.mu * c.normal_force);
-        // One part in 1e14, plus the last bits of coordinates of 0.1 m against this load.
-        const double rounding = 1e-14 + 1e-16 / (c.mu * c.normal_force / kStiffness);
-        REQUIRE(short_of >= 0.0);
-        REQUIRE(short_of < 2.0 * rounding);
-        const SurfaceContact again = scene.tick(state, h);
-        REQUIRE(again.mode == Mode::stuck);
-        REQUIRE(again.force == c.force);
-    }
-    CHECK(slips > 100);
 }
 
 TEST_CASE("a finger drawn over the pole of a ball goes straight over it", "[scene][surface]") {

@@ -47,9 +47,6 @@ void press(Presser::Shared& shared,
         device.write(Vec3(force, 0.0));
         wait_a_little();
         if (shared.end.load()) {
-            if (end == Presser::End::exception) {
-                throw std::runtime_error("the disk is full");
-            }
             while (end == Presser::End::hang) {
                 wait_a_little();
             }

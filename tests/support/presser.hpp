@@ -14,7 +14,7 @@ namespace palpate::tests {
 class Presser {
 public:
     /// What ends it, besides signals.
-    enum class End { signal, exception, hang };
+    enum class End { signal, hang };
 
     Presser(const std::string& path,
             const engine::Calibration& calibration,
@@ -25,7 +25,7 @@ public:
     ~Presser();
 
     void signal(int number) const;
-    /// Now the exception is thrown, or the hang begins.
+    /// Now the hang begins.
     void end();
     /// Waits for the end of the process, and reaps it.
     void reap();
