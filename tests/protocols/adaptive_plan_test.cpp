@@ -71,21 +71,6 @@ TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[a
     CHECK(make_plan(protocol, hash, {.participant = "P01", .session = 2}, 3).hash != plan.hash);
 }
 
-TEST_CASE("a protocol with a rule is written and read again as the same text", "[adaptive][law]") {
-    for (const std::string& rule : {kQuestPlusRule, kStaircaseRule}) {
-        const Protocol protocol = adaptive_protocol(rule);
-        const std::string text = to_toml(protocol);
-        CHECK(parse_protocol(text, "again.toml") == protocol);
-        CHECK(to_toml(parse_protocol(text, "again.toml")) == text);
-    }
-    for (const ShippedProtocol& shipped : shipped_protocols()) {
-        CAPTURE(shipped.name);
-        const Protocol protocol = parse_protocol(shipped.text, shipped.name);
-        CHECK(parse_protocol(to_toml(protocol), "again.toml") == protocol);
-        CHECK(shipped.text.starts_with("# "));
-    }
-}
-
 TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[adaptive]") {
     const std::string good = adaptive_text(kQuestPlusRule);
     REQUIRE(refusal(good) == "accepted");

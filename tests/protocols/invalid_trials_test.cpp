@@ -103,27 +103,6 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
     }
 }
 
-TEST_CASE("read again after any attempt, what is left is what it was", "[session][invalid][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{50}));
-    CAPTURE(seed);
-    const Plan plan = first_plan_of(blocked());
-    const RequeueRule rule = rule_of(seed, 3);
-    const auto all = run_all(plan, rule, seed, 0.4);
-    PendingTrials running(plan, rule);
-    for (std::size_t done = 0; done < all.size(); ++done) {
-        REQUIRE(running.next() == all[done].position);
-        running.note(all[done].position, Outcome::aborted);  // stays where it is
-        running.note(all[done].position, Outcome::interrupted);
-        REQUIRE(running.next() == all[done].position);
-        running.note(all[done].position, all[done].outcome, all[done].counts);
-        PendingTrials resumed(plan, rule);
-        for (std::size_t i = 0; i <= done; ++i) {
-            resumed.note(all[i].position, all[i].outcome, all[i].counts);
-        }
-        REQUIRE(resumed == running);
-    }
-}
-
 TEST_CASE("every later place of the block is equally likely, and none of another block",
           "[session][invalid][law]") {
     const Plan plan = first_plan_of(blocked());

@@ -20,16 +20,13 @@ struct Made {
 };
 
 /// Keeps everything, and ends the program at a given call.
-class Ledger : public Recorder {
+class Ledger : public NoRecorder {
 public:
     TrialId begin_trial(const PlannedTrial& planned) override {
         call();
         attempts.push_back({.position = planned.position});
         return static_cast<TrialId>(attempts.size());
     }
-    void begin_interval(TrialId /*trial*/,
-                        const Presentation& /*felt*/,
-                        const SceneConstants& /*scene*/) override {}
     void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {
         call();
     }
@@ -116,7 +113,7 @@ TEST_CASE(
     "whatever faults, each position is answered once, and faulted ones come again later in their "
     "part",
     "[session][fault][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{100}));
+    const auto seed = GENERATE(seeds(std::uint64_t{40}));
     CAPTURE(seed);
     World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
     Patient observer;
@@ -161,7 +158,7 @@ TEST_CASE(
 
 TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",
           "[session][fault][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{100}));
+    const auto seed = GENERATE(seeds(std::uint64_t{40}));
     CAPTURE(seed);
     World world{.seed = seed, .fault_share = 0.3};
     const auto expected = unbroken(world);

@@ -44,10 +44,6 @@ std::size_t answer(SimulatedObserver& who,
     return kOrder.at(who.choose(trial(number), which_of(kPictures)).place);
 }
 
-double gauss_below(double z) {
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
-}
-
 }  // namespace
 
 TEST_CASE("without noise every object is named right, frictionless or not", "[observer]") {
@@ -58,29 +54,6 @@ TEST_CASE("without noise every object is named right, frictionless or not", "[ob
         CHECK(answer(who, object + 1, strokes({.curvature = kCurvatures[object], .mu = mu})) ==
               object);
     }
-}
-
-TEST_CASE("with noise the share of right answers is that of criteria midway", "[observer]") {
-    // Inner objects have a criterion on both sides at half the spacing, the two outer ones on one.
-    constexpr double kSigma = 2.62;
-    const double inner = 2.0 * gauss_below(2.5 / kSigma) - 1.0;
-    const double outer = gauss_below(2.5 / kSigma);
-    const double expected = (3.0 * inner + 2.0 * outer) / 5.0;
-
-    const Protocol protocol = observed_study(kSigma, 0.0);
-    SimulatedObserver who = observer(protocol);
-    constexpr std::size_t kTrials = 4000;
-    double right = 0.0;
-    for (std::size_t object = 0; object < kCurvatures.size(); ++object) {
-        const auto ticks = strokes({.curvature = kCurvatures[object], .passes = 2});
-        for (std::size_t i = 0; i < kTrials; ++i) {
-            right += answer(who, 1 + object * kTrials + i, ticks) == object ? 1.0 : 0.0;
-        }
-    }
-    const double n = 5.0 * kTrials;
-    const double share = right / n;
-    CAPTURE(share, expected);
-    CHECK(std::fabs(share - expected) < 4.0 * std::sqrt(expected * (1.0 - expected) / n));
 }
 
 TEST_CASE("symmetric strokes with friction leave the percept unbiased", "[observer][law]") {

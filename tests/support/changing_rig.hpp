@@ -11,21 +11,15 @@ using namespace protocols;
 using engine::Trip;
 
 /// Keeps the kinds of events, and what trust they leave: written by hand beside the fold.
-class Kinds : public Recorder {
+class Kinds : public NoRecorder {
 public:
     TrialId begin_trial(const PlannedTrial& /*planned*/) override { return ++trial_; }
-    void begin_interval(TrialId /*trial*/,
-                        const Presentation& /*felt*/,
-                        const SceneConstants& /*scene*/) override {}
-    void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {}
-    void end_trial(TrialId /*trial*/, const TrialResult& /*result*/) override {}
     void event(const Event& event) override {
         ++count[event.kind];
         count_of_key[event.key] += event.value == kRefused ? 0U : 1U;
         causes[event.value] += event.kind == EventKind::fault ? 1U : 0U;
         anew += event.value == kAnew ? 1U : 0U;
     }
-    void finish_session() override {}
 
     std::map<EventKind, std::size_t> count;
     std::map<std::string, std::size_t> count_of_key;

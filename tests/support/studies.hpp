@@ -6,6 +6,7 @@
 
 #include "protocols/session/recorder.hpp"
 #include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 
@@ -40,6 +41,48 @@ inline const std::string kSecret = kRunSecret;
 [[nodiscard]] protocols::TrialResult answered(std::size_t object,
                                               bool correct,
                                               std::int64_t ticks = 0);
+
+/// A session in a file of its own, and its recorder. Nobody holds it.
+struct SmallSession {
+    explicit SmallSession(const protocols::Protocol& protocol = small_protocol())
+        : spec(session_spec(protocol)) {}
+
+    protocols::TrialId begin(std::size_t position) {
+        return begin_trial(recorder, spec.protocol, spec.plan.trials.at(position));
+    }
+    /// A whole trial at a position of the plan.
+    protocols::TrialId record(std::size_t position,
+                              const protocols::TrialResult& result,
+                              std::span<const engine::TickRecord> ticks = {}) {
+        const protocols::TrialId trial = begin(position);
+        recorder.append(trial, ticks);
+        recorder.end_trial(trial, result);
+        return trial;
+    }
+
+    TemporaryFolder folder;
+    data::SessionSpec spec;
+    data::Database database{folder.file("a.sqlite"), data::Access::write};
+    std::int64_t id = data::open_session(database, spec).id;
+    data::SqliteRecorder recorder{database, spec.protocol, id};
+};
+
+/// Keeps nothing.
+class NoRecorder : public protocols::Recorder {
+public:
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*planned*/) override {
+        return 1;
+    }
+    void begin_interval(protocols::TrialId /*trial*/,
+                        const protocols::Presentation& /*felt*/,
+                        const protocols::SceneConstants& /*scene*/) override {}
+    void append(protocols::TrialId /*trial*/,
+                std::span<const engine::TickRecord> /*ticks*/) override {}
+    void end_trial(protocols::TrialId /*trial*/,
+                   const protocols::TrialResult& /*result*/) override {}
+    void event(const protocols::Event& /*event*/) override {}
+    void finish_session() override {}
+};
 
 /// The rows of `sql`, a line each; a space after every value.
 [[nodiscard]] std::string lines(data::Database& database, const std::string& sql);
