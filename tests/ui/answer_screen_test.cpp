@@ -12,15 +12,6 @@ using namespace palpate::tests;
 
 namespace {
 
-Question question(ResponseKind kind, std::size_t answers, bool confidence = false) {
-    return {.kind = kind,
-            .text = {},
-            .pictures = {},
-            .answers = answers,
-            .labels = {},
-            .confidence = confidence};
-}
-
 /// Somebody who does one thing and then another, the latter again and again until it was seen:
 /// nobody knows how long a screen takes to appear.
 class Insisting {
@@ -51,9 +42,9 @@ struct Kind {
     std::size_t answers;
 };
 
-constexpr Kind kKinds[] = {{ResponseKind::two_interval, 2}, {ResponseKind::yes_no, 2},
-                           {ResponseKind::rating, 2},       {ResponseKind::rating, 3},
-                           {ResponseKind::rating, 7},       {ResponseKind::rating, 9}};
+constexpr Kind kKinds[] = {{ResponseKind::two_interval, 2},   {ResponseKind::yes_no, 2},
+                           {ResponseKind::rating, 2},         {ResponseKind::rating, 9},
+                           {ResponseKind::identification, 2}, {ResponseKind::identification, 9}};
 
 }  // namespace
 
@@ -75,6 +66,8 @@ TEST_CASE("every answer of every kind is given by its key, by its card, and by a
         CHECK(choice.place == wanted);
         CHECK(choice.input == InputKind::key);
         CHECK_FALSE(choice.confidence);
+        CHECK((choice.reaction_s > 0.0 && choice.reaction_s < 5.0));
+        CHECK((choice.uncertainty_s >= 0.0 && choice.uncertainty_s < 1.0));
     }
     {
         const Later subject([&] {
@@ -98,6 +91,13 @@ TEST_CASE("every answer of every kind is given by its key, by its card, and by a
         const Choice choice = screen.choose(kTrial, asked);
         CHECK(choice.place == wanted - 1);
         CHECK(choice.input == InputKind::arrows);
+    }
+    {
+        const Later subject([] {
+            press(SDLK_LEFT);
+            press(SDLK_KP_ENTER);
+        });
+        CHECK(screen.choose(kTrial, asked).place == wanted);
     }
 }
 

@@ -1,17 +1,14 @@
 #include <atomic>
 #include <type_traits>
 
-#include <SDL.h>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/dummy_window.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/short_text.hpp"
+#include "tests/ui/keys.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -29,12 +26,29 @@ std::string shown_on(ui::SubjectScreen& screen) {
     return std::to_string(std::hash<std::string_view>{}(bytes));
 }
 
+/// Hardly a pixel more than a screen needs: each is hashed, frame by frame.
+const ui::WindowOptions kSmall{.width = 640, .height = 480, .font = {}, .instructions = {}};
+
+/// Presses a key again and again until `ask` has come back.
+void press_until_done(SDL_Keycode key, const std::function<void()>& ask) {
+    std::atomic<bool> answered{false};
+    std::thread subject([&] {
+        while (!answered) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            tests::press(key);
+        }
+    });
+    ask();
+    answered = true;
+    subject.join();
+}
+
 /// Runs the real subject's screen in a session: begins and answers by itself, and keeps what the
 /// screen showed while each object was felt.
 class WatchedScreen : public Observer {
 public:
     WatchedScreen()
-        : screen_({.window = {.font = {}},
+        : screen_({.window = kSmall,
                    .watermark = {},
                    .interrupted = {},
                    .on_pointer = {},
@@ -44,19 +58,8 @@ public:
 
     Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
     Signal ready(const TrialView& trial) override {
-        std::atomic<bool> begun{false};
-        std::thread subject([&] {
-            while (!begun) {
-                std::this_thread::sleep_for(std::chrono::milliseconds(30));
-                SDL_Event space{};
-                space.type = SDL_KEYDOWN;
-                space.key.keysym.sym = SDLK_SPACE;
-                SDL_PushEvent(&space);
-            }
-        });
-        const Signal signal = screen_.ready(trial);
-        begun = true;
-        subject.join();
+        Signal signal = Signal::abort;
+        press_until_done(SDLK_SPACE, [&] { signal = screen_.ready(trial); });
         return signal;
     }
     ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
@@ -90,19 +93,11 @@ private:
     ui::SubjectScreen screen_;
 };
 
-class Forgetful : public Recorder {
-public:
+struct Forgetful : tests::NoRecorder {
     TrialId begin_trial(const PlannedTrial& planned) override {
         conditions.insert(planned.condition);
         return 1;
     }
-    void begin_interval(TrialId /*trial*/,
-                        const Presentation& /*felt*/,
-                        const SceneConstants& /*scene*/) override {}
-    void append(TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {}
-    void end_trial(TrialId /*t*/, const TrialResult& /*result*/) override {}
-    void event(const Event& /*event*/) override {}
-    void finish_session() override {}
     std::set<Condition> conditions;
 };
 
@@ -157,7 +152,7 @@ TEST_CASE(
     class Shaken : public tests::Patient {
     public:
         explicit Shaken(bool dead_man)
-            : screen_({.window = {.font = {}},
+            : screen_({.window = kSmall,
                        .watermark = {},
                        .interrupted = {},
                        .on_pointer = {},
@@ -224,7 +219,7 @@ TEST_CASE(
     class TwoIntervals : public tests::Patient {
     public:
         TwoIntervals()
-            : screen_({.window = {.font = {}, .instructions = {}},
+            : screen_({.window = kSmall,
                        .watermark = {},
                        .interrupted = {},
                        .on_pointer = {},
@@ -233,8 +228,8 @@ TEST_CASE(
                        .on_stop = {}}) {}
         Signal ready(const TrialView& trial) override {
             for (const std::size_t interval : {std::size_t{1}, std::size_t{2}}) {
-                press_soon(SDLK_SPACE,
-                           [&] { static_cast<void>(screen_.ready(of(trial, interval))); });
+                press_until_done(SDLK_SPACE,
+                                 [&] { static_cast<void>(screen_.ready(of(trial, interval))); });
                 see("ready", interval);
             }
             return Signal::go_on;
@@ -252,7 +247,8 @@ TEST_CASE(
             asked.kind = ResponseKind::two_interval;
             asked.answers = 2;
             asked.confidence = true;
-            press_soon(SDLK_1, [&] { static_cast<void>(screen_.choose(of(trial, 2), asked)); });
+            press_until_done(SDLK_1,
+                             [&] { static_cast<void>(screen_.choose(of(trial, 2), asked)); });
             see("confidence", 2);
             screen_.stage().show("question", [&](ui::Window& window) {
                 draw(window, ui::ChooseFace{asked, 1, false});
@@ -278,21 +274,6 @@ TEST_CASE(
             view.interval = interval;
             view.intervals = 2;
             return view;
-        }
-        static void press_soon(SDL_Keycode key, const std::function<void()>& ask) {
-            std::atomic<bool> answered{false};
-            std::thread subject([&] {
-                while (!answered) {
-                    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-                    SDL_Event event{};
-                    event.type = SDL_KEYDOWN;
-                    event.key.keysym.sym = key;
-                    SDL_PushEvent(&event);
-                }
-            });
-            ask();
-            answered = true;
-            subject.join();
         }
         void see(const std::string& screen, std::size_t interval) {
             seen[screen + std::to_string(interval)].insert(shown_on(screen_));

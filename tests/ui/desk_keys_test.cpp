@@ -51,43 +51,6 @@ TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever
     CHECK_FALSE(rig.desk.wants());
 }
 
-TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", "[screen][desk]") {
-    DeskRig rig;
-    const auto mark = [] {
-        press(SDLK_m, kChord);
-        press(SDLK_y);
-    };
-    {
-        const Later experimenter(mark);
-        CHECK(rig.screen.ready(kTrial) ==
-              Signal::held_up);  // at once: the session takes it from here
-        CHECK(rig.desk.take_mark());
-    }
-    static_cast<void>(rig.screen.explore(kTrial, 0.0));
-    mark();
-    for (int i = 0; i < 20; ++i) {
-        CHECK(rig.screen.explore(kTrial, 0.1).signal == Signal::go_on);
-    }
-    CHECK(rig.desk.take_mark());
-    {
-        const Later experimenter([&] {
-            mark();
-            press(SDLK_2);
-        });
-        Question question{.kind = ResponseKind::two_interval,
-                          .text = {},
-                          .pictures = {},
-                          .answers = 2,
-                          .labels = {}};
-        CHECK(rig.screen.choose(kTrial, question).place == 1);  // the answer is kept
-        CHECK(rig.desk.take_mark());
-    }
-    mark();
-    CHECK(rig.screen.gap(0.2) == Signal::go_on);
-    CHECK(rig.desk.take_mark());
-    CHECK_FALSE(rig.desk.wants());
-}
-
 TEST_CASE("what became of a mark stands at the lower edge, until something else is asked",
           "[screen][desk]") {
     DeskRig rig;
@@ -122,11 +85,7 @@ TEST_CASE("the question of a mark names the trial that runs, or the last one",
     asks("this");
     {
         const Later subject([] { press(SDLK_2); });
-        static_cast<void>(rig.screen.choose(kTrial, {.kind = ResponseKind::two_interval,
-                                                     .text = {},
-                                                     .pictures = {},
-                                                     .answers = 2,
-                                                     .labels = {}}));
+        static_cast<void>(rig.screen.choose(kTrial, question(ResponseKind::two_interval)));
     }
     press(SDLK_m, kChord);
     static_cast<void>(rig.screen.gap(0.1));
@@ -195,31 +154,4 @@ TEST_CASE("after the experimenter's stop only the experimenter's chord goes on",
     press(SDLK_p, kChord);
     CHECK(rig.screen.trouble(view) == Signal::go_on);
     CHECK_FALSE(rig.desk.wants());  // and no pause follows
-}
-
-TEST_CASE("a pause lasts until the experimenter ends it, and Space does not",
-          "[screen][desk][law]") {
-    DeskRig rig;
-    {
-        const Later experimenter([] { press(SDLK_p, kChord); });
-        CHECK(rig.screen.ready(kTrial) == Signal::held_up);
-        CHECK(rig.desk.take_pause());
-    }
-    {
-        const Later all([] {
-            press(SDLK_SPACE);
-            press(SDLK_RETURN);
-            press(SDLK_p);
-            press(SDLK_p, kChord);
-        });
-        CHECK(rig.screen.pause(kTrial) == Signal::go_on);
-        CHECK_FALSE(rig.desk.wants());
-    }
-    {
-        const Later experimenter([] {
-            press(SDLK_q, kChord);
-            press(SDLK_y);
-        });
-        CHECK(rig.screen.pause(kTrial) == Signal::abort);
-    }
 }

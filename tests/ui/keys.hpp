@@ -4,11 +4,14 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
 #include <SDL.h>
 
+#include "stimuli/two_curve.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/dummy_window.hpp"
 
@@ -83,6 +86,29 @@ inline ui::SubjectScreenOptions options() {
     options.window.height = 768;
     options.guard_s = 0.0;  // tests of the guard time set it
     return options;
+}
+
+/// Without words of its own; of pictures, those of so many arcs.
+inline protocols::Question question(protocols::ResponseKind kind,
+                                    std::size_t answers = 2,
+                                    bool confidence = false) {
+    protocols::Question asked{.kind = kind,
+                              .text = {},
+                              .pictures = {},
+                              .answers = answers,
+                              .labels = {},
+                              .confidence = confidence};
+    static const std::vector<protocols::Picture> pictures = [] {
+        std::vector<protocols::Picture> all;
+        for (const double curvature : {-10.0, -7.0, -4.0, -1.0, 2.0, 5.0, 8.0, 11.0, 14.0}) {
+            all.push_back({stimuli::silhouette({.curvature = curvature})});
+        }
+        return all;
+    }();
+    if (kind == protocols::ResponseKind::identification) {
+        asked.pictures = std::span(pictures).first(answers);
+    }
+    return asked;
 }
 
 inline constexpr protocols::TrialView kTrial{.number = 3,

@@ -46,18 +46,10 @@ private:
 };
 
 /// Keeps the events.
-class Notes : public Recorder {
-public:
-    TrialId begin_trial(const PlannedTrial& /*p*/) override { return 1; }
-    void begin_interval(TrialId /*trial*/,
-                        const Presentation& /*felt*/,
-                        const SceneConstants& /*scene*/) override {}
-    void append(TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {}
-    void end_trial(TrialId /*t*/, const TrialResult& /*r*/) override {}
+struct Notes : tests::NoRecorder {
     void event(const Event& event) override {
         all.push_back(std::string(to_string(event.kind)) + ": " + event.text);
     }
-    void finish_session() override {}
     std::vector<std::string> all;
 };
 

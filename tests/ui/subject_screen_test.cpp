@@ -1,6 +1,5 @@
 #include <atomic>
 
-#include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/ui/keys.hpp"
 
@@ -9,84 +8,15 @@ using namespace palpate::protocols;
 using namespace palpate::ui;
 using namespace palpate::tests;
 
-namespace {
-
-std::vector<Picture> pictures(std::size_t n) {
-    std::vector<Picture> all;
-    for (std::size_t i = 0; i < n; ++i) {
-        all.push_back({stimuli::silhouette({.curvature = -10.0 + 3.0 * static_cast<double>(i)})});
-    }
-    return all;
-}
-
-}  // namespace
-
-TEST_CASE("a number key chooses the picture of that number, and says how it was given",
-          "[screen]") {
-    SubjectScreen screen(options());
-    const auto five = pictures(5);
-    for (int digit = 1; digit <= 5; ++digit) {
-        const Later subject([digit] {
-            press(SDLK_6);  // no such picture
-            press(SDLK_1 + digit - 1);
-        });
-        const Choice choice = screen.choose(kTrial, which_of(five));
-        CHECK(choice.signal == Signal::done);
-        CHECK(choice.place == static_cast<std::size_t>(digit - 1));
-        CHECK(choice.input == InputKind::key);
-        CHECK(choice.reaction_s > 0.0);
-        CHECK(choice.reaction_s < 5.0);
-        CHECK(choice.uncertainty_s >= 0.0);
-        CHECK(choice.uncertainty_s < 1.0);
-    }
-}
-
-TEST_CASE("a click on a card chooses it, for 2 to 9 pictures, a click beside them does nothing",
-          "[screen]") {
-    SubjectScreen screen(options());
-    for (std::size_t n = 2; n <= 9; ++n) {
-        const auto shown = pictures(n);
-        const auto cards = lay_out_cards(n, screen.stage().window().size());
-        const std::size_t wanted = (3 * n) % n + (n > 4 ? 3 : 1);
-        const Later subject([&] {
-            click({3.0, 3.0});
-            click(cards[wanted].centre());
-        });
-        const Choice choice = screen.choose(kTrial, which_of(shown));
-        CHECK(choice.place == wanted);
-        CHECK(choice.input == InputKind::mouse);
-    }
-}
-
-TEST_CASE("arrows move the mark without wrapping round, and Enter takes it", "[screen]") {
-    SubjectScreen screen(options());
-    const auto five = pictures(5);
-    const auto chosen = [&](std::vector<SDL_Keycode> keys) {
-        const Later subject([keys] {
-            for (const SDL_Keycode key : keys) {
-                press(key);
-            }
-        });
-        return screen.choose(kTrial, which_of(five));
-    };
-    CHECK(chosen({SDLK_RETURN, SDLK_RIGHT, SDLK_RETURN}).place ==
-          0);  // Enter alone chooses nothing
-    CHECK(chosen({SDLK_RIGHT, SDLK_RIGHT, SDLK_RIGHT, SDLK_RETURN}).place == 2);
-    CHECK(chosen({SDLK_LEFT, SDLK_RETURN}).place == 4);
-    CHECK(chosen({SDLK_LEFT, SDLK_RIGHT, SDLK_RIGHT, SDLK_KP_ENTER}).place == 4);
-    CHECK(chosen({SDLK_RIGHT, SDLK_LEFT, SDLK_LEFT, SDLK_RETURN}).place == 0);
-    CHECK(chosen({SDLK_RIGHT, SDLK_RETURN}).input == InputKind::arrows);
-}
-
 TEST_CASE("what was pressed before a screen, or is held down, does not answer it",
           "[screen][law]") {
     SubjectScreen screen(options());
     press(SDLK_1);  // too early
     const Later subject([] {
-        press(SDLK_2, KMOD_NONE, true);  // held down
-        press(SDLK_3);
+        press(SDLK_1, KMOD_NONE, true);  // held down
+        press(SDLK_2);
     });
-    CHECK(screen.choose(kTrial, which_of(pictures(5))).place == 2);
+    CHECK(screen.choose(kTrial, question(ResponseKind::yes_no)).place == 1);
 }
 
 TEST_CASE("no key of the subject ends a session, the experimenter's two steps do",
@@ -132,7 +62,7 @@ TEST_CASE("a signal of the operating system ends any screen", "[screen]") {
     SubjectScreen screen(with_signal);
     const Later system([&] { arrived = true; });
     CHECK(screen.ready(kTrial) == Signal::abort);
-    CHECK(screen.choose(kTrial, which_of(pictures(2))).signal == Signal::abort);
+    CHECK(screen.choose(kTrial, question(ResponseKind::yes_no)).signal == Signal::abort);
     CHECK(screen.gap(5.0) == Signal::abort);
     CHECK(screen.explore(kTrial, 0.0).signal == Signal::abort);
 }
@@ -203,23 +133,18 @@ TEST_CASE("Space begins with the handle at the start alone, where there is a han
 TEST_CASE("a question ends unanswered after its time and not before, the confidence too",
           "[screen][law]") {
     SubjectScreen screen(options());
-    Question question{.kind = ResponseKind::two_interval,
-                      .text = {},
-                      .pictures = {},
-                      .answers = 2,
-                      .labels = {},
-                      .confidence = true,
-                      .timeout_s = 1.5};
+    Question asked = question(ResponseKind::yes_no, 2, true);
+    asked.timeout_s = 1.5;
     {
         const Later too_late([] { press(SDLK_1); }, 2500);
-        CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+        CHECK(screen.choose(kTrial, asked).signal == Signal::too_late);
     }
     {
         const Later subject([] { press(SDLK_1); });
-        CHECK(screen.choose(kTrial, question).signal == Signal::too_late);
+        CHECK(screen.choose(kTrial, asked).signal == Signal::too_late);
     }
-    question.confidence = false;
-    question.timeout_s = 60.0;
+    asked.confidence = false;
+    asked.timeout_s = 60.0;
     const Later subject([] { press(SDLK_1); });
-    CHECK(screen.choose(kTrial, question).signal == Signal::done);
+    CHECK(screen.choose(kTrial, asked).signal == Signal::done);
 }
