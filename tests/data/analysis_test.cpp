@@ -36,23 +36,6 @@ int sum_of(const std::vector<std::vector<std::string>>& matrix) {
 
 }  // namespace
 
-// R. G. Newcombe, "Two-sided confidence intervals for the single proportion", Statistics in
-// Medicine 17 (1998), table I, method 3 (score).
-TEST_CASE("the Wilson interval agrees with the published values", "[analysis][golden]") {
-    struct Published {
-        std::int64_t k, n;
-        double low, high;
-    };
-    for (const Published& p :
-         {Published{81, 263, 0.2553, 0.3662}, Published{15, 148, 0.0624, 0.1605},
-          Published{0, 20, 0.0, 0.1611}, Published{1, 29, 0.0061, 0.1718}}) {
-        const data::Interval ci = data::wilson(p.k, p.n);
-        CAPTURE(p.k, p.n, ci.low, ci.high);
-        CHECK(std::fabs(ci.low - p.low) < 5.1e-5);
-        CHECK(std::fabs(ci.high - p.high) < 5.1e-5);
-    }
-}
-
 TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors", "[analysis][law]") {
     for (std::int64_t n = 0; n <= 60; ++n) {
         for (std::int64_t k = 0; k <= n; ++k) {
@@ -95,19 +78,15 @@ TEST_CASE(
     "the matrix has every object of the plan, and no choice drops out of it, from the first trial "
     "on",
     "[analysis][law]") {
-    SEEDED(random, std::uint64_t{10});
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol(2));
-    const auto opened = data::open_session(database, spec);
-    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    SEEDED(random, std::uint64_t{3});
+    tests::SmallSession session(tests::small_protocol(2));
     int answers = 0;
-    for (const auto& planned : spec.plan.trials) {
+    for (const auto& planned : session.spec.plan.trials) {
         const auto object = random.index(3);
-        recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned),
-                           tests::answered(object, object == planned.condition.object));
+        session.record(planned.position,
+                       tests::answered(object, object == planned.condition.object));
         ++answers;
-        const auto matrix = matrix_of(data::summary_text(database));
+        const auto matrix = matrix_of(data::summary_text(session.database));
         CAPTURE(answers);
         REQUIRE(matrix.size() == 4);
         CHECK(matrix[0] == std::vector<std::string>{"felt", "concave", "straight", "convex"});

@@ -7,15 +7,12 @@ using namespace palpate;
 namespace {
 
 /// A disk that fails once, and would take everything after it.
-class DiskWithHiccup : public protocols::Recorder {
+class DiskWithHiccup : public tests::NoRecorder {
 public:
     explicit DiskWithHiccup(int failing) : failing_(failing) {}
     protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {
         return ++calls_;
     }
-    void begin_interval(protocols::TrialId /*trial*/,
-                        const protocols::Presentation& /*felt*/,
-                        const protocols::SceneConstants& /*scene*/) override {}
     void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> ticks) override {
         ++calls_;
         if (++appends_ == failing_) {

@@ -153,14 +153,11 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
 }
 
 TEST_CASE("a lock of another program keeps no tick and no answer back for good", "[store][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    const auto spec = tests::session_spec(tests::small_protocol());
-    Database database(file, Access::write);
-    const auto session = data::open_session(database, spec).id;
-    data::SqliteRecorder disk(database, spec.protocol, session);
-    data::AsyncRecorder recorder(disk, 5ms);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
+    tests::SmallSession session;
+    const std::string file = session.folder.file("a.sqlite");
+    data::AsyncRecorder recorder(session.recorder, 5ms);
+    const auto id =
+        tests::begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
     const auto ticks = tests::random_ticks(1, 9000);
     Database analyst(file, Access::write);
     analyst.execute("BEGIN IMMEDIATE");
@@ -174,7 +171,7 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
     });
     recorder.end_trial(id, tests::answered(0, true, 9000));
     ends.join();
-    const auto stored = data::read_trace(database, id);
+    const auto stored = data::read_trace(session.database, id);
     REQUIRE(stored.size() == ticks.size());
     CHECK(std::equal(stored.begin(), stored.end(), ticks.begin(), tests::same_bits));
     auto row = analyst.first("SELECT count(*) FROM response");
@@ -182,20 +179,17 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
 }
 
 TEST_CASE("ticks that come slowly are saved by the clock, not by their number", "[store][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("a.sqlite");
-    const auto spec = tests::session_spec(tests::small_protocol());
-    Database database(file, Access::write);
-    const auto session = data::open_session(database, spec).id;
-    data::SqliteRecorder disk(database, spec.protocol, session);
-    data::AsyncRecorder recorder(disk, 5ms);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
+    tests::SmallSession session;
+    const std::string file = session.folder.file("a.sqlite");
+    data::AsyncRecorder recorder(session.recorder, 5ms);
+    const auto id =
+        tests::begin_trial(recorder, session.spec.protocol, session.spec.plan.trials[0]);
     for (std::int64_t tick = 0; tick < 5; ++tick) {
         recorder.append(id, tests::random_ticks(1, 1, tick));
         wait_for_ticks(file, tick + 1);  // nothing else is appended
     }
     recorder.end_trial(id, tests::answered(0, true, 5));
-    CHECK(data::read_trace(database, id).size() == 5);
+    CHECK(data::read_trace(session.database, id).size() == 5);
 }
 
 TEST_CASE("the log and its index are as private as the file", "[store][law]") {
@@ -228,18 +222,15 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
 
 TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",
           "[store][chain][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
-    const auto session = data::open_session(database, spec).id;
-    data::SqliteRecorder recorder(database, spec.protocol, session);
-    for (const auto& planned : spec.plan.trials) {
-        const auto id = tests::begin_trial(recorder, spec.protocol, planned);
-        recorder.append(id, tests::random_ticks(planned.position, 50));
-        recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 50));
-        recorder.event({.text = "after it"});
+    tests::SmallSession small;
+    Database& database = small.database;
+    const std::int64_t session = small.id;
+    for (const auto& planned : small.spec.plan.trials) {
+        small.record(planned.position, tests::answered(0, planned.condition.object == 0, 50),
+                     tests::random_ticks(planned.position, 50));
+        small.recorder.event({.text = "after it"});
     }
-    recorder.finish_session();
+    small.recorder.finish_session();
     REQUIRE(data::chain_breaks(database, session).empty());
     const std::string finished = data::chain_head(database, session);
     CHECK(finished.size() == 64);

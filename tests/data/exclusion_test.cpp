@@ -119,48 +119,6 @@ TEST_CASE(
     CHECK(data::judge(database, "other", "real").all.empty());
 }
 
-TEST_CASE("the summary shows the shares of all and without those left out, by hand-made counts",
-          "[exclusion][law]") {
-    SEEDED(random, std::uint64_t{8});
-    const TemporaryFolder folder;
-    data::Database database(folder.file("e.sqlite"), data::Access::write);
-    const protocols::Protocol protocol = study();
-    for (int i = 0; i < 6; ++i) {
-        run(database, protocol, std::string("P").append(std::to_string(i)),
-            {.correct = random.below(25) / 24.0});
-    }
-    // Counted apart: from the rows of the view, participant by participant, all alike in number.
-    double all[2] = {0.0, 0.0};
-    double kept[2] = {0.0, 0.0};
-    int left_out = 0;
-    data::Statement row = database.prepare(
-        "SELECT participant_code, sum(friction = 'off' AND correct), sum(friction = 'on' AND "
-        "correct), avg(correct) FROM analysis_trial WHERE counts AND phase = 'main' GROUP BY "
-        "participant_code");
-    while (row.step()) {
-        for (int k = 0; k < 2; ++k) {
-            all[k] += row.real(1 + k) / 12.0;
-            kept[k] += row.real(3) >= 0.5 ? row.real(1 + k) / 12.0 : 0.0;
-        }
-        left_out += row.real(3) >= 0.5 ? 0 : 1;
-    }
-    const std::string text = data::summary_text(database);
-    CAPTURE(text);
-    const auto line = [](const char* friction, double sum, int people) {
-        return fmt::format("friction {:<3}  {:.3f}  ", friction, sum / people);
-    };
-    CHECK_THAT(text, Has(line("off", all[0], 6), line("on", all[1], 6)));
-    if (left_out == 0) {
-        CHECK_THAT(text, Has("leave out none of 6 participants"));
-    } else if (left_out < 6) {
-        CHECK_THAT(text,
-                   Has(fmt::format("leave out {} of 6", left_out),
-                       line("off", kept[0], 6 - left_out), line("on", kept[1], 6 - left_out)));
-    } else {
-        CHECK_THAT(text, Has("nobody is left"));
-    }
-}
-
 TEST_CASE("without rules of exclusion the summary says nothing of them", "[exclusion]") {
     const TemporaryFolder folder;
     data::Database database(folder.file("e.sqlite"), data::Access::write);

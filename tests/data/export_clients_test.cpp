@@ -26,9 +26,11 @@ struct AwkwardLab {
         replace(shapes, "\"shape_friction_demo\"", "\"sekil_1\"");
         replace(shapes, "\"Felt shape", "\"Şekil: \\\"dış bükey\\\" mi, çukur mu");
         replace(shapes, "[timing]", "[response]\nconfidence = true\n[timing]");
+        const std::size_t other = shapes.find("[[object]]\nname = \"concave_5\"");
+        shapes.erase(other, shapes.find("[[object]]\nname = \"convex_10\"") - other);
         const std::string first = write("shapes.toml", shapes);
         std::string chosen = slurp(PALPATE_SOURCE_DIR "/protocols/library/curvature_2afc.toml");
-        replace(chosen, "trials = 60", "trials = 3");
+        replace(chosen, "trials = 60", "trials = 2");
         replace(chosen, "practice_trials = 4", "practice_trials = 1");
         const std::string second = write("chosen.toml", chosen);
         run(first, "P01");

@@ -154,21 +154,6 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export
     CHECK_FALSE(fs::exists(folder.path() / "t"));
 }
 
-TEST_CASE("who does not consent is not exported", "[export][law]") {
-    const TemporaryFolder folder;
-    const std::string file = exported_database(folder);
-    {
-        Database database(file, Access::write);
-        data::note_participant(database, "SECRETP2", {.consent = false});
-    }
-    const data::ExportSummary done =
-        data::export_file(file, ExportFormat::csv, {.keep_codes = true}, folder.path() / "out");
-    CHECK(done.sessions == 2);
-    REQUIRE(done.left_out.size() == 1);
-    CHECK(done.left_out.front().no_consent.people == 1);
-    CHECK_THAT(everything(folder.path() / "out"), !Has("SECRETP2"));
-}
-
 TEST_CASE("every column of the file is exported or marked to stay in the file", "[export][law]") {
     std::string sql;
     for (const data::ExportTable& table : data::export_tables()) {

@@ -1,7 +1,6 @@
 #include <cstdlib>
 
 #include "data/fit/bootstrap.hpp"
-#include "data/fit/optimum.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -197,33 +196,6 @@ TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with wh
     near(-back[1], plain[2]);
     near(-back[2], plain[1]);
     near(there[6], plain[6]);
-}
-
-TEST_CASE("a Weibull is the same on its three axes", "[fit][law]") {
-    SEEDED(random, 20U);
-    const Case one = some_case(Family::weibull, 0.5, 0.02);
-    const std::vector<Level> linear = answers(random, one.f, one.x, 60);
-    std::vector<Level> log10 = linear;
-    std::vector<Level> db = linear;
-    for (std::size_t i = 0; i < linear.size(); ++i) {
-        log10[i].stimulus = std::log10(linear[i].stimulus);
-        db[i].stimulus = 20.0 * log10[i].stimulus;
-    }
-    const auto fit_of = [](const std::vector<Level>& levels, Family family) {
-        const CurveSpec spec{.family = family, .guess = 0.5, .lapse = 0.02};
-        const CurveFit fit = fit_curve(CurveModel(levels, spec));
-        return std::array{value(spec, fit, Quantity::threshold), value(spec, fit, Quantity::slope),
-                          fit.deviance};
-    };
-    const auto x = fit_of(linear, Family::weibull);
-    const auto y = fit_of(log10, Family::weibull_log10);
-    const auto z = fit_of(db, Family::weibull_db);
-    CHECK(y[0] == Approx(std::log10(x[0])).epsilon(1e-6));
-    CHECK(z[0] == Approx(20.0 * std::log10(x[0])).epsilon(1e-6));
-    CHECK(y[1] == Approx(x[1]).epsilon(1e-6));
-    CHECK(z[1] == Approx(x[1]).epsilon(1e-6));
-    CHECK(y[2] == Approx(x[2]).margin(1e-9));
-    CHECK(z[2] == Approx(x[2]).margin(1e-9));
 }
 
 TEST_CASE(

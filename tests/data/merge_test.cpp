@@ -43,7 +43,7 @@ TEST_CASE(
     "files merged in any order, at once or one by one, again or in part before, give the same "
     "content",
     "[long][merge][law]") {
-    const auto seed = GENERATE(seeds(8U));
+    const auto seed = GENERATE(seeds(5U));
     CAPTURE(seed);
     MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
@@ -100,7 +100,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
 }
 
 TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
-    const auto seed = GENERATE(seeds(6U));
+    const auto seed = GENERATE(seeds(3U));
     CAPTURE(seed);
     MergeWorld world(seed);
     const std::string out = world.folder.file("out.sqlite");

@@ -14,93 +14,28 @@ using namespace palpate::tests;
 
 namespace {
 
-/// The n-th attempt at a position counts or not, the same whoever asks.
-std::string reason_of(std::size_t position, std::int64_t attempt, std::uint64_t seed) {
-    Random random(seed * 1009 + position * 31 + static_cast<std::uint64_t>(attempt));
-    return random.in(0.0, 1.0) < 0.4 ? fmt::format("contact {} s", attempt) : std::string();
-}
-
-/// Answers all that is left, opening the session again after every `at_a_time` answers.
-void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, std::uint64_t seed) {
-    for (;;) {
-        auto opened = data::open_session(database, spec);
-        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-        for (int i = 0; i < at_a_time; ++i) {
-            if (opened.progress.pending().empty()) {
-                recorder.finish_session();
-                return;
-            }
-            const std::size_t at = opened.progress.pending().next();
-            auto attempt = database.first(
-                "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE plan_position = "
-                "?1",
-                at);
-            auto result = answered(0, false);
-            result.invalid = reason_of(at, attempt.integer(0), seed);
-            attempt.reset();
-            const auto trial = begin_trial(recorder, spec.protocol, spec.plan.trials[at]);
-            recorder.end_trial(trial, result);
-            opened.progress = apply(std::move(opened.progress), {.trial = trial,
-                                                                 .position = at,
-                                                                 .outcome = result.outcome,
-                                                                 .counts = result.invalid.empty()});
-        }
-        static_cast<void>(begin_trial(
-            recorder, spec.protocol,
-            spec.plan.trials[opened.progress.pending().empty()
-                                 ? 0
-                                 : opened.progress.pending().next()]));  // and is cut off
+/// Answers all that is left.
+void run_on(Database& database, const data::SessionSpec& spec) {
+    auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    for (const std::size_t at : opened.progress.pending().order()) {
+        recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[at]),
+                           answered(0, false));
     }
+    recorder.finish_session();
 }
-
-constexpr const char* kAnswered =
-    "SELECT plan_position, coalesce(invalid_reason, '-') FROM trial JOIN response USING (trial_id) "
-    "ORDER BY trial_id";
 
 }  // namespace
 
-TEST_CASE("with answers that do not count, a session resumed anywhere runs as the unbroken one",
-          "[store][invalid][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{12}));
-    CAPTURE(seed);
-    const TemporaryFolder folder;
-    auto protocol = small_protocol(2);
-    protocol.design.blocks = 2;
-    protocol.invalid.max_requeues = seed % 3;
-    const auto spec = session_spec(protocol);
-    Database unbroken(folder.file("unbroken.sqlite"), Access::write);
-    run_on(unbroken, spec, 1000, seed);
-    Database broken(folder.file("broken.sqlite"), Access::write);
-    run_on(broken, spec, 1 + static_cast<int>(seed % 5), seed);
-    CHECK(lines(broken, kAnswered) == lines(unbroken, kAnswered));
-    CHECK(lines(broken,
-                "SELECT plan_position FROM trial GROUP BY plan_position HAVING count(*) <> "
-                "max(attempt) OR count(DISTINCT attempt) <> count(*)")
-              .empty());
-    // One answer that counts, or one more than the repetitions that do not.
-    CHECK(
-        lines(broken, fmt::format("SELECT plan_position FROM trial JOIN response USING (trial_id) "
-                                  "GROUP BY plan_position HAVING sum(invalid_reason IS NULL) <> 1 "
-                                  "AND (sum(invalid_reason IS NULL) > 1 OR count(*) <> {})",
-                                  protocol.invalid.max_requeues + 1))
-            .empty());
-    CHECK(lines(broken, "SELECT DISTINCT block FROM plan ORDER BY 1") == "0 \n1 \n");
-}
-
 TEST_CASE("an answer that does not count is kept with its reason, left out and counted apart",
           "[store][invalid][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
-    const auto spec = session_spec(small_protocol());
-    const auto opened = data::open_session(database, spec);
-    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    SmallSession session;
+    Database& database = session.database;
     auto bad = answered(1, true);
     bad.invalid = "path 12.0 mm, below 160 mm";
-    const auto id = begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
-    recorder.end_trial(id, bad);
+    const auto id = session.record(0, bad);
     CHECK_THAT(data::summary_text(database), Has("1 answered trial is invalid"));
-    recorder.end_trial(begin_trial(recorder, spec.protocol, spec.plan.trials[1]),
-                       answered(1, true));
+    session.record(1, answered(1, true));
     CHECK(lines(database,
                 "SELECT trial_id, invalid_reason FROM analysis_trial WHERE invalid_reason IS NOT "
                 "NULL") == fmt::format("{} path 12.0 mm, below 160 mm \n", id));
@@ -111,8 +46,7 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     protocols::TrialResult aborted;
     aborted.outcome = protocols::Outcome::aborted;
     aborted.invalid = "x";
-    const auto other = begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
-    CHECK_THROWS_AS(recorder.end_trial(other, aborted), std::logic_error);
+    CHECK_THROWS_AS(session.record(2, aborted), std::logic_error);
 }
 
 TEST_CASE("an answer marked afterwards is left out, kept, and run again unless all is finished",
@@ -151,7 +85,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
         std::erase(others, 1U);
         CHECK(others == std::vector<std::size_t>{3, 4, 5});
     }
-    run_on(database, spec, 1000, 1);
+    run_on(database, spec);
     CHECK(data::mark_invalid(database, 1, {"late"}).finished);
     CHECK(data::open_session(database, spec).finished);
 }

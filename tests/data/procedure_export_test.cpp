@@ -25,7 +25,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         }
         const Finished shown = ran(
             {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
-        CHECK_THAT(slurp(run.path() / "CONFIG.toml"), !Has("P0"));
+        CHECK_THAT(slurp(run.path() / "CONFIG.toml"), !Has("P0") && !Has(kSecret));
         data::Statement person = database.prepare(
             "SELECT participant_code FROM participant WHERE instr(?1, printf('subject-%010d_', "
             "subject))");

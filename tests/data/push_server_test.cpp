@@ -10,7 +10,6 @@
 #include "data/sync/push.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/push_world.hpp"
-#include "tests/support/random.hpp"
 
 using namespace palpate;
 using namespace palpate::data;
@@ -29,35 +28,6 @@ TEST_CASE("a damaged session does not reach the server", "[push][law]") {
     REQUIRE(report.conflicts.size() == 1);
     CHECK_THAT(report.conflicts.front(), Has("palpate verify"));
     CHECK(Postgres(server->url()).rows("SELECT * FROM palpate.session").empty());
-}
-
-TEST_CASE("a server that crashes during pushes has each session once in the end", "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
-    const TemporaryFolder folder;
-    const std::string file = a_database(folder);
-    const std::string whole = new_database(*server, "whole");
-    REQUIRE(data::push_file(file, whole).conflicts.empty());
-    const std::string expected = content(whole);
-    Random random(20260301);
-    for (int i = 0; i < 5; ++i) {
-        CAPTURE(i);
-        const std::string url = new_database(*server, fmt::format("crash{}", i));
-        Process push({palpate_program(), "push", file, "--to", url});
-        std::this_thread::sleep_for(std::chrono::microseconds(random.below(120'000)));
-        server->crash_and_restart();
-        const Finished cut = push.wait();
-        CAPTURE(cut.error);
-        CHECK((cut.code == 0 || cut.code == 1));
-        // While connecting libpq itself may print the server's last warning before.
-        const std::string ours =
-            cut.error.substr(std::min(cut.error.find("palpate: "), cut.error.size()));
-        CHECK(std::count(ours.begin(), ours.end(), '\n') == (cut.code == 0 ? 0 : 1));
-        CHECK(data::push_file(file, url).conflicts.empty());
-        CHECK(content(url) == expected);
-    }
 }
 
 TEST_CASE(

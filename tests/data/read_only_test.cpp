@@ -170,20 +170,6 @@ TEST_CASE("what a killed rig has only in its log is seen in a locked folder, and
     CHECK(without_rights([&] { return hash_of(links.file("b.sqlite")); }) == hash);
 }
 
-TEST_CASE("a link to a database in a locked folder is read, too", "[store][law]") {
-    const TemporaryFolder folder;
-    static_cast<void>(record(folder.file("a.sqlite")));
-    const TemporaryFolder links;
-    std::filesystem::create_symlink(folder.file("a.sqlite"), links.file("b.sqlite"));
-    chmod(links.path().c_str(), 0777);
-    const Locked locked(folder);
-    if (!permissions_bind(folder)) {
-        return;
-    }
-    CHECK_THAT(without_rights([&] { return contents(links.file("b.sqlite")); }),
-               Has("Study small"));
-}
-
 TEST_CASE("a rig whose folder cannot be written hears so", "[store][law]") {
     const TemporaryFolder folder;
     static_cast<void>(record(folder.file("a.sqlite")));

@@ -1,28 +1,12 @@
 #include "data/store/async_recorder.hpp"
 #include "data/store/reader.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 
 namespace {
-
-/// A database with an open session.
-struct Rig {
-    explicit Rig(const TemporaryFolder& folder)
-        : database(folder.file("a.sqlite"), Access::write),
-          spec(tests::session_spec(tests::small_protocol())),
-          session(data::open_session(database, spec).id),
-          recorder(database, spec.protocol, session) {}
-    Database database;
-    data::SessionSpec spec;
-    std::int64_t session;
-    data::SqliteRecorder recorder;
-};
 
 void append_in_bits(protocols::Recorder& recorder,
                     protocols::TrialId id,
@@ -45,31 +29,13 @@ void check_same(std::span<const engine::TickRecord> stored,
     }
 }
 
-class FullDisk : public protocols::Recorder {
-public:
-    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override { return 1; }
-    void begin_interval(protocols::TrialId /*trial*/,
-                        const protocols::Presentation& /*felt*/,
-                        const protocols::SceneConstants& /*scene*/) override {}
-    void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {
-        throw data::StoreError("the disk is full");
-    }
-    void end_trial(protocols::TrialId /*t*/, const protocols::TrialResult& /*r*/) override {
-        ++ended;
-    }
-    void event(const protocols::Event& /*event*/) override {}
-    void finish_session() override {}
-    int ended = 0;
-};
-
 }  // namespace
 
 TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[store][law]") {
     const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
     const bool async = GENERATE(false, true);
     CAPTURE(seed, async);
-    const TemporaryFolder folder;
-    Rig rig(folder);
+    tests::SmallSession rig;
     const auto ticks = tests::random_ticks(seed, 1 + 1433 * seed);
     protocols::TrialId id = 0;
     {
@@ -87,43 +53,34 @@ TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[s
 }
 
 TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
-    const TemporaryFolder folder;
-    Rig rig(folder);
+    tests::SmallSession rig;
     const auto ticks = tests::random_ticks(1, 700);
-    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
-    rig.recorder.append(id, ticks);
-    rig.recorder.end_trial(id, tests::answered(0, true));
-    std::filesystem::copy(folder.file("a.sqlite"), folder.file("copy.sqlite"));  // without the log
-    Database copy(folder.file("copy.sqlite"), Access::write);
+    const auto id = rig.record(0, tests::answered(0, true), ticks);
+    std::filesystem::copy(rig.folder.file("a.sqlite"),
+                          rig.folder.file("copy.sqlite"));  // without the log
+    Database copy(rig.folder.file("copy.sqlite"), Access::write);
     check_same(data::read_trace(copy, id), ticks);
 }
 
 TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
-    const TemporaryFolder folder;
-    Rig rig(folder);
-    Database analyst(folder.file("a.sqlite"), Access::read);
+    tests::SmallSession rig;
+    Database analyst(rig.folder.file("a.sqlite"), Access::read);
     auto looking = analyst.prepare("SELECT * FROM plan");
     REQUIRE(looking.step());  // holds a read transaction open
     const auto ticks = tests::random_ticks(2, 1000);
-    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
-    rig.recorder.append(id, ticks);
-    CHECK_NOTHROW(rig.recorder.end_trial(id, tests::answered(0, true)));
-    check_same(data::read_trace(rig.database, id), ticks);
+    check_same(data::read_trace(rig.database, rig.record(0, tests::answered(0, true), ticks)),
+               ticks);
 }
 
 TEST_CASE("a full disk is said, and everything acknowledged before it is there", "[store][law]") {
-    const TemporaryFolder folder;
-    Rig rig(folder);
-    const auto first = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
+    tests::SmallSession rig;
     const auto ticks = tests::random_ticks(3, 512);
-    rig.recorder.append(first, ticks);
-    rig.recorder.end_trial(first, tests::answered(0, true));
+    const auto first = rig.record(0, tests::answered(0, true), ticks);
     auto pages = rig.database.first("PRAGMA page_count");
     rig.database.execute(
         ("PRAGMA max_page_count = " + std::to_string(pages.integer(0) + 60)).c_str());
     pages.reset();
-    const auto second =
-        tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[1]);
+    const auto second = rig.begin(1);
     std::size_t stored = 0;
     std::string said;
     try {
@@ -138,7 +95,7 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     }
     CHECK_THAT(said, Has("a.sqlite", "free some space"));
     CHECK(stored > 0);
-    Database again(folder.file("a.sqlite"), Access::read);
+    Database again(rig.folder.file("a.sqlite"), Access::read);
     check_same(data::read_trace(again, first), ticks);
     CHECK(data::read_trace(again, second).size() == stored);
 }
@@ -148,47 +105,21 @@ TEST_CASE(
     "one has all",
     "[store][law]") {
     const bool moved = GENERATE(false, true);
-    const TemporaryFolder folder;
-    Rig rig(folder);
+    tests::SmallSession rig;
     const auto ticks = tests::random_ticks(3, 5000);
-    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
+    const auto id = rig.begin(0);
     rig.recorder.append(id, std::span(ticks).first(4500));
     if (moved) {
-        std::filesystem::rename(folder.file("a.sqlite"), folder.file("b.sqlite"));
+        std::filesystem::rename(rig.folder.file("a.sqlite"), rig.folder.file("b.sqlite"));
     } else {
-        std::filesystem::remove(folder.file("a.sqlite"));
+        std::filesystem::remove(rig.folder.file("a.sqlite"));
     }
     rig.recorder.append(id, std::span(ticks).subspan(4500));
     CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)),
                       Has("a.sqlite: it was moved or deleted"));
-    CHECK_THROWS_WITH(tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[1]),
-                      Has("put it back"));
+    CHECK_THROWS_WITH(rig.begin(1), Has("put it back"));
     if (moved) {
-        Database there(folder.file("b.sqlite"), Access::read);
+        Database there(rig.folder.file("b.sqlite"), Access::read);
         check_same(data::read_trace(there, id), ticks);
     }
-}
-
-TEST_CASE("what fails on the writing thread is heard of, and nothing is stored after it",
-          "[store][law]") {
-    FullDisk disk;
-    data::AsyncRecorder recorder(disk);
-    const auto id = recorder.begin_trial({});
-    const auto ticks = tests::random_ticks(1, 10);
-    recorder.append(id, ticks);
-    CHECK_THROWS_WITH(recorder.end_trial(id, tests::answered(0, true)), Has("disk is full"));
-    CHECK(disk.ended == 0);
-}
-
-TEST_CASE("a damaged or missing chunk is reported, never averaged", "[store][law]") {
-    const TemporaryFolder folder;
-    Rig rig(folder);
-    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
-    rig.recorder.append(id, tests::random_ticks(1, 9000));
-    rig.recorder.end_trial(id, tests::answered(0, true));
-    CHECK_THROWS_WITH(data::read_trace(rig.database, 99), Has("no trial 99"));
-    rig.database.execute("UPDATE trace_chunk SET crc32 = crc32 + 1 WHERE first_tick = 4096");
-    CHECK_THROWS_WITH(data::read_trace(rig.database, id), Has("checksum"));
-    rig.database.execute("DELETE FROM trace_chunk WHERE first_tick = 4096");
-    CHECK_THROWS_WITH(data::read_trace(rig.database, id), Has("ticks 4096 to 6143 are missing"));
 }

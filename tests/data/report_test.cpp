@@ -116,19 +116,6 @@ TEST_CASE("every figure is well-formed, the same twice, and its data lie inside 
     }
 }
 
-TEST_CASE("Python's XML parser reads a figure too", "[report]") {
-    Random random(7);
-    const TemporaryFolder folder;
-    write_svg(folder.file("figure.svg"), random_figure(random));
-    Process python({"/bin/sh", "-c",
-                    "command -v python3 >/dev/null || exit 0; exec python3 -c 'import sys, "
-                    "xml.dom.minidom as m; m.parse(sys.argv[1])' \"$1\"",
-                    "sh", folder.file("figure.svg")});
-    const Finished finished = python.wait();
-    CAPTURE(finished.error);
-    CHECK(finished.code == 0);
-}
-
 TEST_CASE("a value that is not finite breaks the line", "[report]") {
     const SvgReader reader(
         svg(one_panel({0, 1, 2, 3, 4, 5, 6},

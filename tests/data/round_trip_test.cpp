@@ -31,8 +31,9 @@ const std::string kR = test_text("scripts/numbers.R");
 
 }  // namespace
 
-TEST_CASE("Python reads the same numbers from the CSV files as from the database",
-          "[export][law]") {
+TEST_CASE(
+    "Python reads the same numbers from the CSV files as from the database, R those of Python",
+    "[export][law]") {
     const ExportSummary exported("csv");
     const Finished python =
         Process({"python3", "-c", kPython, exported.file, exported.out.string()}).wait();
@@ -43,10 +44,6 @@ TEST_CASE("Python reads the same numbers from the CSV files as from the database
     }
     CHECK(python.code == 0);
     CHECK_THAT(python.out, !Has("0 0"));
-}
-
-TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[export][law]") {
-    const ExportSummary exported("csv");
     const std::string ticks = fs::directory_iterator(exported.out / "ticks")->path().string();
     const std::string by_r = exported.folder.file("r.bin");
     const std::string by_python = exported.folder.file("python.bin");
@@ -57,7 +54,7 @@ TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[ex
     }
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
-    const Finished python =
+    const Finished bits =
         Process({"python3", "-c",
                  "import csv, gzip, struct, sys\n"
                  "names = ['hip_x_m', 'hip_y_m', 'rendered_x_n', 'rendered_y_n', 'u']\n"
@@ -66,8 +63,8 @@ TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[ex
                  "        out.write(struct.pack('<5d', *(float(t[n]) for n in names)))\n",
                  ticks, by_python})
             .wait();
-    CAPTURE(python.error);
-    REQUIRE(python.code == 0);
+    CAPTURE(bits.error);
+    REQUIRE(bits.code == 0);
     CHECK(slurp(by_r).size() > 100'000);
     CHECK((slurp(by_r) == slurp(by_python)));
 }

@@ -21,17 +21,6 @@ std::string brief_text(std::string_view name,
     return short_text(name, edits);
 }
 
-/// The first difference, by names. @param rows  of `sample`
-void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRow>& expected) {
-    REQUIRE(rows.size() == expected.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        for (std::size_t c = 0; rows[i] != expected[i] && c < rows[i].size(); ++c) {
-            CAPTURE(i, sample_columns()[c]);
-            REQUIRE(rows[i][c] == expected[i][c]);
-        }
-    }
-}
-
 }  // namespace
 
 TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit",

@@ -188,47 +188,6 @@ TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault
     CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
 }
 
-TEST_CASE("a hand above the protocol's speed trips as over_speed, one below it never",
-          "[session][fault][law]") {
-    Protocol protocol = held_protocol();
-    for (const double speed : {0.03, 1.0}) {  // the simulated hands go at 65 to 95 mm/s
-        CAPTURE(speed);
-        protocol.safety.speed_limit = speed;
-        FeltRun run(protocol);
-        class Headless : public Acting {
-        public:
-            using Acting::Acting;
-            std::optional<Signal> trouble(const TroubleView& view) override {
-                return Observer::trouble(view);
-            }
-        } observer(std::function<void()>{});
-        const SessionEnd end = run.with(observer);
-        if (speed > 0.5) {
-            CHECK(end.why == SessionEnd::Why::finished);
-            CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
-            continue;
-        }
-        CHECK(end.why == SessionEnd::Why::faulted);
-        CHECK(end.in_a_row == 3);
-        CHECK(run.lines(kAttempts) ==
-              "0 faulted over_speed \n1 faulted over_speed \n2 faulted over_speed \n");
-        check_last_ticks(run);
-        CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'gave up'") == "1 \n");
-    }
-}
-
-TEST_CASE("a virtual clock records no timing, and two sessions on it have the same events",
-          "[session][fault][law]") {
-    const auto events = [] {
-        FeltRun run(held_protocol());
-        Acting observer([&] { run.apparatus.stop(); });
-        CHECK(run.with(observer).why == SessionEnd::Why::finished);
-        CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0 \n");
-        return run.lines("SELECT event_kind, text FROM event ORDER BY rowid");
-    };
-    CHECK(events() == events());
-}
-
 TEST_CASE("in real time an event tells how late the ticks were, at each fault and at the end",
           "[session][fault][law]") {
     class Still : public engine::Device {

@@ -129,16 +129,3 @@ TEST_CASE("sessions of a participant are found by number", "[store]") {
     CHECK(count(database, "participant") == 2);
     CHECK(count(database, "study") == 1);
 }
-
-TEST_CASE("a session that is being run is refused to a second program, and free again afterwards",
-          "[store]") {
-    const TemporaryFolder folder;
-    const Database database(folder.file("a.sqlite"), Access::write);
-    {
-        const data::SessionLock lock(database, 1);
-        CHECK_THROWS_WITH(data::SessionLock(database, 1), Has("another palpate"));
-        CHECK_NOTHROW(data::SessionLock(database, 2));
-    }
-    CHECK_NOTHROW(data::SessionLock(database, 1));
-    CHECK(folder.names().size() <= 3);  // the database, its log and the log's index: no lock file
-}

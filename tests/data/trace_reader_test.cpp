@@ -1,11 +1,9 @@
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using tests::TemporaryFolder;
 
 // An independent reader of the stored bytes: what README gives to analysts.
 TEST_CASE("plain Python, base R and palpate trace read every stored value as it was recorded",
@@ -14,19 +12,13 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
         WARN("python3 with sqlite3 and zlib is not installed: not checked");
         return;
     }
-    const TemporaryFolder folder;
-    data::Database database(folder.file("a.sqlite"), data::Access::write);
-    const auto spec = tests::session_spec(tests::small_protocol());
-    const auto opened = data::open_session(database, spec);
-    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    tests::SmallSession session;
     const auto ticks = tests::random_ticks(5, 5000);
-    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
-    recorder.append(id, ticks);
-    recorder.end_trial(id, tests::answered(0, true, 5000));
+    const std::string id = std::to_string(session.record(0, tests::answered(0, true, 5000), ticks));
+    const std::string file = session.folder.file("a.sqlite");
 
     const tests::Finished python =
-        tests::Process({"python3", PALPATE_SOURCE_DIR "/data/trace/read_trace.py",
-                        folder.file("a.sqlite"), std::to_string(id)})
+        tests::Process({"python3", PALPATE_SOURCE_DIR "/data/trace/read_trace.py", file, id})
             .wait();
     CAPTURE(python.error);
     REQUIRE(python.code == 0);
@@ -61,16 +53,13 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
                     static_cast<std::int64_t>(steps(tick.command.z, 1e4))});
     }
 
-    CHECK(tests::palpate_command({"trace", folder.file("a.sqlite"), std::to_string(id)}).out ==
-          python.out);
+    CHECK(tests::palpate_command({"trace", file, id}).out == python.out);
     if (tests::Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
         WARN("R with RSQLite is not installed: not checked");
         return;
     }
     const tests::Finished r =
-        tests::Process({"Rscript", PALPATE_SOURCE_DIR "/data/trace/read_trace.R",
-                        folder.file("a.sqlite"), std::to_string(id)})
-            .wait();
+        tests::Process({"Rscript", PALPATE_SOURCE_DIR "/data/trace/read_trace.R", file, id}).wait();
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
     CHECK(r.out == python.out);

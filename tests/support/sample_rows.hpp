@@ -84,6 +84,18 @@ inline const std::vector<std::string>& sample_columns() {
     return names;
 }
 
+/// The first difference, by names. @param rows  of `sample`
+inline void require_same(const std::vector<SampleRow>& rows,
+                         const std::vector<SampleRow>& expected) {
+    REQUIRE(rows.size() == expected.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (std::size_t c = 0; rows[i] != expected[i] && c < rows[i].size(); ++c) {
+            CAPTURE(i, sample_columns()[c]);
+            REQUIRE(rows[i][c] == expected[i][c]);
+        }
+    }
+}
+
 /// What `sample` must say of an interval of a trial.
 inline std::vector<SampleRow> expected_rows(data::Database& database,
                                             std::int64_t trial,
