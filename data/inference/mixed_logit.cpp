@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -14,18 +15,44 @@
 namespace palpate::data {
 namespace {
 
+/// e^-x, and log(1 + e^-x), of the x that was asked for last: the search for a peak asks for slope
+/// and value at the same place.
+class Decay {
+public:
+    double of(double x) {
+        if (x != x_) {
+            x_ = x;
+            decay_ = std::exp(-x);
+            log_ = kNone;
+        }
+        return decay_;
+    }
+    double log_of(double x) {
+        const double decay = of(x);
+        log_ = log_ == kNone ? std::log1p(decay) : log_;
+        return log_;
+    }
+
+private:
+    static constexpr double kNone = -1.0;
+    double x_ = std::numeric_limits<double>::quiet_NaN();
+    double decay_ = 0.0;
+    double log_ = kNone;
+};
+
 /// What (s0, s1) = L u does to a person's two logits, and their answers.
 struct PersonIntegral {
     const TwoCounts& person;
     std::array<double, 2> fixed;
     std::array<std::array<double, 2>, 2> along;  ///< d logit c / d u
+    std::array<Decay, 2> decay;                  ///< of the logits
 
-    [[nodiscard]] double value(double u0, double u1) const {
+    [[nodiscard]] double value(double u0, double u1) {
         double sum = -0.5 * (u0 * u0 + u1 * u1);
         for (std::size_t c = 0; c < 2; ++c) {
             const double logit = fixed[c] + along[c][0] * u0 + along[c][1] * u1;
             // log(1 + e^x) without overflow
-            const double soft = std::max(logit, 0.0) + std::log1p(std::exp(-std::fabs(logit)));
+            const double soft = std::max(logit, 0.0) + decay[c].log_of(std::fabs(logit));
             sum += person.k[c] * logit - person.n[c] * soft;
         }
         return sum;
@@ -41,7 +68,7 @@ struct Peak {
     double l11 = 1.0;
 };
 
-Peak peak_of(const PersonIntegral& of) {
+Peak peak_of(PersonIntegral& of) {
     Peak peak;
     for (int step = 0; step < 100; ++step) {
         double g0 = -peak.u0;
@@ -51,8 +78,8 @@ Peak peak_of(const PersonIntegral& of) {
         double h11 = 1.0;
         for (std::size_t c = 0; c < 2; ++c) {
             const auto& z = of.along[c];
-            const double p =
-                1.0 / (1.0 + std::exp(-(of.fixed[c] + z[0] * peak.u0 + z[1] * peak.u1)));
+            const double logit = of.fixed[c] + z[0] * peak.u0 + z[1] * peak.u1;
+            const double p = 1.0 / (1.0 + of.decay[c].of(logit));
             const double residual = of.person.k[c] - of.person.n[c] * p;
             const double weight = of.person.n[c] * p * (1.0 - p);
             g0 += residual * z[0];
@@ -84,7 +111,7 @@ Peak peak_of(const PersonIntegral& of) {
     return peak;
 }
 
-double log_integral(const PersonIntegral& of, const Nodes& nodes) {
+double log_integral(PersonIntegral of, const Nodes& nodes) {
     const Peak peak = peak_of(of);
     const double top = of.value(peak.u0, peak.u1);
     double sum = 0.0;
@@ -123,11 +150,19 @@ double mixed_deviance(std::span<const TwoCounts> people,
                       double b1,
                       const std::array<double, 3>& l,
                       const Nodes& nodes) {
+    const std::array<double, 2> fixed{b0, b0 + b1};
+    std::array<Decay, 2> decay;  // where the search begins for everybody
+    for (std::size_t c = 0; c < 2; ++c) {
+        decay[c].log_of(std::fabs(fixed[c]));
+        decay[c].of(fixed[c]);
+    }
     double sum = 0.0;
     for (const TwoCounts& one : people) {
-        sum += log_integral(
-            {.person = one, .fixed = {b0, b0 + b1}, .along = {{{l[0], 0.0}, {l[0] + l[1], l[2]}}}},
-            nodes);
+        sum += log_integral({.person = one,
+                             .fixed = fixed,
+                             .along = {{{l[0], 0.0}, {l[0] + l[1], l[2]}}},
+                             .decay = decay},
+                            nodes);
     }
     return -2.0 * sum;
 }
