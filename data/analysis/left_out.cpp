@@ -150,8 +150,8 @@ SELECT participant_code, printf('sub-%010d', subject), consent IS 0, session_num
        count(answered.trial_id), sum(marked), sum(invalid AND NOT marked)
 FROM main.session AS one JOIN study USING (study_id) JOIN main.participant USING (participant_id)
 LEFT JOIN (SELECT trial.session_id AS session_id, trial.trial_id AS trial_id, invalid_reason IS NOT NULL AS invalid,
-                  invalid_reason IS NOT NULL AND EXISTS (SELECT 1 FROM main.event WHERE event.trial_id =
-                      trial.trial_id AND event_kind = 'mark') AS marked
+                  iif(invalid_reason IS NULL, 0, EXISTS (SELECT 1 FROM main.event WHERE event.trial_id =
+                      trial.trial_id AND event_kind = 'mark')) AS marked
            FROM main.trial JOIN main.plan USING (session_id, plan_position) JOIN main.response USING (trial_id)
            WHERE phase = 'main') AS answered ON answered.session_id = one.session_id
 WHERE study_name = ?1 AND session_kind = ?2 GROUP BY one.session_id ORDER BY subject, session_number)sql";
