@@ -6,8 +6,8 @@
 namespace palpate::engine {
 namespace {
 
-int sign(double x) noexcept {
-    return x > 0.0 ? 1 : x < 0.0 ? -1 : 0;
+double sign(double x) noexcept {
+    return x == 0.0 ? 0.0 : std::copysign(1.0, x);
 }
 
 struct Trial {
@@ -16,7 +16,7 @@ struct Trial {
 };
 
 /// By how much a joint that is said to turn that way turns the other way.
-double backwards(double rate, int way, double limit) noexcept {
+double backwards(double rate, double way, double limit) noexcept {
     const double back = -rate * way;
     return limit > 0.0 && back > 0.0 ? back : 0.0;
 }
@@ -31,22 +31,22 @@ Trial tried(const Vec2& row_1,
             const Vec2& row_2,
             const Vec2& right,
             const Vec2& limit,
-            int way_1,
-            int way_2) noexcept {
+            double way_1,
+            double way_2) noexcept {
     const Vec2 driven = right - Vec2{limit.x * way_1, limit.y * way_2};
     Trial trial;
-    if (way_1 != 0 && way_2 != 0) {
+    if (way_1 != 0.0 && way_2 != 0.0) {
         const double det = cross(row_1, row_2);
         trial.rates =
             Vec2{row_2.y * driven.x - row_1.y * driven.y, row_1.x * driven.y - row_2.x * driven.x} /
             det;
         trial.wrong =
             backwards(trial.rates.x, way_1, limit.x) + backwards(trial.rates.y, way_2, limit.y);
-    } else if (way_1 != 0) {
+    } else if (way_1 != 0.0) {
         trial.rates.x = driven.x / row_1.x;
         trial.wrong = backwards(trial.rates.x, way_1, limit.x) +
                       too_strong(row_2.x * trial.rates.x - right.y, limit.y, row_2.y);
-    } else if (way_2 != 0) {
+    } else if (way_2 != 0.0) {
         trial.rates.y = driven.y / row_2.y;
         trial.wrong = backwards(trial.rates.y, way_2, limit.y) +
                       too_strong(row_1.y * trial.rates.y - right.x, limit.x, row_1.x);

@@ -1,5 +1,7 @@
 #include "engine/device/five_bar.hpp"
 
+#include "engine/geometry/pair.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -19,11 +21,6 @@ std::optional<double> elbow_angle(double driven, double free, double r) noexcept
 
 double in_line(double driven, double free, double r) noexcept {
     return std::min(driven + free - r, r - std::fabs(driven - free));
-}
-
-/// x with [u; w] x = right, for inverse = 1 / cross(u, w).
-Vec2 solved(const Vec2& u, const Vec2& w, double inverse, const Vec2& right) noexcept {
-    return inverse * Vec2{w.y * right.x - u.y * right.y, u.x * right.y - w.x * right.x};
 }
 
 }  // namespace
@@ -94,45 +91,62 @@ Clearance FiveBar::clearance(const Pose& pose) const noexcept {
             .parallel = is.handle_left == mode.handle_left ? parallel : -parallel};
 }
 
+namespace {
+
+/// Both links at once: a Pair has what is of link 1 and of link 2.
+struct Links {
+    Links(const FiveBar& of, const FiveBar::Pose& pose) noexcept
+        : x(pose.handle.x - Pair{pose.elbow_1.x, pose.elbow_2.x}),
+          y(pose.handle.y - Pair{pose.elbow_1.y, pose.elbow_2.y}),
+          arm_x{pose.elbow_1.x, pose.elbow_2.x - of.base},
+          arm_y{pose.elbow_1.y, pose.elbow_2.y},
+          det(x[0] * y[1] - y[0] * x[1]) {}
+
+    /// Two columns v, each with [u; w] v = right, u and w the free links.
+    /// @param top, low  both columns' right.x, and right.y
+    [[nodiscard]] Jacobian solved(Pair top, Pair low) const noexcept {
+        const double inverse = 1.0 / det;
+        Jacobian columns;
+        put(inverse * (y[1] * top - y[0] * low), columns.row_x);
+        put(inverse * (x[0] * low - x[1] * top), columns.row_y);
+        return columns;
+    }
+
+    Pair x;  ///< of u and w, from the elbows to the handle
+    Pair y;
+    Pair arm_x;  ///< of the driven links A and B
+    Pair arm_y;
+    double det;  ///< u x w
+};
+
+}  // namespace
+
 std::optional<Jacobian> FiveBar::jacobian(const Pose& pose) const noexcept {
-    const Vec2 u = pose.handle - pose.elbow_1;
-    const Vec2 w = pose.handle - pose.elbow_2;
-    const double det = cross(u, w);
-    if (!(std::fabs(det) > kSingular * free_1 * free_2)) {
+    const Links links(*this, pose);
+    if (!(std::fabs(links.det) > kSingular * free_1 * free_2)) {
         return std::nullopt;
     }
     // [u; w] dP = [u . A' dt1; w . B' dt2], A' = A turned by 90 degrees
-    const double drive_1 = glm::dot(u, perp(pose.elbow_1));
-    const double drive_2 = glm::dot(w, perp(pose.elbow_2 - Vec2{base, 0.0}));
-    const double inverse = 1.0 / det;
-    const Vec2 column_1 = solved(u, w, inverse, {drive_1, 0.0});
-    const Vec2 column_2 = solved(u, w, inverse, {0.0, drive_2});
-    return Jacobian{.row_x = {column_1.x, column_2.x}, .row_y = {column_1.y, column_2.y}};
+    const Pair drive = links.x * -links.arm_y + links.y * links.arm_x;
+    return links.solved(Pair{drive[0], 0.0}, Pair{0.0, drive[1]});
 }
 
 Jacobian FiveBar::drift(const Pose& pose,
                         const Jacobian& jacobian,
                         const Vec2& rates) const noexcept {
     // u . P'' + |P' - A'|^2 = u . A'' with A'' = -A t1'^2; w and B alike.
-    const Vec2 arm_1 = pose.elbow_1;
-    const Vec2 arm_2 = pose.elbow_2 - Vec2{base, 0.0};
-    const Vec2 u = pose.handle - pose.elbow_1;
-    const Vec2 w = pose.handle - pose.elbow_2;
-    const double inverse = 1.0 / cross(u, w);
-    const Vec2 by_1 = jacobian.column_1();
-    const Vec2 by_2 = jacobian.column_2();
+    const Links links(*this, pose);
+    const auto& [x, y, arm_x, arm_y, det] = links;
+    const Pair by_x = pair(jacobian.row_x);
+    const Pair by_y = pair(jacobian.row_y);
+    const Pair turns = pair(rates);
     const Vec2 speed = jacobian * rates;
-    const Vec2 past_1 = speed - rates.x * perp(arm_1);
-    const Vec2 past_2 = speed - rates.y * perp(arm_2);
-    const Vec2 column_1 =
-        solved(u, w, inverse,
-               {-rates.x * glm::dot(u, arm_1) - glm::dot(past_1, by_1 - perp(arm_1)),
-                -glm::dot(past_2, by_1)});
-    const Vec2 column_2 =
-        solved(u, w, inverse,
-               {-glm::dot(past_1, by_2),
-                -rates.y * glm::dot(w, arm_2) - glm::dot(past_2, by_2 - perp(arm_2))});
-    return {.row_x = {column_1.x, column_2.x}, .row_y = {column_1.y, column_2.y}};
+    const Pair past_x = speed.x - turns * -arm_y;
+    const Pair past_y = speed.y - turns * arm_x;
+    const Pair own =
+        -turns * (x * arm_x + y * arm_y) - (past_x * (by_x + arm_y) + past_y * (by_y - arm_x));
+    const Pair other = -(past_x * Pair{by_x[1], by_x[0]} + past_y * Pair{by_y[1], by_y[0]});
+    return links.solved(Pair{own[0], other[0]}, Pair{other[1], own[1]});
 }
 
 }  // namespace palpate::engine

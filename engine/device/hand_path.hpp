@@ -39,10 +39,11 @@ public:
         if (t >= duration_) {
             return {.position = corners_.back()};
         }
-        std::size_t i = 0;
+        std::size_t i = reached_[last_] < t ? last_ : 0;
         while (reached_[i + 1] < t) {
             ++i;
         }
+        last_ = i;
         const Leg& leg = legs_[i];
         return {.position = corners_[i] + leg.way * ((t - reached_[i]) / leg.time),
                 .velocity = leg.velocity};
@@ -61,6 +62,7 @@ private:
     std::vector<Leg> legs_;        ///< from each corner to the next
     std::vector<double> reached_;  ///< s, when each corner is reached
     double duration_ = 0.0;
+    mutable std::size_t last_ = 0;  ///< the leg of the last moment, where the search begins
 };
 
 /// How a simulated hand means to explore. It knows the chords A-V-B (as a person knows the

@@ -10,6 +10,7 @@
 #include "engine/base/text.hpp"
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
+#include "engine/geometry/pair.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -67,28 +68,42 @@ double clamped(double torque, double limit) noexcept {
 
 /// Rows of a 2 x 2 matrix.
 struct Matrix {
-    Vec2 row_1{};
-    Vec2 row_2{};
+    Pair row_1;
+    Pair row_2;
 
     [[nodiscard]] Vec2 operator*(const Vec2& v) const noexcept {
-        return Vec2{glm::dot(row_1, v), glm::dot(row_2, v)};
+        return Vec2{dot(row_1, pair(v)), dot(row_2, pair(v))};
     }
 };
 
 /// J^T A.
 Matrix transposed_times(const Jacobian& j, const Jacobian& a) noexcept {
-    const Vec2 column_1 = j.transposed(a.column_1());
-    const Vec2 column_2 = j.transposed(a.column_2());
-    return {.row_1 = {column_1.x, column_2.x}, .row_2 = {column_1.y, column_2.y}};
+    const Pair x = pair(a.row_x);
+    const Pair y = pair(a.row_y);
+    return {.row_1 = j.row_x.x * x + j.row_y.x * y, .row_2 = j.row_x.y * x + j.row_y.y * y};
+}
+
+Vec2 vec(Pair pair) noexcept {
+    return Vec2{pair[0], pair[1]};
 }
 
 }  // namespace
 
-PantographPlant::Steps::Steps(double seconds, double current_time) noexcept
+PantographPlant::Steps::Steps(double seconds, const PlantModel& model) noexcept
     : span(seconds),
       count(static_cast<int>(std::ceil(span / kSubStep * (1.0 - 1e-9)))),
-      h(span / count) {
-    if (const double ratio = current_time > 0.0 ? h / current_time : 0.0; ratio > 0.0) {
+      h(span / count),
+      half(0.5 * h) {
+    const double mass = model.handle_mass + model.hand.mass;
+    const double damping = model.hand.damping + model.handle_damping;
+    turning = h * mass;
+    less = mass - half * damping;
+    more = mass + half * damping;
+    less_turned = model.inertia - half * model.damping;
+    more_turned = model.inertia + half * model.damping;
+    rub = h * model.coulomb;
+    const double time = model.current_time;
+    if (const double ratio = time > 0.0 ? h / time : 0.0; ratio > 0.0) {
         left = decay(ratio);
         mean = (1.0 - left) / ratio;
     }
@@ -96,7 +111,7 @@ PantographPlant::Steps::Steps(double seconds, double current_time) noexcept
 
 PantographPlant::PantographPlant(const PlantModel& model)
     : model_(model),
-      steps_(kSubStep, model.current_time),
+      steps_(kSubStep, model),
       frame_(model.machine.origin, model.machine.turn),
       path_(Exploration{}) {
     check(model);
@@ -155,7 +170,7 @@ void PantographPlant::advance(double seconds) noexcept {
         return;
     }
     if (span != steps_.span) {
-        steps_ = Steps(span, model_.current_time);
+        steps_ = Steps(span, model_);
     }
     as_this_processor_can([this] { take_steps(); });
 }
@@ -168,10 +183,10 @@ bool PantographPlant::rests() const noexcept {
 }
 
 void PantographPlant::step(const Vec2& torque, const HandPath::Intention& aim) noexcept {
-    const double h = steps_.h;
+    const Steps& by = steps_;
     const FiveBar& linkage = model_.machine.linkage;
     const HandModel& hand = model_.hand;
-    const JointAngles half{angles_[0] + 0.5 * h * rates_.x, angles_[1] + 0.5 * h * rates_.y};
+    const JointAngles half{angles_[0] + by.half * rates_.x, angles_[1] + by.half * rates_.y};
     const auto pose = linkage.forward(half);
     const auto jacobian = pose ? linkage.jacobian(*pose) : std::nullopt;
     if (!jacobian) {
@@ -185,30 +200,25 @@ void PantographPlant::step(const Vec2& torque, const HandPath::Intention& aim) n
     }
     const Vec2 force = frame_.to_linkage(pull + hand.damping * aim.velocity);
 
-    // (mass + damping h / 2) v+ = (mass - damping h / 2) v + h drive, c as C(v) v+
-    const double mass = model_.handle_mass + hand.mass;
-    const double damping = hand.damping + model_.handle_damping;
-    const double less = mass - 0.5 * h * damping;
-    const double more = mass + 0.5 * h * damping;
-    const Vec2 brake = 0.5 * h * model_.damping;
+    // (m + b h / 2) v+ = (m - b h / 2) v + h drive, c as C(v) v+
     const Matrix g = transposed_times(*jacobian, *jacobian);
     const Matrix turning = transposed_times(*jacobian, linkage.drift(*pose, *jacobian, rates_));
     const Vec2 drive = torque + jacobian->transposed(force);
-    const Vec2 right = (model_.inertia - brake) * rates_ + less * (g * rates_) + h * drive;
-    Vec2 row_1 = more * g.row_1 + h * mass * turning.row_1;
-    Vec2 row_2 = more * g.row_2 + h * mass * turning.row_2;
-    row_1.x += model_.inertia.x + brake.x;
-    row_2.y += model_.inertia.y + brake.y;
+    const Vec2 right = by.less_turned * rates_ + by.less * (g * rates_) + by.h * drive;
+    Vec2 row_1 = vec(by.more * g.row_1 + by.turning * turning.row_1);
+    Vec2 row_2 = vec(by.more * g.row_2 + by.turning * turning.row_2);
+    row_1.x += by.more_turned.x;
+    row_2.y += by.more_turned.y;
     const Vec2 rates = after_dry_friction(
-        row_1, row_2, right, {h * model_.coulomb, h * model_.handle_friction, g.row_1, g.row_2},
+        row_1, row_2, right, {by.rub, by.h * model_.handle_friction, vec(g.row_1), vec(g.row_2)},
         rates_);
     if (!std::isfinite(rates.x + rates.y)) {
         lost_ = true;
         return;
     }
     rates_ = rates;
-    angles_ = {half[0] + 0.5 * h * rates.x, half[1] + 0.5 * h * rates.y};
-    time_ += h;
+    angles_ = {half[0] + by.half * rates.x, half[1] + by.half * rates.y};
+    time_ += by.h;
 }
 
 namespace {

@@ -79,15 +79,22 @@ private:
     void follow(const HandPath::Intention& aim) noexcept;
     void take_steps() noexcept;
 
-    /// How a span is cut into steps.
+    /// How a span is cut into steps, and what is the same in each.
     struct Steps {
-        explicit Steps(double span, double current_time) noexcept;
+        Steps(double span, const PlantModel& model) noexcept;
 
         double span;  ///< s
         int count;
         double h;           ///< s, of one
+        double half;        ///< of it
         double left = 0.0;  ///< of the current's distance to the command after a step
         double mean = 0.0;  ///< of it, during the step
+        double turning;     ///< h m, m handle and hand together
+        double less;        ///< m - b h / 2
+        double more;        ///< m + b h / 2
+        Vec2 less_turned;   ///< I - B h / 2
+        Vec2 more_turned;   ///< I + B h / 2
+        Vec2 rub;           ///< h f_c
     };
 
     PlantModel model_;
