@@ -19,8 +19,8 @@ bool encoder_stuck(EncoderWatch& watch,
         } else if (axes > 2 && !(std::fabs(push[i]) > kPush)) {
             still = {.from = hip, .counts = counts, .travel = still.travel};
         }
-        const double stroke = glm::length(hip - still.from);
-        if (stroke >= kStroke && counts != still.counts) {
+        const double stroke = counts != still.counts ? glm::length(hip - still.from) : 0.0;
+        if (stroke >= kStroke) {
             still = {.from = hip, .counts = counts, .travel = still.travel + stroke};
         }
         stuck = stuck || still.travel > travel;

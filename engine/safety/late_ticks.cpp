@@ -17,7 +17,7 @@ void add(LateTicks& late, bool is_late) noexcept {
 }  // namespace
 
 std::int32_t periods_late(std::int64_t lateness_ns, double period) noexcept {
-    const double share = static_cast<double>(lateness_ns) / (period * 1e9);
+    const double share = lateness_ns > 0 ? static_cast<double>(lateness_ns) / (period * 1e9) : 0.0;
     if (!(share > kLateShare)) {
         return 0;
     }

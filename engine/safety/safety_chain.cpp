@@ -35,9 +35,9 @@ double ramped(double gain, double step, bool enable) noexcept {
     return std::clamp(enable ? gain + step : gain - step, 0.0, 1.0);
 }
 
-/// |v| is a number: beyond 1e154 its square is not, and that is a fault too.
+/// |v|^2 is a number: beyond 1e154 it is not, and that is a fault too.
 bool finite(const Vec3& v) noexcept {
-    return std::isfinite(glm::length(v));
+    return std::isfinite(glm::dot(v, v));
 }
 
 constexpr double kRounding = 1e-9;  ///< share by which a full command may be less than its limit
