@@ -10,7 +10,9 @@
 namespace palpate::data {
 
 bool Row::has(std::string_view column) const {
-    return find_column(fmt::format("{}.{}", table_, column)) != nullptr;
+    const auto table = std::ranges::find(catalogue(), table_, &TableManual::name);
+    return table != catalogue().end() &&
+           std::ranges::find(table->columns, column, &ColumnManual::name) != table->columns.end();
 }
 
 Row& Row::add(std::string_view column, Value value) {

@@ -170,10 +170,13 @@ void SqliteRecorder::begin_interval(TrialId trial,
         presentation_row(felt, scene).set("trial_id", trial).insert(database_);
         all.commit();
     });
+    interval_ = static_cast<std::int64_t>(felt.interval);
+    if (!ticks_) {
+        return;
+    }
     std::unique_ptr<engine::FeltScene> compiled(
         new engine::FeltScene(make_felt_scene(protocol_, felt)));
     compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
-    interval_ = static_cast<std::int64_t>(felt.interval);
     trace_.begin(trial, interval_, std::move(compiled));
 }
 
