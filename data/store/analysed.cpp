@@ -75,6 +75,9 @@ void keep_attempts(Database& database) {
     database.execute("CREATE TEMP TABLE attempts AS SELECT * FROM analysis_trial");
     database.execute("DROP VIEW IF EXISTS temp.analysis_trial");
     database.execute("CREATE TEMP VIEW analysis_trial AS SELECT * FROM temp.attempts");
+    // Whoever asks for the events of each trial goes over all of them for each, but for an index.
+    database.execute("CREATE TEMP TABLE event AS SELECT * FROM main.event");
+    database.execute("CREATE INDEX temp.event_of_trial ON event (trial_id)");
 }
 
 bool hides(Database& database) {
