@@ -19,37 +19,49 @@ namespace {
 
 using protocols::Presentation;
 
-/// How far apart exp() of two C libraries may be.
-constexpr double kExpError = 4e-16;
+constexpr double kExpError = 4e-16;    ///< so far apart exp() of two C libraries may be
+constexpr std::size_t kMaxKnown = 64;  ///< scenes: a rule makes a new one with every trial
 
 /// With the decays that were recorded.
-std::unique_ptr<engine::FeltScene> scene_of(const SessionFrame& frame,
-                                            const Presentation& felt,
-                                            const StoredRow& row,
-                                            Findings& findings) {
-    constexpr std::string_view table = "presentation";
-    std::unique_ptr<engine::FeltScene> scene(
-        new engine::FeltScene(make_felt_scene(frame.protocol, felt)));
+std::shared_ptr<const engine::FeltScene> scene_of(const SessionFrame& frame,
+                                                  const Presentation& felt,
+                                                  const StoredRow& row,
+                                                  std::vector<KnownScene>& known,
+                                                  Findings& findings) {
+    const double slip = row.real("slip_decay");
+    const double heal = row.real("heal_decay");
+    auto found = std::ranges::find_if(known, [&](const KnownScene& one) {
+        const auto& decay = one.scene->decay();
+        return one.felt == felt && decay.slip == slip && decay.heal == heal;
+    });
+    if (found == known.end()) {
+        const std::shared_ptr<engine::FeltScene> scene(
+            new engine::FeltScene(make_felt_scene(frame.protocol, felt)));
+        const auto here = scene->decay();
+        scene->restore_decay({.slip = slip, .heal = heal});
+        if (known.size() == kMaxKnown) {
+            known.clear();
+        }
+        found = known.insert(known.end(), KnownScene{felt, {here.slip, here.heal}, scene});
+    }
     const auto check_decay = [&](std::string_view column, double here) {
         const double stored = row.real(column);
         if (!(std::fabs(stored - here) <= kExpError * here)) {
-            findings.expect(table, column, row, here);
+            findings.expect("presentation", column, row, here);
         } else if (stored != here) {
             findings.missing(
-                fmt::format("{}.{}", table, column),
+                fmt::format("presentation.{}", column),
                 fmt::format("{} by exp() of this machine, {} stored and used", here, stored));
         }
     };
-    check_decay("slip_decay", scene->decay().slip);
-    check_decay("heal_decay", scene->decay().heal);
-    scene->restore_decay({.slip = row.real("slip_decay"), .heal = row.real("heal_decay")});
-    return scene;
+    check_decay("slip_decay", found->here.slip_decay);
+    check_decay("heal_decay", found->here.heal_decay);
+    return found->scene;
 }
 
 std::optional<std::size_t> index_of(const std::vector<protocols::ObjectSpec>& objects,
                                     const std::string& name) {
-    const auto found = std::find_if(objects.begin(), objects.end(),
-                                    [&](const auto& object) { return object.name == name; });
+    const auto found = std::ranges::find(objects, name, &protocols::ObjectSpec::name);
     return found == objects.end()
              ? std::nullopt
              : std::optional(static_cast<std::size_t>(found - objects.begin()));
@@ -111,6 +123,7 @@ std::vector<CheckedInterval> check_intervals(Database& database,
                                              const StoredRow& trial,
                                              std::span<const Presentation> expected,
                                              bool answered,
+                                             std::vector<KnownScene>& known,
                                              Findings& findings) {
     const std::int64_t id = trial.integer("trial_id");
     const auto rows =
@@ -127,7 +140,7 @@ std::vector<CheckedInterval> check_intervals(Database& database,
                         rows[i]);
         CheckedInterval& one = intervals.emplace_back();
         one.row = rows[i];
-        one.scene = scene_of(frame, expected[i], rows[i], findings);
+        one.scene = scene_of(frame, expected[i], rows[i], known, findings);
         read_chunks(database, id, static_cast<std::int64_t>(i + 1), frame.traceless, one, findings);
     }
     return intervals;
@@ -307,8 +320,7 @@ protocols::TrialSummary summary_of(const SessionFrame& frame,
 }
 
 bool all_whole(std::span<const CheckedInterval> intervals) {
-    return std::all_of(intervals.begin(), intervals.end(),
-                       [](const CheckedInterval& one) { return one.trace.whole; });
+    return std::ranges::all_of(intervals, [](const auto& one) { return one.trace.whole; });
 }
 
 }  // namespace

@@ -39,20 +39,29 @@ struct SessionFrame {
 struct CheckedInterval {
     StoredRow row;
     /// What the ticks follow from, until all that they say is checked.
-    std::unique_ptr<const engine::FeltScene> scene;
+    std::shared_ptr<const engine::FeltScene> scene;
     StoredChunks chunks;
     StoredTrace trace;
+};
+
+/// A scene of a session: most trials let one feel what an earlier one did.
+struct KnownScene {
+    protocols::Presentation felt;
+    protocols::SceneConstants here;                  ///< by exp() of this machine
+    std::shared_ptr<const engine::FeltScene> scene;  ///< with those that were recorded
 };
 
 /// The intervals of a trial against what they should have let one feel: rows of presentation and
 /// decays. Ticks are left to check_ticks().
 /// @param expected  what the plan and the rule say
+/// @param known     those of trials before, for this one and those to come
 [[nodiscard]] std::vector<CheckedInterval> check_intervals(
     Database& database,
     const SessionFrame& frame,
     const StoredRow& trial,
     std::span<const protocols::Presentation> expected,
     bool answered,
+    std::vector<KnownScene>& known,
     Findings& findings);
 
 /// Chunks, replay and times of each interval. Asks no database: for any thread.

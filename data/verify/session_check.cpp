@@ -253,6 +253,7 @@ void check_end(const StoredRow& session, const TrialCheck& trials, Findings& fin
 
 void check_all(Database& database,
                const StoredRow& session,
+               std::vector<Ticks>& rooms,
                SessionReport& report,
                Findings& findings) {
     const std::int64_t id = session.integer("session_id");
@@ -264,7 +265,7 @@ void check_all(Database& database,
     if (!check_plan(database, session, frame, findings)) {
         return;
     }
-    TrialCheck trials(database, id, frame, report);
+    TrialCheck trials(database, id, frame, report, rooms);
     for (const StoredRow& trial :
          rows_of(database, "SELECT * FROM trial WHERE session_id = ?1 ORDER BY trial_id", id)) {
         ++report.trials;
@@ -302,7 +303,9 @@ void check_destroyed(Database& database, std::int64_t session, Findings& finding
 
 }  // namespace
 
-SessionReport check_session(Database& database, const StoredRow& session) {
+SessionReport check_session(Database& database,
+                            const StoredRow& session,
+                            std::vector<Ticks>& rooms) {
     SessionReport report{.id = session.integer("session_id"),
                          .study = session.text("study_name"),
                          .participant = session.text("participant_code"),
@@ -314,7 +317,7 @@ SessionReport check_session(Database& database, const StoredRow& session) {
         if (is_destroyed(database, report.id)) {
             check_destroyed(database, report.id, findings);
         } else {
-            check_all(database, session, report, findings);
+            check_all(database, session, rooms, report, findings);
         }
         check_chain(database, report.id, report, findings);
     } catch (const std::exception& e) {  // a damaged file: what could be read is in the report

@@ -50,6 +50,7 @@ void compare_choice(const StoredRow& response,
 void check_simulated_answer(const SessionFrame& frame,
                             const StoredRow& response,
                             std::span<const CheckedInterval> intervals,
+                            const protocols::Question& question,
                             std::size_t done,
                             Findings& findings) {
     const auto usable = [](const CheckedInterval& one) {
@@ -70,10 +71,7 @@ void check_simulated_answer(const SessionFrame& frame,
         observer.feel(std::span(intervals[i].trace.ticks)
                           .first(static_cast<std::size_t>(intervals[i].row.integer("ticks"))));
     }
-    const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
-    const protocols::Choice choice =
-        observer.choose({.done = done}, question_of(frame.protocol, pictures));
-    compare_choice(response, choice, findings);
+    compare_choice(response, observer.choose({.done = done}, question), findings);
 }
 
 using protocols::PlannedTrial;
@@ -114,10 +112,14 @@ std::vector<std::string_view> columns_of_an_end() {
 TrialCheck::TrialCheck(Database& database,
                        std::int64_t session,
                        const SessionFrame& frame,
-                       SessionReport& report)
+                       SessionReport& report,
+                       std::vector<Ticks>& rooms)
     : database_(database),
       frame_(frame),
       report_(report),
+      rooms_(rooms),
+      question_(question_of(frame.protocol,
+                            protocols::make_pictures(frame.protocol, frame.plan.picture_order))),
       progress_(
           frame.protocol, frame.plan, session_stream(frame.protocol_hash, frame.key, frame.seed)),
       events_(stored_events(database, session)),
@@ -225,7 +227,8 @@ void TrialCheck::check_planned(TrialRows& pending,
         return;
     }
     const auto expected = presentations_of(frame_.protocol, planned, stimulus);
-    pending.intervals = check_intervals(database_, frame_, trial, expected, answered, findings);
+    pending.intervals =
+        check_intervals(database_, frame_, trial, expected, answered, known_, findings);
     for (CheckedInterval& one : pending.intervals) {
         if (!rooms_.empty()) {
             one.trace.ticks = std::move(rooms_.back());
@@ -260,7 +263,8 @@ void TrialCheck::check_ticks_of(TrialRows& pending) const {
     findings.look_at(trial.integer("trial_id"));
     check_ticks(frame_, pending.intervals, period_ns_, findings);
     if (pending.is_answer) {
-        check_simulated_answer(frame_, *pending.response, intervals, pending.done, findings);
+        check_simulated_answer(frame_, *pending.response, intervals, question_, pending.done,
+                               findings);
     }
     if (!never_ended(trial.text("outcome"))) {
         // Whoever broke off before an answer may have pressed the key that ended the exploration.

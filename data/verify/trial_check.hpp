@@ -18,10 +18,12 @@ namespace palpate::data {
 class TrialCheck {
 public:
     /// @param report  takes what is found, trial by trial, and how many ticks were replayed
+    /// @param rooms   for ticks, of sessions before: for those to come
     TrialCheck(Database& database,
                std::int64_t session,
                const SessionFrame& frame,
-               SessionReport& report);
+               SessionReport& report,
+               std::vector<Ticks>& rooms);
 
     /// What is found may be in the report later only.
     void check(const StoredRow& trial);
@@ -65,13 +67,15 @@ private:
     Database& database_;
     const SessionFrame& frame_;
     SessionReport& report_;
+    std::vector<Ticks>& rooms_;  ///< empty, of trials before: for those to come
+    std::vector<KnownScene> known_;
+    protocols::Question question_;
     protocols::SessionProgress progress_;  ///< before the trial that is looked at
     std::vector<StoredEvent> events_;
     DeviceProgress device_;     ///< of the trial that is looked at
     std::size_t taken_ = 0;     ///< of these
     std::int64_t checked_ = 0;  ///< trials
     std::int64_t period_ns_;
-    std::vector<Ticks> rooms_;  ///< empty, of trials before: for those to come
     std::deque<TrialRows> pending_;
     SideBySide work_;  ///< the last one: it ends first
 };

@@ -111,8 +111,9 @@ Verification verify(Database& database) {
     try_to(findings, "sqlite_schema", [&] { check_schema(database, findings); });
     try_to(findings, "secret", [&] { check_secrets(database, findings); });
     try_to(findings, "session", [&] {
+        std::vector<Ticks> rooms;
         for (const StoredRow& session : rows_of(database, kSessions)) {
-            found.sessions.push_back(check_session(database, session));
+            found.sessions.push_back(check_session(database, session, rooms));
         }
     });
     try_to(findings, "participant", [&] { check_people(database, findings); });
