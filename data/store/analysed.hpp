@@ -32,8 +32,8 @@ enum class Versions { apart, together };
 /// are
 void analyse(Database& database, Versions versions, const std::string& study = {});
 
-/// For who asks many times of the view analysis_trial, after analyse(): from here on this connection has its rows at
-/// hand, as many as the file has attempts, in memory. What is asked, and what comes, stays the same.
+/// For who asks many times of the view analysis_trial and of events, after analyse(): from here on
+/// this connection has their rows at hand, in memory. What comes of a question stays the same.
 void keep_attempts(Database& database);
 
 /// Whether the file has a session that no analysis sees.

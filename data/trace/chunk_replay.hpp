@@ -37,8 +37,8 @@ public:
     ///                 its columns say there
     /// @param scene    nothing: contacts are what the chunks hold
     /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
-    /// @param helped   by a thread, if there is a second core; not where intervals are replayed side
-    ///                 by side
+    /// @param helped   by a thread, if there is a second core; not where intervals are replayed
+    ///                 side by side
     /// @param room     of an earlier replay: memory that is there already
     ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                 const engine::SceneView& scene,

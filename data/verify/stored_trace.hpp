@@ -29,7 +29,7 @@ struct StoredTrace {
 /// @param chunks     of the interval, in order
 /// @param scene      as the trial's, with its decays
 /// @param period_ns  of the session
-/// @param room       for the ticks, if it is large enough: pages that the kernel need not clear again
+/// @param room       for the ticks, if it is large enough: pages that need not be cleared again
 [[nodiscard]] StoredTrace check_trace(std::span<const ChunkView> chunks,
                                       const engine::SceneView& scene,
                                       const std::optional<engine::PantographSpec>& machine,
