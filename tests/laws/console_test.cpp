@@ -47,7 +47,7 @@ TEST_CASE("only who has the token, from the page itself, gets or does anything",
     CHECK(traded.find(browser.token) == std::string::npos);
     const std::string page = browser.get("/", browser.cookie);
     CHECK_THAT(page, StartsWith("HTTP/1.1 200") && Has("default-src 'none'", "<!DOCTYPE html>"));
-    for (const char* file : {"/console.js", "/console.css", "/uplot.js", "/uplot.css"}) {
+    for (const char* file : {"/console.js", "/console.css"}) {
         CHECK_THAT(browser.get(file, browser.cookie), StartsWith("HTTP/1.1 200"));
         CHECK(page.find(file) != std::string::npos);
     }
@@ -93,6 +93,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
     stream.say("GET /stream HTTP/1.1\r\nHost: " + console.browser->host + "\r\n" +
                console.browser->cookie + "\r\n");
     CHECK_THAT(stream.hear_until("\"alive\":true"), Has("text/event-stream", "\"act\":true"));
+    const auto still = console.stream("?still=1");  // of a page behind another one
     CHECK(eventually([&] {
         stream.forget();
         return stream.hear_until("event: live\ndata: ").find("event: live") != std::string::npos;
@@ -104,6 +105,7 @@ TEST_CASE("the page's stream tells nothing of what is felt, and says when the se
         CAPTURE(word);
         CHECK(heard.find(word) == std::string::npos);
     }
+    CHECK_THAT(still->hear_until("event: live", 1), Has("event: state") && !Has("event: live"));
     stream.forget();
     session.program.signal(SIGKILL);
     CHECK_THAT(stream.hear_until("\"alive\":false"), Has("\"ended\":\"killed\""));

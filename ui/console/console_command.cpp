@@ -5,9 +5,9 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sched.h>
 
 #include "engine/base/files.hpp"
-#include "data/page/trial_trace.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/session_stream.hpp"
 #include "ui/rig/control_line.hpp"
@@ -64,12 +64,10 @@ RunningSession the_session(const std::optional<std::string>& of) {
 }
 
 std::optional<std::string> console_file(std::string_view path) {
-    constexpr std::array<std::pair<std::string_view, std::string_view (*)()>, 5> kParts{{
+    constexpr std::array<std::pair<std::string_view, std::string_view (*)()>, 3> kParts{{
         {"/", console_page},
         {"/console.css", console_style},
         {"/console.js", console_script},
-        {"/uplot.css", data::uplot_style},
-        {"/uplot.js", data::uplot_script},
     }};
     const auto* found = std::ranges::find(kParts, path, &decltype(kParts)::value_type::first);
     return found == kParts.end() ? std::nullopt : std::optional(std::string(found->second()));
@@ -105,6 +103,8 @@ std::string pem_text(const std::string& file, std::string_view holds) {
 
 int run(const ConsoleOptions& options) {
     catch_signals();
+    const sched_param usual{};
+    sched_setscheduler(0, SCHED_BATCH, &usual);  // whoever wakes goes first: the session
     if (!options.tls.empty() && options.tls.size() != 2) {
         throw std::invalid_argument("--tls takes two files: --tls CERT KEY");
     }
@@ -120,8 +120,8 @@ int run(const ConsoleOptions& options) {
         take_address(watched->session().name, spec);
     }
     spec.file = console_file;
-    spec.open = [watched](bool shown) {
-        return std::make_unique<SessionStream>(watched, shown);
+    spec.open = [watched](bool shown, bool still) {
+        return std::make_unique<SessionStream>(watched, shown, still);
     };
     if (acts) {
         spec.act = [watched](const std::string& line, bool gone) {

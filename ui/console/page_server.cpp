@@ -214,8 +214,10 @@ struct PageRequest {
         }
         if (path == "/stream") {
             auto stream = std::make_unique<Stream>();
-            stream->source = server.spec_.open(
-                MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "shown") != nullptr);
+            const auto asks = [&](const char* key) {
+                return !value_of(connection, MHD_GET_ARGUMENT_KIND, key).empty();
+            };
+            stream->source = server.spec_.open(asks("shown"), asks("still"));
             stream->ends = &server.ends_;
             MHD_Response* response = MHD_create_response_from_callback(
                 MHD_SIZE_UNKNOWN, 16384, &read_stream, stream.release(),

@@ -48,7 +48,8 @@ struct PageServerSpec {
     /// path's end, and HTML without one.
     std::function<std::optional<std::string>(std::string_view path)> file{};
     /// @param shown  the page asks for what is felt as well
-    std::function<std::unique_ptr<EventSource>(bool shown)> open{};
+    /// @param still  it is hidden behind another one: for no more than where the session is
+    std::function<std::unique_ptr<EventSource>(bool shown, bool still)> open{};
     /// A JSON object -> a JSON object, on any thread. None: the page may only look.
     /// @param gone  whoever asked has given up: what is done late is not what they meant
     std::function<std::string(const std::string&, bool gone)> act{};

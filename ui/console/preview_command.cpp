@@ -218,7 +218,7 @@ int run(const PreviewOptions& options) {
              : path == "/preview.js"  ? std::string(preview_script())
                                       : drawn.file(path);
     };
-    spec.open = [&drawn, &felt](bool /*shown*/) {
+    spec.open = [&drawn, &felt](bool /*shown*/, bool /*still*/) {
         return std::make_unique<DrawnStream>(drawn, felt ? &*felt : nullptr);
     };
     if (felt) {

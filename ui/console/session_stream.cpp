@@ -159,7 +159,7 @@ std::string SessionStream::live() {
 }
 
 std::string SessionStream::next() {
-    std::string text = live();
+    std::string text = still_ ? "" : live();
     const std::uint64_t version = watched_->session().reader->version();
     const bool alive = watched_->alive();
     if (version != version_ || alive != alive_ || monotonic_ns() - said_ns_ > kSayEvery) {

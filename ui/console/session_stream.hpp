@@ -40,12 +40,12 @@ private:
 };
 
 /// Events of a session for one page: "state" at each change and at least once a second, "live"
-/// with the newest tick. A page that did not ask for it shows nothing of what another one revealed.
+/// with the newest tick, but for a still one. A page that did not ask for it shows nothing of what another one revealed.
 /// Ends with the session's process.
 class SessionStream : public EventSource {
 public:
-    SessionStream(std::shared_ptr<WatchedSession> watched, bool shown)
-        : watched_(std::move(watched)), shown_(shown) {}
+    SessionStream(std::shared_ptr<WatchedSession> watched, bool shown, bool still)
+        : watched_(std::move(watched)), shown_(shown), still_(still) {}
     [[nodiscard]] std::string next() override;
     [[nodiscard]] bool over() const override { return !alive_; }
 
@@ -54,6 +54,7 @@ private:
 
     std::shared_ptr<WatchedSession> watched_;
     bool shown_;
+    bool still_;
     std::uint64_t version_ = 1;  ///< odd: of no state
     std::uint64_t ticks_ = 0;
     std::int64_t said_ns_ = 0;

@@ -3,7 +3,9 @@
   'use strict';
   const QUIET_S = 1.6;   // no event for longer: the stream is lost (there is one a second at least)
   const AGAIN_S = 5;     // a lost stream is asked for again
-  const SHOWN_S = 4;     // of the strips
+  const SHOWN_S = 4;     // of the strips, swept from left to right; the newest is before the gap
+  const GAP_S = 0.15;
+  const DRAWN_S = 0.09;  // what is felt is drawn so often, words at each state: a browser paints where the servo computes
   const ARROW_M = 0.01;  // of a newton, in the drawing
   const ROUND_M = 0.025; // around the outline
   const KINDS = { real: 'REAL', pilot: 'PILOT', simulated: 'SIMULATED' };
@@ -18,7 +20,6 @@
       'the supply of the motors. What was saved is kept; the same run command goes on.']
   };
   const $ = id => document.getElementById(id);
-  const dark = window.matchMedia('(prefers-color-scheme: dark)');
 
   let state = null;       // the newest event `state`, and when it came, s
   let stateAt = 0;
@@ -31,9 +32,11 @@
 
   const seconds = () => performance.now() / 1000;
   const is = value => value !== null && value !== undefined;
-  function put(node, text) {
-    if (node.textContent !== text) node.textContent = text;
+  /// Only what is another value is written: nothing else is laid out and painted again.
+  function set(of, name, value) {
+    if (of[name] !== value) of[name] = value;
   }
+  const put = (node, text) => set(node, 'textContent', text);
   function make(name, text, className) {
     const node = document.createElement(name);
     if (is(text)) node.textContent = text;
@@ -51,15 +54,21 @@
   /// Rows [name, text, is bad] of a dl; those without text are left out.
   function facts(node, rows) {
     rows = rows.filter(row => is(row[1]));
-    fill(node, rows, () => rows.map(row => {
+    fill(node, rows.map(row => row[0]), () => rows.map(row => {
       const pair = make('div');
-      pair.append(make('dt', row[0]), make('dd', row[1], row[2] ? 'bad-word' : ''));
+      pair.append(make('dt', row[0]), make('dd'));
       return pair;
     }));
+    rows.forEach((row, i) => {
+      put(node.children[i].lastChild, row[1]);
+      set(node.children[i].lastChild, 'className', row[2] ? 'bad-word' : '');
+    });
   }
   const counted = (n, one, more) => n + ' ' + (n === 1 ? one : more || one + 's');
   const ago = ms => ms < 1000 ? Math.round(ms) + ' ms ago' : ms < 120000 ? (ms / 1000).toFixed(1) + ' s ago'
     : Math.round(ms / 60000) + ' min ago';
+  const lasted = s => s < 60 ? s.toFixed(1) + ' s' : Math.floor(s / 60) + ' min ' + Math.floor(s % 60) + ' s';
+  const worded = code => /^[a-z_]+$/.test(code) ? code.replace(/_/g, ' ') : code;
   const over = () => state !== null && (state.phase === 'ended' || is(state.ended));
   const rests = () => over() && state.ended !== 'killed';
   const gone = () => !rests() && (lost !== null || (state !== null && !state.alive));
@@ -79,9 +88,9 @@
         'its window and its terminal; the chords work there.']);
     }
     if (state && !over()) {
-      if (state.phase === 'trouble' && state.faults.length > 0) {
-        const last = state.faults[state.faults.length - 1];
-        all.push([true, 'Trouble: ' + last.cause, last.advice]);
+      if (state.phase === 'trouble') {
+        all.push([!state.solved, state.solved ? 'The trouble is over: at the participant\u2019s screen it goes on.'
+          : 'Trouble: no force until it is mended.', state.sentence]);
       }
       if (state.alarm) {
         all.push([true, 'Three of the last six trials do not count.', 'Pause, and look at what they have in common: the ' +
@@ -97,9 +106,9 @@
 
   function showForce() {
     const now = rests() ? 'off' : gone() ? 'unknown' : state.force.on ? 'on' : 'off';
-    document.body.dataset.force = now;
+    set(document.body.dataset, 'force', now);
     put($('force-word'), now === 'unknown' ? 'Force not known' : 'Force ' + now);
-    put($('force-why'), gone() || over() || !state.force.why ? '' : '(' + state.force.why + ')');
+    put($('force-why'), gone() || over() || !state.force.why || state.phase === 'trouble' ? '' : '(' + state.force.why + ')');
   }
 
   function trialRows() {
@@ -111,12 +120,12 @@
       ['Faults', String(state.faults.length)]
     ];
     facts($('trials'), rows);
-    $('not-h').hidden = state.not_counting.length === 0;
-    $('faults-h').hidden = state.faults.length === 0;
+    set($('not-h'), 'hidden', state.not_counting.length === 0);
+    set($('faults-h'), 'hidden', state.faults.length === 0);
     fill($('not'), state.not_counting, () => state.not_counting.slice().reverse()
-      .map(one => make('li', named(one) + ': ' + one.why)));
+      .map(one => make('li', named(one) + ': ' + worded(one.why))));
     fill($('faults'), state.faults, () => state.faults.slice().reverse().map(one => {
-      const item = make('li', (is(one.trial) ? named(one) + ': ' : '') + one.cause);
+      const item = make('li', (is(one.trial) ? named(one) + ': ' : '') + worded(one.cause));
       item.append(make('small', one.advice));
       return item;
     }));
@@ -161,21 +170,23 @@
       return from < 0 ? 'under ' + edges[0] : from + 1 < edges.length ? edges[from] + ' to ' + edges[from + 1]
         : edges[from] + ' or more';
     });
-    const last = Math.max(...late.session.map((n, i) => n > 0 ? i : 0));
-    const tallest = counts => Math.log1p(Math.max(1, ...counts));
-    fill($('late-rows'), late, () => names.slice(0, last + 1).map((name, i) => {
+    const rows = names.slice(0, 1 + Math.max(...late.session.map((n, i) => n > 0 ? i : 0)));
+    fill($('late-rows'), rows, () => rows.map(name => {
       const row = make('tr'), head = make('th', name);
       head.scope = 'row';
-      row.append(head);
-      [late.trial, late.session].forEach(counts => {
+      row.append(head, ...[0, 0].map(() => {
         const cell = make('td'), bar = make('i');
-        bar.hidden = !counts[i];
-        bar.style.width = 4 * Math.log1p(counts[i] || 0) / tallest(counts) + 'em';
-        bar.setAttribute('aria-hidden', 'true');
-        cell.append(bar, String(counts[i] || 0));
-        row.append(cell);
-      });
+        bar.ariaHidden = 'true';
+        cell.append(bar, make('span'));
+        return cell;
+      }));
       return row;
+    }));
+    [late.trial, late.session].forEach((counts, k) => rows.forEach((name, i) => {
+      const [bar, text] = $('late-rows').children[i].children[k + 1].children, n = counts[i] || 0;
+      put(text, String(n));
+      set(bar, 'hidden', n === 0);
+      set(bar.style, 'width', Math.round(10 * Math.log1p(n) / Math.log1p(Math.max(1, ...counts))) / 4 + 'em');
     }));
   }
 
@@ -186,44 +197,55 @@
         (is(note.trial) ? ', ' + named(note).toLowerCase() : '')));
       return item;
     }));
-    $('notes').hidden = state.notes.length === 0;
+    set($('notes'), 'hidden', state.notes.length === 0);
   }
 
   const goesOn = () => state !== null && (state.phase === 'pause' || state.phase === 'trouble' || state.pausing === true);
+  const looks = () => state !== null && state.act === false;
+  /// Why what is pressed is not asked for; empty: it is. A page that hears nothing may still be heard: no force, then.
+  const barred = id => over() ? 'the session has ended' : looks() ? 'this page may only look'
+    : id !== 'stop' && (state === null || gone()) ? 'this page has no session to ask'
+    : id === 'pause' && state.phase === 'trouble' ? 'at the participant\u2019s screen alone, where the handle is seen' : '';
   function buttons() {
-    const off = state === null || gone() || over() || state.act === false;
-    ['stop', 'pause', 'mark', 'end', 'reveal', 'note-send'].forEach(id => {
-      $(id).setAttribute('aria-disabled', String(off));
-    });
+    ['stop', 'pause', 'mark', 'end', 'reveal', 'note-send'].forEach(id => set($(id), 'ariaDisabled', String(barred(id) !== '')));
     put($('pause-word'), goesOn() ? 'Go on' : 'Pause');
+    put($('hint'), over() ? 'Nothing can be asked of a session that is over.' : looks() ? 'This page may only look; the chords are ' +
+      'those of the participant\u2019s window.' : 'Esc works on this page, too; the other chords are those of the participant\u2019s window.');
   }
 
+  const shows = () => state !== null && state.reveal === 'shown' && is(state.hidden);
   function hidden() {
-    const shown = state.reveal === 'shown' && is(state.hidden);
-    $('shown').hidden = !shown;
-    $('covered').hidden = shown;
-    $('reveal').hidden = state.reveal !== 'ask' || over();
+    const shown = shows();
+    set($('shown'), 'hidden', !shown);
+    set($('covered'), 'hidden', shown);
+    set($('reveal'), 'hidden', state.reveal !== 'ask' || over());
     if (state.reveal === 'never') {
       put($('blind'), 'Not shown: the protocol says reveal = "never".');
     }
     if (!shown) return;
     const h = state.hidden;
     facts($('hidden'), [['Object', h.object], ['Friction', h.friction], ['Level', is(h.level) ? String(h.level) : null]]);
+    fill($('scene'), h.outline || 0, () => {
+      marked = null;
+      return [];
+    });
     fill($('answers'), h.answers, () => h.answers.slice().reverse().map(one => {
       const row = make('tr', null, one.correct === false ? 'wrong' : '');
       [(one.practice ? 'practice ' : '') + one.trial, one.object, one.friction, one.answer, one.correct === true ? 'right' : one.correct === false ? '\u2715 wrong'
         : 'neither'].forEach(text => row.append(make('td', is(text) ? String(text) : '')));
       return row;
     }));
-    if (strips === null) buildStrips();
+    const newtons = live && is(live.f) ? Math.hypot(live.f[0], live.f[1]) : 0;
+    const mm = p => is(p) ? (1000 * p[0]).toFixed(1) + ', ' + (1000 * p[1]).toFixed(1) + ' mm' : 'none';
+    put($('scene-text'), 'Disc: hand (HIP) at ' + mm(live && live.hip) + '. Square: god-object at ' + mm(live && live.go) +
+      '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
     draw();
   }
 
   function clock() {
     const since = seconds() - stateAt;
     const runs = state && is(state.phase_s) && !gone() && !over();
-    put($('seconds'), runs ? ', ' + (state.phase_s + since).toFixed(1) + ' s' : '');
-    if (state) keptRows();
+    put($('seconds'), runs ? ', ' + lasted(state.phase_s + since) + (state.pausing && state.phase !== 'pause' ? ', then a pause' : '') : '');
     const late = seconds() - heardAt;
     put($('link'), heardAt === 0 ? 'waiting for the session' : over() ? 'The session is over; this page rests.'
       : gone() ? 'As it was ' + Math.round(late) + ' s ago.'
@@ -231,27 +253,30 @@
   }
 
   function show() {
-    document.body.classList.toggle('gone', gone());
+    set(document.body, 'className', gone() ? 'gone' : '');
     banners();
     buttons();
     if (!state) return;
-    document.body.dataset.phase = state.phase;
-    document.body.dataset.kind = state.kind;
+    set(document.body.dataset, 'phase', state.phase);
+    set(document.body.dataset, 'kind', state.kind);
     put($('kind'), KINDS[state.kind] || state.kind);
     put($('participant'), state.participant);
     put($('number'), 'session ' + state.number);
     put($('title'), state.title);
     put($('protocol'), state.title === state.protocol ? '' : '(' + state.protocol + ')');
     put($('shape'), SHAPES[state.phase] || '');
-    put($('sentence'), (gone() ? 'last heard: ' : '') + state.sentence + (state.practice && !over() && !/practice/.test(state.sentence) ? ' (practice)' : ''));
+    const trial = (state.practice ? 'practice ' : '') + 'trial ' + state.trial + ' of ' + state.trials;
+    put($('sentence'), (gone() ? 'last heard: ' : '') + (state.phase === 'trouble' ? 'trouble' + (state.trial > 0 ? ' in ' + trial : '')
+      : state.sentence));
     const all = state.answered + state.remaining;
-    $('bar').max = Math.max(1, all);
-    $('bar').value = state.answered;
+    set($('bar'), 'max', Math.max(1, all));
+    set($('bar'), 'value', state.answered);
     put($('left'), state.answered + ' of ' + all + ' answered, ' + state.remaining + ' remain');
-    document.title = (gone() ? 'LOST \u00b7 ' : '') + state.participant + ' \u00b7 ' + state.phase + ' \u00b7 palpate';
+    set(document, 'title', (gone() ? 'LOST \u00b7 ' : '') + state.participant + ' \u00b7 ' + state.phase + ' \u00b7 palpate');
     showForce();
     trialRows();
     rigRows();
+    keptRows();
     lateRows();
     notes();
     hidden();
@@ -260,105 +285,173 @@
 
   // ---------------------------------------------------------------------------- what is drawn when it is revealed
 
-  let strips = null;
-  const ticks = { t: [], fn: [], ft: [], speed: [], mode: [] };
   const MODES = ['free', 'stuck', 'slip'];
-  const colour = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const STRIPS = [  // lines: which of a tick, ink, width
+    { title: 'Force, N: normal thick, friction thin', lines: [[1, '--blue', 3], [2, '--vermillion', 1.25]], least: 1, from: 0, to: 0.4 },
+    { title: 'Speed of the hand, mm/s', lines: [[3, '--blue', 2]], least: 10, from: 0.4, to: 0.7 },
+    { title: 'Mode of the contact', lines: [[4, '--green', 2]], names: MODES, from: 0.7, to: 0.95 }
+  ];
+  let ticks = [];        // [t s, normal N, friction N, speed mm/s, mode], oldest first
+  let swept = null;      // time of the newest that is drawn; null: draw all anew
+  let marked = null;     // where the marks of the scene are drawn; null: draw it anew
+  let drawnAt = 0;
+  let seen = false;      // it is on the screen
+  let rem = 16;          // of the page, in pixels of the screen
+  const inks = {};
 
   function keep(more) {
     if (more.t.length === 0) return;
-    if (ticks.t.length > 0 && more.t[0] < ticks.t[ticks.t.length - 1]) {
-      Object.values(ticks).forEach(line => { line.length = 0; });  // another trial
+    if (ticks.length > 0 && more.t[0] < ticks[ticks.length - 1][0]) {  // another trial
+      ticks = [];
+      swept = null;
     }
-    ticks.t.push(...more.t);
-    ticks.fn.push(...more.fn);
-    ticks.ft.push(...more.ft);
-    ticks.speed.push(...more.speed.map(v => 1000 * v));
-    ticks.mode.push(...more.mode.map(word => MODES.indexOf(word)));
-    const from = ticks.t.findIndex(t => t >= ticks.t[ticks.t.length - 1] - SHOWN_S);
-    Object.values(ticks).forEach(line => line.splice(0, from));
-  }
-
-  function buildStrips() {
-    if (strips !== null) strips.forEach(plot => plot.destroy());
-    const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
-    const font = 0.8 * rem + 'px sans-serif', text = colour('--text'), rule = colour('--rule');
-    const axis = { stroke: text, font: font, size: 2 * rem, space: 4 * rem, grid: { stroke: rule, width: 1 }, ticks: { stroke: rule, width: 1 } };
-    const line = (label, ink, dash, paths) => ({ label: label, stroke: colour(ink), width: 2, dash: dash, paths: paths,
-      points: { show: false } });
-    const plot = (title, height, lines, y, scale) => new uPlot({
-      title: title, width: Math.max(240, $('strips').clientWidth), height: height * rem, legend: { show: false },
-      cursor: { show: false }, scales: { x: { time: false }, y: scale },
-      axes: [Object.assign({}, axis, { values: (u, at) => at.map(t => +t.toFixed(2) + ' s') }),
-        Object.assign({}, axis, { size: 3.5 * rem, space: 1.8 * rem }, y)],
-      series: [{}].concat(lines)
-    }, [[]].concat(lines.map(() => [])), $('strips'));
-    const atLeast = most => ({ range: { min: { pad: 0.1, soft: 0, mode: 1 }, max: { pad: 0.1, soft: most, mode: 1 } } });
-    strips = [
-      plot('Force, N: normal solid, friction dashed', 10, [line('normal', '--blue'), line('friction', '--vermillion', [6, 4])], {}, atLeast(1)),
-      plot('Speed of the hand, mm/s', 8, [line('speed', '--blue')], {}, atLeast(10)),
-      plot('Mode of the contact', 7, [line('mode', '--green', undefined, uPlot.paths.stepped({ align: 1 }))],
-        { splits: MODES.map((m, i) => i), values: MODES }, { range: [-0.4, MODES.length - 0.6] })
-    ];
+    more.t.forEach((t, i) => ticks.push([t, more.fn[i], more.ft[i], 1000 * more.speed[i], MODES.indexOf(more.mode[i])]));
+    const from = ticks[ticks.length - 1][0] - SHOWN_S + GAP_S;
+    ticks = ticks.slice(ticks.findIndex(tick => tick[0] >= from));
   }
 
   function draw() {
-    if (strips === null) return;
-    strips[0].setData([ticks.t, ticks.fn, ticks.ft]);
-    strips[1].setData([ticks.t, ticks.speed]);
-    strips[2].setData([ticks.t, ticks.mode]);
+    drawnAt = seconds();
+    if (!seen) return;
+    drawStrips();
     drawScene();
   }
 
+  /// 1, 2, 5, 10, ... of which none is smaller than `most`.
+  function round(most) {
+    const ten = Math.pow(10, Math.floor(Math.log10(most)));
+    return ten * [1, 2, 5, 10].find(n => n * ten >= most * (1 - 1e-9));
+  }
+
+  function drawStrips() {
+    const canvas = $('strips'), c = canvas.getContext('2d'), left = 3.5 * rem, thin = Math.max(1, rem / 16);
+    const x = t => left + (canvas.width - left) * (t % SHOWN_S) / SHOWN_S;
+    STRIPS.forEach(strip => {
+      const all = strip.lines.flatMap(line => ticks.map(tick => tick[line[0]])), low = Math.min(0, ...all);
+      const range = strip.names ? [-0.4, strip.names.length - 0.6]
+        : [low < 0 ? -round(-low) : 0, round(Math.max(strip.least, ...all))];
+      if (String(strip.range) !== String(range)) swept = null;
+      strip.range = range;
+      const top = canvas.height * strip.from + 1.8 * rem, high = canvas.height * strip.to - 0.6 * rem - top;
+      strip.y = value => top + high * (range[1] - value) / (range[1] - range[0]);
+      strip.marks = strip.names ? strip.names.map((name, i) => i) : [range[0], 0, range[1] / 2, range[1]];
+      strip.rule = at => c.fillRect(at, top, thin, high);
+    });
+    function clear(from, to) {
+      c.clearRect(from, 0, to - from, canvas.height);
+      c.fillStyle = inks['--rule'];
+      STRIPS.forEach(strip => strip.marks.forEach(at => c.fillRect(from, strip.y(at), to - from, thin)));
+    }
+    if (ticks.length === 0 && swept !== null) return;
+    const newest = ticks.length > 0 ? ticks[ticks.length - 1][0] : 0, first = swept === null ? 0 : ticks.findIndex(tick => tick[0] > swept);
+    if (first < 0) return;
+    if (swept === null) {
+      c.clearRect(0, 0, left, canvas.height);
+      clear(left, canvas.width);
+      c.fillStyle = inks['--text'];
+      STRIPS.forEach(strip => {
+        c.textAlign = 'left';
+        c.font = '600 ' + 0.85 * rem + 'px sans-serif';
+        c.fillText(strip.title, 0, canvas.height * strip.from + rem);
+        c.textAlign = 'right';
+        c.font = 0.8 * rem + 'px sans-serif';
+        strip.marks.forEach(at => c.fillText(strip.names ? strip.names[at] : at, left - 0.4 * rem, strip.y(at) + 0.3 * rem));
+      });
+    } else {
+      const from = x(swept) + 1, to = x(newest + GAP_S);
+      if (from < to) clear(from, to);
+      else [[from, canvas.width], [left, to]].forEach(part => clear(...part));
+    }
+    for (let whole = Math.floor(swept || (ticks.length > 0 ? ticks[0][0] : 0)) + 1; whole <= newest; ++whole) {
+      c.fillStyle = inks['--rule'];
+      STRIPS.forEach(strip => strip.rule(x(whole)));
+      c.fillStyle = inks['--text'];
+      if (whole % SHOWN_S !== 0) c.fillText(whole + ' s', x(whole), canvas.height - 0.3 * rem);
+    }
+    STRIPS.forEach(strip => strip.lines.forEach(([which, ink, width]) => {
+      c.beginPath();
+      ticks.slice(Math.max(0, first - 1)).forEach((tick, i, all) => {
+        const at = x(tick[0]), before = i > 0 ? all[i - 1] : tick;
+        if (x(before[0]) > at || i === 0) c.moveTo(at, strip.y(tick[which]));
+        else if (strip.names) c.lineTo(at, strip.y(before[which]));
+        c.lineTo(at, strip.y(tick[which]));
+      });
+      c.strokeStyle = inks[ink];
+      c.lineWidth = width * thin;
+      c.stroke();
+    }));
+    swept = newest;
+  }
+
+  /// Of what is there only what the marks cover, and covered, is drawn again.
   function drawScene() {
-    const canvas = $('scene'), box = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
-    if (box.width === 0) return;
-    canvas.width = Math.round(box.width * ratio);
-    canvas.height = Math.round(box.height * ratio);
-    const c = canvas.getContext('2d'), outline = state.hidden.outline || [];
-    const at = live || {};
+    const canvas = $('scene'), c = canvas.getContext('2d'), outline = state.hidden.outline || [], at = live || {};
     const xs = outline.map(p => p[0]), ys = outline.map(p => p[1]);
     const end = (of, all, sign) => all.length > 0 ? of(...all) + sign * ROUND_M : sign * 2 * ROUND_M;
     const low = [end(Math.min, xs, -1), end(Math.min, ys, -1)], high = [end(Math.max, xs, 1), end(Math.max, ys, 1)];
     const scale = Math.min(canvas.width / (high[0] - low[0]), canvas.height / (high[1] - low[1]));
-    const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
-    const x = p => canvas.width / 2 + scale * (p[0] - middle[0]), y = p => canvas.height / 2 - scale * (p[1] - middle[1]);
-    const rem = parseFloat(getComputedStyle(document.documentElement).fontSize) * ratio / 16, size = 6 * rem;
+    const pixel = p => [canvas.width / 2 + scale * (p[0] - (low[0] + high[0]) / 2),
+      canvas.height / 2 - scale * (p[1] - (low[1] + high[1]) / 2)];
+    const size = 0.375 * rem, hip = is(at.hip) ? pixel(at.hip) : null, go = is(at.go) ? pixel(at.go) : null;
+    const tip = hip !== null && is(at.f) && Math.hypot(...at.f) > 0.01
+      ? pixel([at.hip[0] + ARROW_M * at.f[0], at.hip[1] + ARROW_M * at.f[1]]) : null;
     function path(points, ink, width) {
       c.beginPath();
-      points.forEach((p, i) => i === 0 ? c.moveTo(x(p), y(p)) : c.lineTo(x(p), y(p)));
-      c.strokeStyle = ink;
-      c.lineWidth = width * rem;
+      points.forEach(p => c.lineTo(...p));
+      c.strokeStyle = inks[ink];
+      c.lineWidth = width * rem / 16;
       c.stroke();
     }
+    const marks = [hip, go, tip].filter(is);
+    c.save();
+    if (marked !== null) {
+      const all = marks.concat(marked), corner = of => [0, 1].map(k => of(...all.map(p => p[k])));
+      const [left, top] = corner(Math.min), [right, bottom] = corner(Math.max), margin = 2 * size;
+      c.beginPath();
+      c.rect(left - margin, top - margin, right - left + 2 * margin, bottom - top + 2 * margin);
+      c.clip();
+    }
+    marked = marks;
+    c.clearRect(0, 0, canvas.width, canvas.height);
     c.lineJoin = 'round';
     if (outline.length > 0) {
-      path(outline.concat([outline[0]]), colour('--text'), 2);
-      c.fillStyle = colour('--tint');
+      path(outline.concat([outline[0]]).map(pixel), '--text', 2);
+      c.fillStyle = inks['--tint'];
       c.fill();
     }
-    if (is(at.hip) && is(at.go)) path([at.hip, at.go], colour('--edge'), 1);
-    if (is(at.go)) {  // a square
-      c.fillStyle = colour('--vermillion');
-      c.fillRect(x(at.go) - size, y(at.go) - size, 2 * size, 2 * size);
+    if (hip && go) path([hip, go], '--edge', 1);
+    if (go) {  // a square
+      c.fillStyle = inks['--vermillion'];
+      c.fillRect(go[0] - size, go[1] - size, 2 * size, 2 * size);
     }
-    if (is(at.hip)) {  // a disc
-      c.fillStyle = colour('--blue');
+    if (hip) {  // a disc
+      c.fillStyle = inks['--blue'];
       c.beginPath();
-      c.arc(x(at.hip), y(at.hip), size, 0, 7);
+      c.arc(...hip, size, 0, 7);
       c.fill();
     }
-    const newtons = is(at.f) ? Math.hypot(at.f[0], at.f[1]) : 0;
-    if (is(at.hip) && newtons > 0.01) {
-      const tip = [at.hip[0] + ARROW_M * at.f[0], at.hip[1] + ARROW_M * at.f[1]];
-      path([at.hip, tip], colour('--bad'), 3);
-      const turn = Math.atan2(-at.f[1], at.f[0]);
-      path([-0.5, 0, 0.5].map(side => side === 0 ? tip : [tip[0] - 1.8 * size * Math.cos(turn + side) / scale,
-        tip[1] + 1.8 * size * Math.sin(turn + side) / scale]), colour('--bad'), 3);
+    if (tip) {
+      path([hip, tip], '--bad', 3);
+      const turn = Math.atan2(tip[1] - hip[1], tip[0] - hip[0]);
+      path([-0.5, 0, 0.5].map(side => side === 0 ? tip : [tip[0] - 1.8 * size * Math.cos(turn + side),
+        tip[1] - 1.8 * size * Math.sin(turn + side)]), '--bad', 3);
     }
-    const mm = p => is(p) ? (1000 * p[0]).toFixed(1) + ', ' + (1000 * p[1]).toFixed(1) + ' mm' : 'none';
-    put($('scene-text'), 'Disc: hand (HIP) at ' + mm(at.hip) + '. Square: god-object at ' + mm(at.go) +
-      '. Arrow: force, ' + newtons.toFixed(2) + ' N; 10 mm is 1 N.');
+    c.restore();
+  }
+
+  /// For this size, in these colours.
+  function anew() {
+    const style = getComputedStyle(document.documentElement), ratio = window.devicePixelRatio || 1;
+    rem = parseFloat(style.fontSize) * ratio;
+    ['--text', '--rule', '--tint', '--edge', '--blue', '--vermillion', '--green', '--bad'].forEach(name => {
+      inks[name] = style.getPropertyValue(name).trim();
+    });
+    ['scene', 'strips'].map($).forEach(canvas => {
+      canvas.width = Math.round(canvas.clientWidth * ratio);
+      canvas.height = Math.round(canvas.clientHeight * ratio);
+    });
+    swept = marked = null;
+    if (shows()) draw();
   }
 
   // ------------------------------------------------------------------------------------------ what is asked for
@@ -413,9 +506,8 @@
 
   function on(id, action) {
     $(id).addEventListener('click', () => {
-      if ($(id).getAttribute('aria-disabled') !== 'true') return action();
-      say(false, state !== null && state.act === false ? 'this page may only look'
-        : over() ? 'the session has ended' : 'this page has no session to ask');
+      if (barred(id) === '') return action();
+      say(false, barred(id));
     });
   }
 
@@ -461,12 +553,11 @@
   });
   $('note-form').addEventListener('submit', async event => {
     event.preventDefault();
-    const text = $('note').value.trim();
-    if (text === '' || $('note-send').getAttribute('aria-disabled') === 'true') return;
-    if ((await act({ do: 'note', text: text })).ok) $('note').value = '';
+    if (barred('note-send') !== '') say(false, barred('note-send'));
+    else if ((await act({ do: 'note', text: $('note').value })).ok) $('note').value = '';
   });
   document.addEventListener('keydown', event => {
-    if (event.key === 'Escape' && !event.repeat && state !== null && state.force.on) $('stop').click();
+    if (event.key === 'Escape' && !event.repeat && (state === null || gone() || state.force.on)) $('stop').click();
   }, true);
   $('aloud').addEventListener('change', () => {
     $('sentence').setAttribute('aria-live', $('aloud').checked ? 'polite' : 'off');
@@ -486,26 +577,22 @@
   function listen() {
     triedAt = seconds();
     if (source !== null) source.close();
-    source = new EventSource(asked ? '/stream?shown=1' : '/stream');
+    const words = (asked ? ['shown=1'] : []).concat(document.hidden ? ['still=1'] : []);
+    source = new EventSource('/stream' + (words.length > 0 ? '?' + words.join('&') : ''));
     source.addEventListener('state', event => {
       state = heard(event);
       stateAt = seconds();
       show();
     });
-    let waiting = false;
     source.addEventListener('live', event => {
       live = heard(event);
       if (live.strips) keep(live.strips);
-      if (waiting || state === null) return;
-      waiting = true;
-      requestAnimationFrame(() => {
-        waiting = false;
-        if (is(live.force_on) && live.force_on !== state.force.on) {
-          state.force = { on: live.force_on, why: '' };
-          showForce();
-        }
-        if (state.reveal === 'shown' && is(state.hidden)) draw();
-      });
+      if (state === null) return;
+      if (is(live.force_on) && live.force_on !== state.force.on) {
+        state.force = { on: live.force_on, why: '' };
+        showForce();
+      }
+      if (shows() && seconds() - drawnAt > DRAWN_S) draw();
     });
     source.addEventListener('error', () => {
       if (!over()) return lose('The connection broke.');
@@ -519,18 +606,20 @@
     show();
   }
 
+  show();
   listen();
   const timer = setInterval(() => {
     if (heardAt > 0 && seconds() - heardAt > QUIET_S) lose('Nothing came for ' + QUIET_S + ' s.');
     if (lost !== null && seconds() - triedAt > AGAIN_S) listen();
-    clock();
+    if (lost !== null) clock();
   }, 200);
-  function anew() {
-    if (strips !== null) {
-      buildStrips();
-      draw();
-    }
-  }
-  dark.addEventListener('change', anew);
-  window.addEventListener('resize', anew);
+  document.addEventListener('visibilitychange', () => {  // who does not look hears of each change, and of nothing else
+    if (!over()) listen();
+  });
+  window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', anew);
+  new ResizeObserver(anew).observe($('shown'));
+  new IntersectionObserver(all => {
+    seen = all[all.length - 1].isIntersecting;
+    if (shows()) draw();
+  }).observe($('shown'));
 })();
