@@ -10,6 +10,15 @@ using namespace palpate;
 using Catch::Matchers::StartsWith;
 using tests::eventually;
 
+namespace {
+
+std::string address_in(const std::string& out) {
+    const std::size_t at = out.find("http://");
+    return out.substr(at, out.find('\n', at) - at);
+}
+
+}  // namespace
+
 TEST_CASE("a browser shows the session, and what is pressed there is in the file",
           "[console][law]") {
     if (!tests::DevTools::installed()) {
@@ -18,9 +27,7 @@ TEST_CASE("a browser shows the session, and what is pressed there is in the file
     }
     tests::ShownSession session;
     const tests::Console console(session);
-    const std::string out = console.program.out();
-    const std::size_t at = out.find("http://");
-    tests::DevTools page(out.substr(at, out.find('\n', at) - at));
+    tests::DevTools page(address_in(console.program.out()));
     REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
     CHECK(page.value("location.href") == "http://" + console.browser->host + "/");
     CHECK(page.text("kind") == "SIMULATED");
@@ -74,9 +81,7 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
     tests::ShownSession session("shape_friction", {"2", "--console"});
     REQUIRE(
         eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
-    const std::string out = session.program.out();
-    const std::size_t at = out.find("http://");
-    const std::string address = out.substr(at, out.find('\n', at) - at);
+    const std::string address = address_in(session.program.out());
     tests::DevTools one(address);
     tests::DevTools other(address);
     REQUIRE(eventually(
@@ -108,4 +113,51 @@ TEST_CASE("of two browsers one shows what is felt, and both go on with the next 
             eventually([&] { return page->text("link").find("page rests") != std::string::npos; }));
     }
     CHECK(eventually([&] { return tests::has_ended(server); }));
+}
+
+TEST_CASE("a page behind another knows the state, one that hears nothing switches the force off",
+          "[console][safety][law]") {
+    if (!tests::DevTools::installed()) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    tests::ShownSession session;
+    const tests::Console console(session);
+    tests::DevTools page(address_in(console.program.out()));
+    const auto titled = [&](const std::string& phase) {
+        return eventually(
+            [&] { return page.value("document.title").find(phase) != std::string::npos; });
+    };
+    const auto hide = [&](const std::string& hidden) {
+        page.run("(Object.defineProperty(document, 'hidden', {value: " + hidden +
+                 ", configurable: true}), document.dispatchEvent(new Event('visibilitychange')))");
+    };
+    REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
+    hide("true");
+    CHECK(session.ask({{"do", "pause"}})["ok"] == true);
+    CHECK(titled("pause"));
+    hide("false");
+    CHECK(session.ask({{"do", "go on"}})["ok"] == true);
+    CHECK(titled("explore"));
+    CHECK(page.text("alerts").empty());
+
+    console.program.signal(SIGSTOP);
+    REQUIRE(titled("LOST"));
+    page.press("stop");
+    console.program.signal(SIGCONT);
+    CHECK(session.keeps("SELECT count(*) FROM event WHERE event_kind = 'stop'", "1"));
+    CHECK(eventually([&] { return page.text("alerts").empty(); }));
+
+    page.run("location.reload()");
+    REQUIRE(eventually([&] { return page.text("participant") == "P1"; }));
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    page.run("location.reload()");
+    CHECK(eventually([&] { return page.text("alerts").find("ended early") != std::string::npos; }));
+    CHECK(eventually([&] { return page.text("link").find("page rests") != std::string::npos; }));
+    page.press("note");
+    page.type("too late");
+    page.run("document.getElementById('note-form').requestSubmit()");
+    CHECK(page.text("said") == "the session has ended");
+    CHECK(session.kept("SELECT count(*) FROM event WHERE event_kind = 'note'") == "0");
 }

@@ -47,6 +47,7 @@ public:
         const auto said = call("Runtime.evaluate", {{"expression", "String(" + script + ")"}});
         return said.value("result", nlohmann::json::object()).value("value", "");
     }
+    void run(const std::string& script) { static_cast<void>(value(script)); }
     [[nodiscard]] std::string text(const std::string& id) {
         return value("document.getElementById('" + id + "')?.textContent");
     }
@@ -67,6 +68,16 @@ public:
                                               {"button", "left"},
                                               {"clickCount", 1}});
         }
+    }
+    /// As it looks on a screen so wide, in pixels.
+    void looks(int width, bool dark) {
+        call("Emulation.setDeviceMetricsOverride", {{"width", width},
+                                                    {"height", width > 500 ? width / 2 : 844},
+                                                    {"deviceScaleFactor", 1},
+                                                    {"mobile", false}});
+        call("Emulation.setEmulatedMedia",
+             {{"features", nlohmann::json::array({{{"name", "prefers-color-scheme"},
+                                                   {"value", dark ? "dark" : "light"}}})}});
     }
     void type(const std::string& text) { call("Input.insertText", {{"text", text}}); }
 

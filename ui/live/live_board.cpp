@@ -279,6 +279,7 @@ std::string LiveBoard::text() const {
                      {"answered", facts_.answered},
                      {"alarm", alarm_},
                      {"pausing", wishes_.first},
+                     {"solved", phase_ == LivePhase::trouble && trouble_.solved},
                      {"force", {{"on", force_on()}, {"why", why()}}},
                      {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
                                 : revealed_                                  ? "shown"
