@@ -152,6 +152,34 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     CHECK(session.kept("SELECT count(*) FROM response") == "4");
 }
 
+TEST_CASE("a page of a session that is over asks nothing of the next one on its file",
+          "[console][safety][law]") {
+    ShownSession session;
+    const Console before(session);
+    before.browser->trade();
+    session.program.signal(SIGTERM);
+    CHECK(session.program.wait().code == 3);
+    for (int i = 0; i < 2; ++i) {  // loaded again
+        CHECK_THAT(before.stream()->hear_until("\r\n0\r\n\r\n"),
+                   Has("\"alive\":false", "\"ended\":\"ended early\""));
+    }
+    tests::Process next({tests::palpate_program(), "run", "shape_friction", "--participant", "P1",
+                         "--db", session.file, "--headless", "--operator", "Ada", "--secret",
+                         tests::kRunSecret, "--speed", "2"});
+    REQUIRE(eventually([&] { return !ui::running_sessions(session.file).empty(); }));
+    for (const std::string& what : {kNoted, std::string(R"({"do":"stop"})")}) {
+        CHECK_THAT(act(*before.browser, what), Has("is gone: nothing was done"));
+    }
+    const Console after(session);
+    CHECK_THAT(after.browser->get("/", before.browser->cookie), Catch::StartsWith("HTTP/1.1 403"));
+    after.browser->trade();
+    CHECK_THAT(act(*after.browser, kNoted), Has("\"ok\":true"));
+    next.signal(SIGTERM);
+    CHECK(next.wait().code == 3);
+    CHECK(session.kept(events("note")) == "1");
+    CHECK(session.kept(events("stop")) == "0");
+}
+
 TEST_CASE("a server that stood still does nothing late but switch the force off, and ends",
           "[console][safety][law]") {
     ShownSession session("shape_friction", {"2", "--console"});

@@ -131,7 +131,8 @@ std::string WatchedSession::ask(const std::string& line, bool gone) const {
                                      : "one JSON object is taken: nothing was done");
     }
     asked["page"] = true;
-    std::string answer = ask_session(session_.name, one_line(asked)).line;
+    // The next session of the file has the name of one that is gone.
+    std::string answer = alive() ? ask_session(session_.name, one_line(asked)).line : "";
     while (answer.ends_with('\n')) {
         answer.pop_back();
     }
