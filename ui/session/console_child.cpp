@@ -23,10 +23,7 @@ void ConsoleChild::start() {
                                      nullptr};
     posix_spawnattr_t how;
     posix_spawnattr_init(&how);
-    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSCHEDULER);
-    const sched_param usual{};
-    posix_spawnattr_setschedpolicy(&how, SCHED_OTHER);
-    posix_spawnattr_setschedparam(&how, &usual);
+    posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP);
     const int error = posix_spawn(&pid_, "/proc/self/exe", nullptr, &how,
                                   const_cast<char**>(words.data()), environ);
     posix_spawnattr_destroy(&how);
