@@ -336,17 +336,18 @@
       strip.y = value => top + high * (range[1] - value) / (range[1] - range[0]);
       strip.marks = strip.names ? strip.names.map((name, i) => i) : [range[0], 0, range[1] / 2, range[1]];
       strip.rule = at => c.fillRect(at, top, thin, high);
+      strip.clear = (at, width) => c.clearRect(at, top - 0.3 * rem, width, high + (strip.names ? 2.4 : 0.9) * rem);
     });
     function clear(from, to) {
-      c.clearRect(from, 0, to - from, canvas.height);
       c.fillStyle = inks['--rule'];
+      STRIPS.forEach(strip => strip.clear(from, to - from));  // not its title
       STRIPS.forEach(strip => strip.marks.forEach(at => c.fillRect(from, strip.y(at), to - from, thin)));
     }
     if (ticks.length === 0 && swept !== null) return;
     const newest = ticks.length > 0 ? ticks[ticks.length - 1][0] : 0, first = swept === null ? 0 : ticks.findIndex(tick => tick[0] > swept);
     if (first < 0) return;
     if (swept === null) {
-      c.clearRect(0, 0, left, canvas.height);
+      c.clearRect(0, 0, canvas.width, canvas.height);
       clear(left, canvas.width);
       c.fillStyle = inks['--text'];
       STRIPS.forEach(strip => {
@@ -358,7 +359,7 @@
         strip.marks.forEach(at => c.fillText(strip.names ? strip.names[at] : at, left - 0.4 * rem, strip.y(at) + 0.3 * rem));
       });
     } else {
-      const from = x(swept) + 1, to = x(newest + GAP_S);
+      const from = Math.round(x(swept)) + 1, to = Math.round(x(newest + GAP_S));
       if (from < to) clear(from, to);
       else [[from, canvas.width], [left, to]].forEach(part => clear(...part));
     }
@@ -405,10 +406,10 @@
     const marks = [hip, go, tip].filter(is);
     c.save();
     if (marked !== null) {
-      const all = marks.concat(marked), corner = of => [0, 1].map(k => of(...all.map(p => p[k])));
-      const [left, top] = corner(Math.min), [right, bottom] = corner(Math.max), margin = 2 * size;
+      const all = marks.concat(marked), corner = (of, margin) => [0, 1].map(k => Math.round(of(...all.map(p => p[k])) + margin));
+      const [left, top] = corner(Math.min, -2 * size), [right, bottom] = corner(Math.max, 2 * size);
       c.beginPath();
-      c.rect(left - margin, top - margin, right - left + 2 * margin, bottom - top + 2 * margin);
+      c.rect(left, top, right - left, bottom - top);
       c.clip();
     }
     marked = marks;
