@@ -136,6 +136,8 @@ TEST_CASE("a page behind another knows the state, one that hears nothing switche
     hide("true");
     CHECK(session.ask({{"do", "pause"}})["ok"] == true);
     CHECK(titled("pause"));
+    page.run("new BroadcastChannel('palpate').postMessage('')");  // of one that is looked at
+    CHECK(titled("see the other page"));
     hide("false");
     CHECK(session.ask({{"do", "go on"}})["ok"] == true);
     CHECK(titled("explore"));

@@ -301,11 +301,13 @@
 
   function keep(more) {
     if (more.t.length === 0) return;
-    if (ticks.length > 0 && more.t[0] < ticks[ticks.length - 1][0]) {  // another trial
-      ticks = [];
-      swept = null;
-    }
-    more.t.forEach((t, i) => ticks.push([t, more.fn[i], more.ft[i], 1000 * more.speed[i], MODES.indexOf(more.mode[i])]));
+    more.t.forEach((t, i) => {
+      if (ticks.length > 0 && t < ticks[ticks.length - 1][0]) {  // another interval, maybe amid what came at once
+        ticks = [];
+        swept = null;
+      }
+      ticks.push([t, more.fn[i], more.ft[i], 1000 * more.speed[i], MODES.indexOf(more.mode[i])]);
+    });
     const from = ticks[ticks.length - 1][0] - SHOWN_S + GAP_S;
     ticks = ticks.slice(ticks.findIndex(tick => tick[0] >= from));
   }
@@ -575,9 +577,19 @@
     return JSON.parse(event.data);
   }
 
+  // A browser has six connections for one address: pages that are hidden let theirs go to one that is looked at.
+  const others = new BroadcastChannel('palpate');
+  others.addEventListener('message', () => {
+    if (!document.hidden || over()) return;
+    source.close();
+    heardAt = 0;
+    lost = null;
+    set(document, 'title', 'see the other page \u00b7 palpate');
+  });
   function listen() {
     triedAt = seconds();
     if (source !== null) source.close();
+    if (!document.hidden) others.postMessage('');
     const words = (asked ? ['shown=1'] : []).concat(document.hidden ? ['still=1'] : []);
     source = new EventSource('/stream' + (words.length > 0 ? '?' + words.join('&') : ''));
     source.addEventListener('state', event => {
