@@ -21,6 +21,7 @@ import threading
 import time
 
 MARGIN_NS = 500_000_000  # of each turn, at both ends: pages come and go
+STARTS_S = 10  # a browser: that is no cost of a page that is open
 
 
 def spent(pid):
@@ -63,6 +64,7 @@ class Browser:
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.program = subprocess.Popen(
             ['chromium', '--headless=new', '--no-sandbox', '--disable-gpu', '--no-first-run', '--remote-debugging-port=0',
+             '--disable-background-networking', '--disable-component-update',
              f'--user-data-dir={self.profile.name}', f'http://127.0.0.1:{port}/?token={token}'],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
@@ -109,6 +111,7 @@ def main():
         turns, heard = [], []  # turns: (open, from, to, spent by session, by server)
         for turn in range(2 * plan.rounds):
             pages = [(Browser if plan.chromium else Page)(int(port), token) for _ in range(plan.pages * (turn % 2))]
+            time.sleep(STARTS_S if pages and plan.chromium else 0)
             begun, before = time.monotonic_ns(), (spent(run.pid), spent(console.pid))
             time.sleep(plan.seconds)
             turns.append((bool(pages), begun + MARGIN_NS, time.monotonic_ns() - MARGIN_NS,
