@@ -78,6 +78,48 @@ TEST_CASE(
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
+TEST_CASE("of a record of another device nothing is believed, and check and doctor say so",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    const std::string study = folder.file("stiff.toml");
+    tests::write(study, replaced(slurp(study_of_rig(folder)), "stiffness_n_per_m = 200",
+                                 "stiffness_n_per_m = 2000"));
+    const std::string rig = commissioned_rig(folder, board.word());
+    const auto said = [&](const std::string& command, const std::string& calibration) {
+        std::vector<std::string> words{palpate_program(), command, "--device", board.word()};
+        if (!calibration.empty()) {
+            words.insert(words.end(), {"--calibration", calibration});
+        }
+        const std::vector<std::string> of =
+            command == "check"
+                ? std::vector<std::string>{study}
+                : std::vector<std::string>{"--protocol", study, "--seconds", "0.05", "--json"};
+        words.insert(words.end(), of.begin(), of.end());
+        return Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
+    };
+    const std::string measured = "the device damps 1.";
+    const Finished own = said("check", rig);
+    CHECK_THAT(own.out, Has("it cannot be run", measured) && !Has("no real session"));
+    CHECK_THAT(said("doctor", rig).out, Has("rig.toml is the record of this device", measured));
+    for (const std::string& calibration :
+         {commissioned_rig(folder, "haply:/dev/one"), std::string()}) {
+        const std::string why = calibration.empty()
+                                  ? "nobody proved how --device "
+                                  : "was commissioned for --device haply:/dev/one";
+        CAPTURE(why);
+        const Finished check = said("check", calibration);
+        CHECK(check.code == 0);
+        CHECK_THAT(check.out, Has("it can be run as a pilot", "no real session: ", why,
+                                  "how much the device damps is not known") &&
+                                  !Has(measured));
+        const Finished doctor = said("doctor", calibration);
+        CHECK_THAT(doctor.out,
+                   Has("no real session can be run on it", why, "by what nobody measured") &&
+                       !Has(measured));
+    }
+}
+
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
           "[commission][haply][law]") {
     const TemporaryFolder folder;

@@ -109,13 +109,19 @@ bool print_feasibility(const Study& study,
     spec.device = parse_device(options.device);
     spec.calibration = options.calibration;
     spec.recordings = load_recordings(spec.device);
-    const OpenedApparatus opened = open_apparatus(spec);
+    OpenedApparatus opened = open_apparatus(spec);
+    const std::string unproved = rig_objection(options.device, options.calibration);
+    if (!unproved.empty()) {
+        opened.findings.insert(opened.findings.begin(),
+                               {protocols::Verdict::warn, "no real session: " + unproved});
+    }
     say("\non {}", opened.port->device_name());
     const bool refused = std::any_of(
         opened.findings.begin(), opened.findings.end(),
         [](const auto& finding) { return finding.verdict == protocols::Verdict::refuse; });
     say(": {}\n", refused                   ? "it cannot be run"
                   : opened.findings.empty() ? "nothing stands against it"
+                  : !unproved.empty()       ? "it can be run as a pilot, and this should be known"
                                             : "it can be run, and this should be known");
     for (const protocols::Finding& finding : opened.findings) {
         say("  {}: {}\n", finding.verdict == protocols::Verdict::refuse ? "refused" : "warning",

@@ -159,6 +159,17 @@ void look_at_device(Report& report, const std::string& word, const DoctorSpec& p
     }
 }
 
+Check check_commissioned(const DoctorOptions& options) {
+    std::string why = rig_objection(options.device, options.calibration);
+    return {.name = "commissioning",
+            .status = why.empty() ? CheckStatus::ok : CheckStatus::warn,
+            .detail = why.empty() ? options.calibration + " is the record of this device"
+                                  : "no real session can be run on it",
+            .remedy = std::move(why),
+            .numbers = {},
+            .picture = {}};
+}
+
 void look_at_timing(Report& report, double rate_hz, double seconds) {
     JitterRun jitter;
     Check failed = guarded("jitter", [&] {
@@ -197,6 +208,9 @@ int run(const DoctorOptions& options) {
     Report report(!options.json);
     const auto before = processor_time();
     look_at_device(report, options.device, plan);
+    if (pushes_a_person(plan.device.kind)) {
+        report.look("commissioning", [&] { return check_commissioned(options); });
+    }
     report.look("kinematics", [&] { return check_kinematics(linkages(plan.calibration)); });
     report.look("clock", check_clock);
     report.look("kernel", check_kernel);

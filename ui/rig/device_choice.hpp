@@ -26,6 +26,8 @@ struct DeviceChoice {
     /// file.
     std::string file;
     std::optional<std::int64_t> trial{};  ///< replay: trial id; none: the file's trials in turn
+
+    friend bool operator==(const DeviceChoice&, const DeviceChoice&) = default;
 };
 
 /// `sim`, `mouse`, `replay:FILE`, `replay:FILE:TRIAL`, `haply:PORT`, `haply-emulator`,
@@ -40,6 +42,11 @@ struct DeviceChoice {
 /// What a person holds pushes back. A pointer does not (PointerDevice::traits): real sessions are
 /// held on it only where a protocol asks for it.
 [[nodiscard]] bool gives_force(DeviceChoice::Kind kind) noexcept;
+
+/// Both: such a rig is commissioned before a real session.
+[[nodiscard]] inline bool pushes_a_person(DeviceChoice::Kind kind) noexcept {
+    return held_by_a_person(kind) && gives_force(kind);
+}
 
 /// A real session of a study that asks for this class may be run on it.
 [[nodiscard]] bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept;

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,14 +18,22 @@ using Kind = DeviceChoice::Kind;
 
 engine::Calibration calibration_of(const DeviceChoice& choice, const std::string& name_or_file) {
     if (!name_or_file.empty()) {
-        engine::Calibration calibration = protocols::load_calibration(name_or_file);
+        protocols::RigFile rig = protocols::load_rig(name_or_file);
+        engine::Calibration& calibration = rig.calibration;
+        if (rig.record && pushes_a_person(choice.kind) &&
+            parse_device(rig.record->device) != choice) {
+            calibration.pantograph.damping.reset();
+            if (calibration.gantry) {
+                calibration.gantry->damping.reset();
+            }
+        }
         if (calibration.gantry && choice.kind != Kind::board && choice.kind != Kind::replay) {
             throw std::invalid_argument(fmt::format(
                 "--calibration {}: {} has three axes, which an open board alone drives: give "
                 "--device board:PORT, or the calibration of a pantograph",
                 name_or_file, calibration.name()));
         }
-        return calibration;
+        return std::move(calibration);
     }
     const bool small = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator ||
                        choice.kind == Kind::board;

@@ -12,7 +12,8 @@
 namespace palpate::ui {
 
 /// The machine that `choice` is: what --calibration names, or, without it, the Mk-II for sim and
-/// comedi and the 2DIY gen3 for Haply and open boards.
+/// comedi and the 2DIY gen3 for Haply and open boards. Of a rig that was commissioned with another
+/// device its damping is not known.
 /// @throws protocols::ProtocolError as protocols::load_calibration
 [[nodiscard]] engine::Calibration calibration_of(const DeviceChoice& choice,
                                                  const std::string& name_or_file);

@@ -14,7 +14,6 @@
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "engine/realtime/realtime_rights.hpp"
-#include "protocols/file/calibration_file.hpp"
 #include "protocols/session/trust.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
@@ -132,12 +131,13 @@ protocols::RigProof::Step step_of(const engine::Calibration& calibration,
 
 }  // namespace
 
-std::string objection(const engine::RigRecord* record,
-                      const engine::Calibration& machine,
+std::string objection(const protocols::RigFile& rig,
                       const std::string& device,
                       const std::string& calibration) {
-    const std::string words = commission_words(device, calibration, machine.gantry.has_value());
-    if (record == nullptr) {
+    const auto& record = rig.record;
+    const std::string words =
+        commission_words(device, calibration, rig.calibration.gantry.has_value());
+    if (!record) {
         return fmt::format(
             "nobody proved how --device {} is wired and how strong it is: {} does, in two minutes "
             "with the handle free; then give --calibration rig.toml",
@@ -147,7 +147,7 @@ std::string objection(const engine::RigRecord* record,
         return fmt::format("--calibration {} was commissioned for --device {}, and this is {}: {}",
                            calibration, record->device, device, words);
     }
-    if (record->calibration != protocols::calibration_id(machine)) {
+    if (record->calibration != protocols::calibration_id(rig.calibration)) {
         return fmt::format("the calibration in {} was changed after the rig was commissioned: {}",
                            calibration, words);
     }

@@ -10,6 +10,7 @@
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/calibration.hpp"
 #include "engine/device/device.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "ui/rig/stop_lines.hpp"
 
@@ -29,8 +30,7 @@ struct OpeningFact {
 /// @param calibration  as --calibration has it; empty: the device's own
 /// @return why no real session may be run with this record, a sentence with the remedy; empty: it
 /// may
-[[nodiscard]] std::string objection(const engine::RigRecord* record,
-                                    const engine::Calibration& machine,
+[[nodiscard]] std::string objection(const protocols::RigFile& rig,
                                     const std::string& device,
                                     const std::string& calibration);
 

@@ -99,22 +99,30 @@ std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
     return lines;
 }
 
+protocols::RigFile rig_file(const DeviceChoice& choice, const std::string& calibration) {
+    return calibration.empty() ? protocols::RigFile{calibration_of(choice, {})}
+                               : protocols::load_rig(calibration);
+}
+
 }  // namespace
 
 bool unproved(const RigSpec& spec) {
-    return spec.kind == data::RunKind::pilot && held_by_a_person(spec.device.kind) &&
-           gives_force(spec.device.kind) && !spec.record;
+    return spec.kind == data::RunKind::pilot && pushes_a_person(spec.device.kind) && !spec.record;
+}
+
+std::string rig_objection(const std::string& device, const std::string& calibration) {
+    const DeviceChoice choice = parse_device(device);
+    return pushes_a_person(choice.kind)
+             ? objection(rig_file(choice, calibration), device, calibration)
+             : std::string();
 }
 
 void take_record(RigSpec& spec, const std::string& device) {
-    if (!held_by_a_person(spec.device.kind) || !gives_force(spec.device.kind)) {
+    if (!pushes_a_person(spec.device.kind)) {
         return;
     }
-    const protocols::RigFile rig = spec.calibration.empty()
-                                     ? protocols::RigFile{calibration_of(spec.device, {})}
-                                     : protocols::load_rig(spec.calibration);
-    const std::string why =
-        objection(rig.record ? &*rig.record : nullptr, rig.calibration, device, spec.calibration);
+    const protocols::RigFile rig = rig_file(spec.device, spec.calibration);
+    const std::string why = objection(rig, device, spec.calibration);
     if (why.empty()) {
         spec.record = rig.record;
     } else if (spec.kind == data::RunKind::real) {
@@ -186,7 +194,7 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
         opened.provenance.emplace_back(
             "force limit", fmt::format("{:g} N: nobody proved the rig", protocols::kUnprovedForce));
     }
-    if (held_by_a_person(spec.device.kind) && gives_force(spec.device.kind)) {
+    if (pushes_a_person(spec.device.kind)) {
         opened.awake = std::make_unique<StayAwake>();
         opened.provenance.emplace_back("sleep", opened.awake->text());
         const double holds = apparatus->device().traits().holds_force;

@@ -30,6 +30,11 @@ struct OpenedApparatus {
 /// it may give.
 [[nodiscard]] bool unproved(const RigSpec& spec);
 
+/// @param device  as --device has it, and so `calibration`
+/// @return why nobody may hold the rig in a real session; empty: they may, or it gives no person
+/// force
+[[nodiscard]] std::string rig_objection(const std::string& device, const std::string& calibration);
+
 /// Of a rig that gives force to a person: puts what was commissioned into `spec`, and says where
 /// nothing was. @param device  as --device has it
 /// @throws std::invalid_argument why nobody may hold it in a real session
