@@ -245,6 +245,28 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     CHECK_THAT(after.out, Has("Nothing runs on it now", "0 of 1 person planned ran, 1 to go"));
 }
 
+TEST_CASE("status says of a session that hangs whose it is, and that it does not answer",
+          "[live][law]") {
+    ShownSession session;
+    const auto status = [&] {
+        return data::Json::parse(tests::palpate_command({"status", session.file, "--json"}).out);
+    };
+    CHECK_FALSE(status()["running"][0].contains("answers"));
+    session.program.signal(SIGSTOP);
+    CHECK(status()["running"] == data::Json::array({{{"session", session.shown.uuid},
+                                                     {"participant", "P1"},
+                                                     {"number", 1},
+                                                     {"kind", "simulated"},
+                                                     {"answers", false}}}));
+    CHECK_THAT(
+        tests::palpate_command({"status", session.file}).out,
+        Has("running: P1, simulated, session 1: it does not answer", "the switch of its motors") &&
+            !Has("Nothing runs"));
+    session.program.signal(SIGKILL);
+    static_cast<void>(session.program.wait());
+    CHECK(status()["running"].empty());
+}
+
 TEST_CASE("another user is heard only with the file open for writing, and then only a stop",
           "[live][safety][law]") {
     ShownSession session;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <thread>
@@ -9,6 +10,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/database.hpp"
+#include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
 #include "ui/live/live_segment.hpp"
 #include "ui/rig/interrupt.hpp"
@@ -146,6 +148,13 @@ std::string study_text(const Json& study) {
 }
 
 std::string running_text(const Json& state) {
+    if (!state.value("answers", true)) {
+        return fmt::format(
+            "running: {}, {}, session {}: it does not answer. It hangs or is stopped, or is "
+            "another user's or another palpate's; if somebody feels it, use the switch of its "
+            "motors\n",
+            state.value("participant", ""), state.value("kind", ""), state.value("number", 0));
+    }
     const auto minutes = state.find("remaining_min");
     return fmt::format("running: {}, {}, session {}: {}; {} left{}{}\n",
                        state.value("participant", ""), state.value("kind", ""),
@@ -155,6 +164,26 @@ std::string running_text(const Json& state) {
                            ? fmt::format(", about {:.0f} min", minutes->get<double>())
                            : "",
                        state.value("alarm", false) ? "; ATTENTION: many trials do not count" : "");
+}
+
+/// Those that some program runs, and that none of `running` is.
+Json silent_of(data::Database& database, const std::vector<RunningSession>& running) {
+    data::Statement row = database.prepare(
+        "SELECT session_id, uuid, participant_code, session_number, session_kind FROM session JOIN "
+        "participant USING (participant_id) ORDER BY session_id");
+    Json all = Json::array();
+    while (row.step()) {
+        const std::string uuid = row.text(1);
+        if (std::ranges::find(running, uuid, &RunningSession::uuid) == running.end() &&
+            data::SessionLock::held(database, row.integer(0))) {
+            all.push_back({{"session", uuid},
+                           {"participant", row.text(2)},
+                           {"number", row.integer(3)},
+                           {"kind", row.text(4)},
+                           {"answers", false}});
+        }
+    }
+    return all;
 }
 
 /// As it stands; empty: it ended.
@@ -185,12 +214,17 @@ void follow(const std::vector<RunningSession>& running, bool json) {
 
 int run(const StatusOptions& options) {
     catch_signals();
-    const std::vector<RunningSession> running = running_sessions(options.database);
+    std::vector<RunningSession> running = running_sessions(options.database);
     Json status{{"file", options.database}, {"studies", nullptr}, {"running", Json::array()}};
     {
         data::Database database(options.database, data::Access::read);
         const data::Snapshot snapshot(database);
         status["studies"] = studies_of(database);
+        if (!silent_of(database, running).empty()) {  // one that begins answers a moment later
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+            running = running_sessions(options.database);
+            status["running"] = silent_of(database, running);
+        }
     }
     for (const RunningSession& session : running) {
         if (Json state = state_of(session); !state.empty()) {
