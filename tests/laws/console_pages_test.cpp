@@ -119,6 +119,7 @@ TEST_CASE("a page that dies is started again once, at its address, and the sessi
     REQUIRE(session.comes_to("pause"));
     REQUIRE(
         eventually([&] { return session.program.out().find("\nCtrl+C") != std::string::npos; }));
+    CHECK_THAT(session.program.out(), Has("\nCtrl+C at the session's terminal ends the session"));
     Browser browser(session.program.out());
     browser.trade();
     const auto serves = [&] {

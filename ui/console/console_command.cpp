@@ -129,8 +129,10 @@ int run(const ConsoleOptions& options) {
         };
     }
     const PageServer server(std::move(spec));
-    say("The experimenter's page, for your eyes alone: {}\nCtrl+C ends it; the session goes on.\n",
-        server.address());
+    say("The experimenter's page, for your eyes alone: {}\nCtrl+C {}.\n", server.address(),
+        options.while_runs
+            ? "at the session's terminal ends the session, and 10 s after it the page"
+            : "ends it; the session goes on");
     std::int64_t seen_ns = monotonic_ns();
     bool alive = true;
     while (!interrupted() && (!options.while_runs || monotonic_ns() - seen_ns < kLinger)) {
