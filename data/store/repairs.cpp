@@ -144,6 +144,7 @@ MovedSession move_session(Database& database,
     row.reset();
     require_movable(database, session, whose, code);
     moved.number = free_number(database, session, code, run_number);
+    moved.as_run = run_code == code && run_number == moved.number;
     give_session(database, session, code, moved.number, {run_code, run_number});
     add_event(database, session,
               {.kind = protocols::EventKind::participant,

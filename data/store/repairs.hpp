@@ -23,6 +23,7 @@ std::string undo_withdrawal(Database& database, std::int64_t session, const Reas
 struct MovedSession {
     std::int64_t number = 0;  ///< of the participant's sessions, from now on
     bool finished = false;
+    bool as_run = false;  ///< it is as it was run again
     std::string head;
 };
 

@@ -332,7 +332,7 @@ std::optional<SessionState> state_of(Statement& row) {
     }
     return SessionState{static_cast<std::size_t>(row.integer(0)),
                         std::stoull(row.text(1)),
-                        row.integer(2) != 0,
+                        row.text(2),
                         row.integer(4) != 0,
                         row.text(3),
                         row.text(5)};
@@ -341,8 +341,9 @@ std::optional<SessionState> state_of(Statement& row) {
 /// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or
 /// are of no use.
 constexpr const char* kStates =
-    "SELECT session_number, seed, finished OR withdrawn_reason IS NOT NULL OR run_code IS NOT "
-    "NULL, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
+    "SELECT session_number, seed, CASE WHEN withdrawn_reason IS NOT NULL THEN 'was withdrawn' WHEN "
+    "finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another code' ELSE "
+    "'' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
     "session_kind FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) "
     "WHERE study_name = ?1 AND participant_code = ?2";
 

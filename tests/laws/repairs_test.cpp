@@ -135,6 +135,38 @@ TEST_CASE("a session run under a wrong code is another's everywhere, and one can
     ran({"verify", file});
 }
 
+TEST_CASE("a session that is over is refused by what ended it, and a moved one goes on moved back",
+          "[repair][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const auto run = [&] {
+        return palpate_command(run_words("shape_friction_demo", "F", file, {"--headless"}));
+    };
+    const auto refused = [&](const std::string& what) {
+        check_end(run(), 2,
+                  Has(": session 1 of F in ", what, "; for another one give --session 2"));
+    };
+    ran({"participant", file, "F", "--new"});
+    ran({"participant", file, "G", "--new"});
+    record(file, "F");
+    refused("is finished");
+    data::Database(file, data::Access::write)
+        .execute("UPDATE session SET finished = 0, ended_utc = NULL");
+    ran({"session", file, "F", "1", "--withdraw", "oops"});
+    refused("was withdrawn");
+    ran({"session", file, "F", "1", "--undo", "no"});
+    const auto moved = [&](const char* from, const char* to) {
+        return ran({"participant", file, from, "--is-really", to, "--reason", "typed"}).out;
+    };
+    const std::string over = "does not go on unless it is moved back";
+    CHECK_THAT(moved("F", "G"), Has(over));
+    check_end(palpate_command(run_words("shape_friction_demo", "G", file, {"--headless"})), 2,
+              Has("was run under another code"));
+    CHECK_THAT(moved("G", "F"), !Has(over));
+    CHECK(run().code == 0);
+    refused("is finished");
+}
+
 TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs",
           "[repair][merge][law]") {
     const TemporaryFolder folder;

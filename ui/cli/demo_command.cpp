@@ -71,11 +71,11 @@ void follow_last(data::Database& database, const DemoOptions& options, RigSpec& 
     spec.key.participant = kParticipant;
     const auto last = data::latest_session(database, spec.study.protocol.id, kParticipant);
     if (last) {  // a finished demo is followed by another session, an unfinished one goes on
-        spec.key.session = last->finished ? last->number + 1 : last->number;
+        spec.key.session = last->over.empty() ? last->number : last->number + 1;
     }
-    spec.key.secret = last && !last->finished ? last->secret : std::string(data::kDemoSecret);
-    spec.seed =
-        options.seed.value_or(last && !last->finished ? last->seed : spec.study.protocol.seed);
+    const bool goes_on = last && last->over.empty();
+    spec.key.secret = goes_on ? last->secret : std::string(data::kDemoSecret);
+    spec.seed = options.seed.value_or(goes_on ? last->seed : spec.study.protocol.seed);
 }
 
 int run(const DemoOptions& options) {

@@ -294,11 +294,11 @@ void choose(data::Database& database, const RunOptions& options, RigSpec& spec) 
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;
     spec.seed = choice.seed;
-    if (choice.finished) {
+    if (!choice.over.empty()) {
         throw std::invalid_argument(
-            fmt::format("{}: {} has finished session {} of {}; for another one give --session {}",
-                        options.database, options.participant, spec.key.session,
-                        spec.study.protocol.id, choice.last + 1));
+            fmt::format("{}: session {} of {} in {} {}; for another one give --session {}",
+                        options.database, spec.key.session, options.participant,
+                        spec.study.protocol.id, choice.over, choice.last + 1));
     }
     require_kind(choice, spec.study, spec.kind, options.database);  // before a device is touched
     if (choice.begun) {

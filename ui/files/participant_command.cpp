@@ -114,9 +114,10 @@ int give_away(data::Database& database, const ParticipantOptions& options) {
             "book.\n",
             session->number, options.participant, plain(session->study), moved.number,
             options.really,
-            moved.finished
+            moved.finished || moved.as_run
                 ? ""
-                : " It is not finished, and goes on only under the code under which it was begun.",
+                : " It is not finished, and does not go on unless it is moved back to the code and "
+                  "number with which it was run.",
             moved.head);
     }
     return 0;

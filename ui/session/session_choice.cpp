@@ -59,7 +59,7 @@ SessionChoice choose_session(data::Database& database,
     const auto there = data::find_session(database, study.protocol.id, choice.key);
     choice.key.secret = there ? there->secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
-    choice.finished = there && there->finished;
+    choice.over = there ? there->over : std::string();
     choice.begun = there && there->begun;
     choice.last = last ? last->number : 0;
     choice.kind = choice.begun ? there->kind : std::string();

@@ -27,10 +27,10 @@ void check_version(data::Database& database, const Study& study, data::RunKind k
 struct SessionChoice {
     protocols::SessionKey key;
     std::uint64_t seed = 0;
-    bool finished = false;  ///< it is there, and whole
-    bool begun = false;     ///< it has a trial
-    std::size_t last = 0;   ///< the participant's last session; 0: none
-    std::string kind{};     ///< with which it has begun; empty: it has no trial yet
+    std::string over{};    ///< as data::SessionState has it; empty: it goes on, or begins
+    bool begun = false;    ///< it has a trial
+    std::size_t last = 0;  ///< the participant's last session; 0: none
+    std::string kind{};    ///< with which it has begun; empty: it has no trial yet
 };
 
 /// The session asked for, else the participant's last one, else the first. Its seed is the one
