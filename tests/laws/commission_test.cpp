@@ -78,7 +78,7 @@ TEST_CASE(
     CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }
 
-TEST_CASE("of a record of another device nothing is believed, and check and doctor say so",
+TEST_CASE("of a record of another device nothing is believed, and the command that is named works",
           "[commission][haply][law]") {
     const TemporaryFolder folder;
     FreeBoard board(folder);
@@ -98,6 +98,8 @@ TEST_CASE("of a record of another device nothing is believed, and check and doct
         words.insert(words.end(), of.begin(), of.end());
         return Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
     };
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(folder.path());
     const std::string measured = "the device damps 1.";
     const Finished own = said("check", rig);
     CHECK_THAT(own.out, Has("it cannot be run", measured) && !Has("no real session"));
@@ -117,7 +119,20 @@ TEST_CASE("of a record of another device nothing is believed, and check and doct
         CHECK_THAT(doctor.out,
                    Has("no real session can be run on it", why, "by what nobody measured") &&
                        !Has(measured));
+        const std::size_t at = check.out.find("palpate commission ") + 8;
+        const std::string end = " -o rig_2.toml";
+        const std::string words = check.out.substr(at, check.out.find(end, at) + end.size() - at);
+        TypedTo named(folder, calibration.empty() ? "none" : "another", words);
+        CHECK(eventually([&] {
+            return named.program().out().find("Type yes:") != std::string::npos ||
+                   !named.program().running();
+        }));
+        CAPTURE(words);
+        CHECK(named.program().running());
+        named.program().signal(SIGTERM);
+        static_cast<void>(named.program().wait());
     }
+    std::filesystem::current_path(before);
 }
 
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",

@@ -216,15 +216,7 @@ void print_found(const engine::RigRecord& record, bool straight) {
 /// A record is written over by a newer one of the same rig alone.
 /// @throws std::invalid_argument where another rig's is there
 void require_same_rig(const CommissionOptions& options) {
-    if (!std::filesystem::exists(options.output)) {
-        return;
-    }
-    std::optional<engine::RigRecord> there;
-    try {
-        there = protocols::load_rig(options.output).record;
-    } catch (const protocols::ProtocolError&) {
-        return;  // no record; whether it is written over is write_whole()'s
-    }
+    const auto there = record_in(options.output);  // none: write_whole() looks what it is
     if (there && there->device != options.device) {
         throw std::invalid_argument(
             fmt::format("{} is the record of {}, and this is {}: give another file to write",

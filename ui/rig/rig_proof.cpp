@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <stdexcept>
 #include <thread>
 
@@ -25,12 +26,26 @@ namespace {
 constexpr double kRest = 1.0;     ///< s that the handle has to rest
 constexpr double kOffHome = 2.0;  ///< counts between set-up and now
 
+/// A file that `palpate commission` makes, or writes over: rig.toml, or rig_2.toml beside another
+/// device's.
+std::string name_for(const std::string& device) {
+    for (int number = 1;; ++number) {
+        std::string name = number == 1 ? "rig.toml" : fmt::format("rig_{}.toml", number);
+        const auto there = record_in(name);
+        if (std::error_code unknown;
+            there ? there->device == device : !std::filesystem::exists(name, unknown)) {
+            return name;
+        }
+    }
+}
+
 std::string commission_words(const std::string& device,
                              const std::string& calibration,
-                             bool straight) {
+                             bool straight,
+                             const std::string& output) {
     return "palpate commission --device " + shell_word(device) +
            (calibration.empty() ? std::string() : " --calibration " + shell_word(calibration)) +
-           (straight ? " --moved-g X_G,Y_G,Z_G -o rig.toml" : " -o rig.toml");
+           (straight ? " --moved-g X_G,Y_G,Z_G -o " : " -o ") + output;
 }
 
 /// A line of standard input, byte by byte: a signal that asks to stop ends it while nobody types,
@@ -131,17 +146,26 @@ protocols::RigProof::Step step_of(const engine::Calibration& calibration,
 
 }  // namespace
 
+std::optional<engine::RigRecord> record_in(const std::string& file) {
+    try {
+        return std::filesystem::exists(file) ? protocols::load_rig(file).record : std::nullopt;
+    } catch (const std::exception&) {
+        return std::nullopt;
+    }
+}
+
 std::string objection(const protocols::RigFile& rig,
                       const std::string& device,
                       const std::string& calibration) {
     const auto& record = rig.record;
+    const std::string output = name_for(device);
     const std::string words =
-        commission_words(device, calibration, rig.calibration.gantry.has_value());
+        commission_words(device, calibration, rig.calibration.gantry.has_value(), output);
     if (!record) {
         return fmt::format(
             "nobody proved how --device {} is wired and how strong it is: {} does, in two minutes "
-            "with the handle free; then give --calibration rig.toml",
-            device, words);
+            "with the handle free; then give --calibration {}",
+            device, words, output);
     }
     if (record->device != device) {
         return fmt::format("--calibration {} was commissioned for --device {}, and this is {}: {}",

@@ -34,6 +34,9 @@ struct OpeningFact {
                                     const std::string& device,
                                     const std::string& calibration);
 
+/// What was commissioned into that file; none: nothing, or there is none that can be read.
+[[nodiscard]] std::optional<engine::RigRecord> record_in(const std::string& file);
+
 /// Says `text` on the terminal and waits for "yes".
 /// @param beforehand  it was said by a word of the command: nobody is asked
 /// @throws std::runtime_error for another answer, at the end of standard input, or once
