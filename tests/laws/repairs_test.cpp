@@ -167,6 +167,19 @@ TEST_CASE("a session that is over is refused by what ended it, and a moved one g
     refused("is finished");
 }
 
+TEST_CASE("what has a word of its own is no detail of a participant", "[repair][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    ran({"participant", file, "P1", "--new"});
+    for (const auto& [key, value] : {std::pair{"consent", "no"}, std::pair{"handedness", "-100"}}) {
+        check_end(
+            palpate_command({"participant", file, "P1", "--set", fmt::format("{}={}", key, value)}),
+            2, Has(fmt::format("give --{} ", key)));
+    }
+    CHECK_THAT(ran({"participant", file, "P1"}).out,
+               Has("consent      not noted\n") && !Has("consent      no\n"));
+}
+
 TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles what differs",
           "[repair][merge][law]") {
     const TemporaryFolder folder;

@@ -40,6 +40,11 @@ std::pair<std::string, std::string> detail_of(const std::string& word) {
         throw std::invalid_argument(
             fmt::format("--set \"{}\": give KEY=VALUE, KEY of letters a-z, digits and _", word));
     }
+    if (key == "handedness" || key == "consent") {
+        throw std::invalid_argument(
+            fmt::format("--set \"{0}\": that is no detail: give --{1} instead", word,
+                        key == "consent" ? "consent yes or --consent no" : "handedness SCORE"));
+    }
     return {key, word.substr(equals + 1)};
 }
 
