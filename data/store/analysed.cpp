@@ -84,6 +84,23 @@ bool hides(Database& database) {
     return any(database, fmt::format("SELECT 1 FROM main.session WHERE {}", kHidden));
 }
 
+std::string why_hidden(Database& database, std::int64_t trial) {
+    Statement row = database.prepare(
+        fmt::format("SELECT iif(withdrawn_reason IS NULL, 'of somebody who is noted as not "
+                    "consenting', 'of a session that was withdrawn') FROM trial JOIN main.session "
+                    "USING (session_id) WHERE trial_id = ?1 AND ({})",
+                    kHidden),
+        trial);
+    return row.step() ? row.text(0) : std::string();
+}
+
+void require_shown(Database& database, std::int64_t trial) {
+    if (const std::string why = why_hidden(database, trial); !why.empty()) {
+        throw std::invalid_argument(fmt::format("{}: trial {} is {}: its ticks are not shown",
+                                                database.file(), trial, why));
+    }
+}
+
 std::string several_studies(Database& database, const std::set<std::string>& studies) {
     std::string text =
         fmt::format("{} holds several studies: give --study and one of {}", database.file(),

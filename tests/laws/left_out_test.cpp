@@ -230,6 +230,15 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     const std::string refused =
         sql_first(file, "SELECT min(trial_id) FROM analysis_trial WHERE participant_code = 'A'");
     CHECK_THAT(ran({"trace", file, refused}, 2).error, Has("not consenting"));
+    const auto replayed = [&](const std::string& trial) {
+        return palpate_command(run_words(folder.file("one.toml"), "P1", folder.file("r.sqlite"),
+                                         {"--headless", "--device", "replay:" + file + trial}));
+    };
+    for (const std::string& trial : {theirs, refused}) {
+        check_end(replayed(":" + trial), 2, Has("trial " + trial + " is of ", "are not shown"));
+    }
+    CHECK(!std::filesystem::exists(folder.file("r.sqlite")));
+    check_end(replayed(""), 0, Has("8 trials of who does not consent or of withdrawn sessions"));
     // The command that lists what is invalid gives as many as are said: none of who refuses.
     ran({"mark", file, refused, "--invalid", "moved"});
     const std::string summary = ran({"summary", file}).out;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -25,22 +26,10 @@ void declare(CommandWords& words, TraceOptions& options) {
 }
 
 /// @return why it is in no analysis; empty: it counts, or has no answer
-/// @throws std::invalid_argument of who does not consent and of a session that was withdrawn: as
-///         palpate report --trial
 std::string why_left_out(data::Database& database, std::int64_t trial) {
-    data::Statement row = database.prepare(
-        "SELECT iif(consent = 0, 'of somebody who is noted as not consenting', iif(exclusion = "
-        "'withdrawn', 'of a session that was withdrawn', '')), exclusion FROM analysis_trial JOIN "
-        "participant USING (participant_code) WHERE trial_id = ?1",
-        trial);
-    if (!row.step()) {
-        return {};
-    }
-    if (!row.text(0).empty()) {
-        throw std::invalid_argument(fmt::format("{}: trial {} is {}: its ticks are not shown",
-                                                database.file(), trial, row.text(0)));
-    }
-    return row.null(1) ? "" : row.text(1);
+    data::Statement row =
+        database.prepare("SELECT exclusion FROM analysis_trial WHERE trial_id = ?1", trial);
+    return !row.step() || row.null(0) ? "" : row.text(0);
 }
 
 /// A line a tick.
@@ -68,6 +57,7 @@ int run(const TraceOptions& options) {
                                                 options.database, options.trial, options.interval,
                                                 fmt::join(intervals, " or ")));
     }
+    data::require_shown(database, options.trial);
     const std::string why = why_left_out(database, options.trial);
     data::TraceReader reader(database);
     std::vector<std::vector<std::int64_t>> columns;

@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/open_device.hpp"
@@ -153,7 +155,14 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
         device.trial ? std::vector{*device.trial} : data::answered_trials(source);
     std::vector<protocols::ReplayApparatus::Recording> all;
     data::TraceReader traces(source);
+    std::size_t hidden = 0;
     for (const std::int64_t trial : trials) {
+        if (device.trial) {
+            data::require_shown(source, trial);
+        } else if (!data::why_hidden(source, trial).empty()) {
+            ++hidden;
+            continue;
+        }
         for (const std::int64_t interval : data::intervals_of(source, trial)) {
             protocols::ReplayApparatus::Recording recording;
             for (const engine::TickRecord& tick : traces.read(trial, interval)) {
@@ -161,6 +170,10 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
             }
             all.push_back(std::move(recording));
         }
+    }
+    if (hidden > 0) {
+        warn("{}: {} of who does not consent or of withdrawn sessions {} not replayed", device.file,
+             counted(hidden, "trial"), hidden == 1 ? "is" : "are");
     }
     return all;
 }
