@@ -61,14 +61,16 @@ struct Part {
         } else {  // new: nobody can guess the name, and so lay a link there
             name = file.string() + std::string(kPartName) + "XXXXXX";
             fd = ::mkostemp(name.data(), O_CLOEXEC);
+        }
+        if (fd < 0) {
+            fail(file.string(), errno);
+        }
+        if (!special) {
             ::flock(fd, LOCK_EX | LOCK_NB);
             constexpr mode_t kEverybody = 0666;
             if (rights == Rights::usual) {
                 static_cast<void>(::fchmod(fd, usual_rights(kEverybody)));
             }
-        }
-        if (fd < 0) {
-            fail(file.string(), errno);
         }
     }
     bool special = false;

@@ -76,6 +76,20 @@ TEST_CASE("a command writes over nothing but what it wrote itself, whatever has 
     }
 }
 
+TEST_CASE("a file that cannot be made is refused with what the system says of it",
+          "[report][law]") {
+    const TemporaryFolder folder;
+    write(folder.file("file"), "");
+    for (const auto& [place, why] :
+         {std::pair{folder.file("none/o.svg"), "No such file or directory"},
+          std::pair{folder.file("file/o.svg"), "Not a directory"},
+          std::pair{std::string("/proc/o.svg"), "No such file or directory"}}) {
+        check_end(palpate_command({"check", "shape_friction_demo", "--svg", place}), 1,
+                  Has(place + ": cannot be written: " + why));
+    }
+    CHECK(folder.names() == std::vector<std::string>{"file"});
+}
+
 TEST_CASE("figures write all of their files or none where somebody's table has the name of one",
           "[report]") {
     const TemporaryFolder folder;
