@@ -235,7 +235,7 @@ CREATE TABLE event (
     count         INTEGER CHECK (count >= 0),       -- ticks lost; redo: answers; gave up, reconnect: tries in vain
     duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause or the trouble; masking: without noise
     key           TEXT,                             -- [details] provenance, participant: what; mark: undone, it takes the one before back; that of no trial is of the session
-    noted_utc     TEXT,                             -- [details] participant, as a session begins: when it had been noted
+    noted_utc     TEXT,                             -- [details] participant: when it was noted, after all before it whatever the clock says
     value         TEXT                              -- [details] of key; fault, go on: the cause; reconnect: anew, or nothing; stop: by what; reveal: who asked; device, operator: the new one; participant, is really: whose the session is
 ) STRICT;
 

@@ -85,9 +85,10 @@ protocols::Event noted(const std::string& key, const std::string& value = {}) {
 void tell_sessions(Database& database,
                    std::string_view code,
                    const protocols::Event& event,
-                   std::string_view operator_name) {
+                   std::string_view operator_name,
+                   std::string_view utc) {
     for (const SessionRow& session : sessions_of(database, code, std::nullopt)) {
-        add_event(database, session.id, event, operator_name);
+        add_event(database, session.id, event, operator_name, utc);
     }
 }
 
@@ -102,18 +103,37 @@ protocols::Event noted_consent(bool given) {
 void note_details(Database& database,
                   std::string_view code,
                   const ParticipantNotes& notes,
-                  std::string_view operator_name) {
+                  std::string_view operator_name,
+                  std::string_view utc) {
     Statement detail = database.prepare(
         "INSERT INTO participant_detail SELECT participant_id, ?2, ?3, ?4 FROM participant WHERE "
         "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
         "excluded.value, noted_utc = excluded.noted_utc");
     for (const auto& [key, value] : notes.details) {
-        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, database.utc_now()).run();
-        tell_sessions(database, code, noted(key), operator_name);
+        detail.bind(1, code).bind(2, key).bind(3, value).bind(4, utc).run();
+        tell_sessions(database, code, noted(key), operator_name, utc);
     }
 }
 
 }  // namespace
+
+std::string newest_note(Database& database, std::string_view code) {
+    return database
+        .first(
+            "SELECT coalesce(max(utc), '') FROM (SELECT max(coalesce(handedness_utc, ''), "
+            "coalesce(consent_utc, ''), coalesce(destroyed_utc, '')) AS utc, participant_code FROM "
+            "participant UNION ALL SELECT noted_utc, participant_code FROM participant_detail JOIN "
+            "participant USING (participant_id)) WHERE ?1 IN ('', participant_code)",
+            code)
+        .text(0);
+}
+
+std::string note_time(Database& database, std::string_view code) {
+    return database
+        .first("SELECT max(?1, coalesce(strftime('%Y-%m-%dT%H:%M:%fZ', ?2, '+0.001 seconds'), ''))",
+               database.utc_now(), newest_note(database, code))
+        .text(0);
+}
 
 void note_participant(Database& database,
                       std::string_view code,
@@ -121,20 +141,21 @@ void note_participant(Database& database,
                       std::string_view operator_name) {
     Transaction all(database);
     participant_row(database, code, own_secret(database));
+    const std::string utc = note_time(database, code);
     if (notes.handedness) {
         database.run(
             "UPDATE participant SET handedness = ?2, handedness_utc = ?3 WHERE participant_code = "
             "?1",
-            code, *notes.handedness, database.utc_now());
-        tell_sessions(database, code, noted_handedness(*notes.handedness), operator_name);
+            code, *notes.handedness, utc);
+        tell_sessions(database, code, noted_handedness(*notes.handedness), operator_name, utc);
     }
     if (notes.consent) {
         database.run(
             "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1",
-            code, std::int64_t{*notes.consent ? 1 : 0}, database.utc_now());
-        tell_sessions(database, code, noted_consent(*notes.consent), operator_name);
+            code, std::int64_t{*notes.consent ? 1 : 0}, utc);
+        tell_sessions(database, code, noted_consent(*notes.consent), operator_name, utc);
     }
-    note_details(database, code, notes, operator_name);
+    note_details(database, code, notes, operator_name, utc);
     all.commit();
 }
 

@@ -39,10 +39,17 @@ struct Participant {
 [[nodiscard]] std::optional<std::string> similar_participant(Database& database,
                                                              std::string_view code);
 
+/// When something was last noted or destroyed, of this person or ("") of anybody; empty: never.
+[[nodiscard]] std::string newest_note(Database& database, std::string_view code = {});
+
+/// The time of what is noted of a person now: the clock's, but always after newest_note(), so that
+/// notes keep their order where the clock was set back.
+[[nodiscard]] std::string note_time(Database& database, std::string_view code);
+
 /// Registers the participant if need be and notes what is given. What was noted before and is not
-/// given stays; each has the time when it was last noted. Each of the participant's sessions gets
+/// given stays; each has the note_time() when it was last noted. Each of the participant's sessions gets
 /// an event of each note: "handedness 80", "consent yes", and of a detail its key alone (events go
-/// where details do not).
+/// where details do not), and that time.
 void note_participant(Database& database,
                       std::string_view code,
                       const ParticipantNotes& notes,

@@ -211,6 +211,7 @@ std::vector<SessionRow> idle_sessions(Database& database, std::string_view code)
 
 /// @param consent  is taken away too
 void destroy_notes(Database& database, std::string_view code, bool consent) {
+    const std::string utc = note_time(database, code);
     database.run(
         "DELETE FROM participant_detail WHERE participant_id = (SELECT participant_id FROM "
         "participant WHERE participant_code = ?1)",
@@ -218,7 +219,7 @@ void destroy_notes(Database& database, std::string_view code, bool consent) {
     database.run(fmt::format("UPDATE participant SET handedness = NULL, handedness_utc = NULL, "
                              "destroyed_utc = ?2{} WHERE participant_code = ?1",
                              consent ? ", consent = 0, consent_utc = ?2" : ""),
-                 code, database.utc_now());
+                 code, utc);
 }
 
 }  // namespace

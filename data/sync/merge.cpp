@@ -191,10 +191,11 @@ bool merge_into(Database& out,
     for (const auto& input : inputs) {
         collect(input->database, input->name, layout, people, all);
     }
-    people.number();
+    people.settle();
     report.conflicts = people.conflicts();
     report.notices = people.notices();
     people.write(out);
+    destroyed = people.forgot(out.file());
     std::vector<SessionMerge> order = in_order(all, out, prefer, report.conflicts);
     leave_out(order, people, report);
     free_numbers(out, order);

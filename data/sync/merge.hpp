@@ -28,8 +28,8 @@ struct MergeReport {
 ///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;
 /// - all that `inputs` have of a participant of whom two files tell differently what was noted at
-///   one time, unless one is `prefer`; of notes of several times the newest is kept, and a notice
-///   says so.
+///   one time, unless one is `prefer`; of notes of several times the newest is kept, of consent
+///   the refusal (see PeopleMerge), and a notice says so.
 /// What a participant had destroyed in one file is destroyed in `file` too. Sessions keep the
 /// secrets with which they were drawn; of a person with two numbers for exports the lesser is kept,
 /// and two people with one number are a conflict. What `file` itself holds stays in any case. The

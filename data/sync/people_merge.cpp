@@ -9,7 +9,6 @@ namespace {
 
 constexpr const char* kHandedness = "handedness";
 constexpr const char* kConsent = "consent";
-constexpr const char* kDestroyedTime = "destroyed_utc";
 constexpr const char* kSubject = "subject";
 constexpr std::string_view kDetail = "detail ";
 
@@ -26,7 +25,7 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Not
         there = said.value < there.value ? said : there;
         return;
     }
-    if (there.value == said.value || key == kDestroyedTime) {
+    if (there.value == said.value) {
         there.utc = std::max(there.utc, said.utc);
         return;
     }
@@ -52,24 +51,86 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Not
 void PeopleMerge::read(Database& database, const std::string& file) {
     Statement row = database.prepare(
         "SELECT participant_code, handedness, coalesce(handedness_utc, ''), consent, "
-        "coalesce(consent_utc, ''), printf('%010d', subject), '', iif(destroyed_utc IS NULL, NULL, "
-        "'yes'), destroyed_utc FROM participant");
+        "coalesce(consent_utc, ''), printf('%010d', subject), '', coalesce(destroyed_utc, '') FROM "
+        "participant");
     while (row.step()) {
         const std::string code = row.text(0);
-        people_[code];
         int column = 1;
-        for (const char* key : {kHandedness, kConsent, kSubject, kDestroyedTime}) {
+        for (const char* key : {kHandedness, kConsent, kSubject}) {
             if (!row.null(column)) {
-                say(code, key, {row.text(column), file, row.text(column + 1)});
+                words_.push_back({code, key, {row.text(column), file, row.text(column + 1)}});
             }
             column += 2;
+        }
+        if (!row.text(7).empty()) {
+            destroyed_[code] = std::max(destroyed_[code], row.text(7));
+            knows_.insert({file, code, row.text(7)});
         }
     }
     for (const Statement& detail :
          database.prepare("SELECT participant_code, key, value, noted_utc FROM participant_detail "
                           "JOIN participant USING (participant_id)")) {
-        say(detail.text(0), std::string(kDetail) + detail.text(1),
-            {detail.text(2), file, detail.text(3)});
+        words_.push_back({detail.text(0),
+                          std::string(kDetail) + detail.text(1),
+                          {detail.text(2), file, detail.text(3)}});
+    }
+    for (const Statement& refused : database.prepare(
+             "SELECT participant_code, coalesce(noted_utc, at_utc) FROM event JOIN session USING "
+             "(session_id) JOIN participant USING (participant_id) WHERE event_kind = "
+             "'participant' AND key = 'consent' AND value = 'no'")) {
+        knows_.insert({file, refused.text(0), refused.text(1)});
+    }
+}
+
+void PeopleMerge::settle() {
+    for (const Word& word : words_) {
+        const auto& [code, key, said] = word;
+        const auto destroyed = destroyed_.find(code);
+        const bool outlives = key == kConsent || key == kSubject || destroyed == destroyed_.end() ||
+                              knows_.contains({said.file, code, destroyed->second});
+        if (outlives && key != kConsent) {
+            say(code, key, said);
+        } else if (!outlives && forgot_.insert({said.file, code}).second) {
+            notices_.push_back(
+                fmt::format("participant {}: what {} has noted of them is left out: it was "
+                            "destroyed ({}), of which that file does not know",
+                            code, said.file, destroyed->second));
+        }
+    }
+    for (const auto& each : people_) {
+        settle_consent(each.first);
+    }
+    number();
+}
+
+/// A refusal stands unless a file that has it says yes now: only there the yes came after it,
+/// whatever the clocks of two rigs say.
+void PeopleMerge::settle_consent(const std::string& code) {
+    std::vector<NotedDetail> given;
+    std::vector<NotedDetail> refused;
+    for (const Word& word : words_) {
+        if (word.code == code && word.key == kConsent) {
+            (word.said.value == "0" ? refused : given).push_back(word.said);
+        }
+    }
+    std::ranges::stable_sort(given, std::ranges::greater(), &NotedDetail::utc);
+    std::ranges::stable_sort(refused, std::ranges::greater(), &NotedDetail::utc);
+    const auto stands = std::ranges::find_if(refused, [&](const NotedDetail& no) {
+        return std::ranges::none_of(given, [&](const NotedDetail& yes) {
+            return knows_.contains({yes.file, code, no.utc});
+        });
+    });
+    const bool no = stands != refused.end();
+    if (no || !given.empty()) {
+        people_[code].emplace(kConsent, no ? *stands : given.front());
+    }
+    if (!refused.empty() && !given.empty()) {
+        const NotedDetail& now = no ? *stands : given.front();
+        const NotedDetail& before = no ? given.front() : refused.front();
+        notices_.push_back(
+            fmt::format("participant {}: consent is {} (noted {} in {}), no longer {} ({} in {}){}",
+                        code, now.value, now.utc, now.file, before.value, before.utc, before.file,
+                        no ? ": who consents again after all says so in the former file" : ""));
     }
 }
 
@@ -90,30 +151,22 @@ void PeopleMerge::number() {
     }
 }
 
-/// It was noted since somebody had all destroyed, if they had.
-bool PeopleMerge::stays(const Person& person, const std::string& key) {
-    const auto said = person.find(key);
-    const auto destroyed = person.find(kDestroyedTime);
-    return said != person.end() && (destroyed == person.end() || key == kConsent ||
-                                    said->second.utc > destroyed->second.utc);
-}
-
 /// Handedness, consent and the time of destruction: ?2 to ?6.
-void PeopleMerge::bind_notes(const Person& person, Statement& note) {
+void PeopleMerge::bind_notes(const std::string& code, const Person& person, Statement& note) const {
     int parameter = 2;
     for (const char* key : {kHandedness, kConsent}) {
-        const bool known = stays(person, key);
+        const bool known = person.contains(key);
         note.bind(parameter, known ? std::optional(person.at(key).value) : std::nullopt)
             .bind(parameter + 1, known ? std::optional(person.at(key).utc) : std::nullopt);
         parameter += 2;
     }
-    const auto destroyed = person.find(kDestroyedTime);
-    note.bind(6, destroyed == person.end() ? std::nullopt : std::optional(destroyed->second.utc));
+    const auto destroyed = destroyed_.find(code);
+    note.bind(6, destroyed == destroyed_.end() ? std::nullopt : std::optional(destroyed->second));
 }
 
 void PeopleMerge::write_details(const std::string& code, const Person& person, Statement& detail) {
     for (const auto& [key, said] : person) {
-        if (key.starts_with(kDetail) && stays(person, key)) {
+        if (key.starts_with(kDetail)) {
             detail.bind(1, std::string_view(code))
                 .bind(2, std::string_view(key).substr(kDetail.size()))
                 .bind(3, std::string_view(said.value))
@@ -144,7 +197,7 @@ void PeopleMerge::write(Database& out) const {
         const std::string& subject = person.at(kSubject).value;
         add.bind(1, std::string_view(code)).bind(2, std::string_view(subject)).run();
         note.bind(1, std::string_view(code)).bind(7, std::string_view(subject));
-        bind_notes(person, note);
+        bind_notes(code, person, note);
         note.run();
         gone.bind(1, std::string_view(code)).run();
         write_details(code, person, detail);

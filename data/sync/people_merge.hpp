@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -20,8 +22,9 @@ struct MergeConflict {
 
 inline constexpr const char* kPreferRemedy = "--prefer FILE takes what that one of them says";
 
-/// What the files say of participants, by code: of two notes the newest, and nothing from before
-/// the time when somebody had all destroyed.
+/// What the files say of participants, by code: of two notes the newest. Of consent a no, unless a
+/// file that has it says yes since. Of whom something was destroyed what the files say that know of
+/// it. A file's own notes are in order whatever its clock said (note_time()).
 class PeopleMerge {
 public:
     /// @param prefer  the file that is right where two notes are of one time; empty: that is a
@@ -29,8 +32,12 @@ public:
     explicit PeopleMerge(std::string prefer) : prefer_(std::move(prefer)) {}
     /// @param file  how to call the database
     void read(Database& database, const std::string& file);
-    /// Sees that no two people have the same number in exports, when all is read.
-    void number();
+    /// When all is read. Sees that no two people have the same number in exports, too.
+    void settle();
+    /// Something that this file has of somebody was destroyed in another.
+    [[nodiscard]] bool forgot(const std::string& file) const {
+        return std::ranges::any_of(forgot_, [&](const auto& one) { return one.first == file; });
+    }
     /// Of these codes two files say different things.
     [[nodiscard]] const std::set<std::string>& in_conflict() const { return in_conflict_; }
     [[nodiscard]] const std::vector<MergeConflict>& conflicts() const { return conflicts_; }
@@ -48,11 +55,23 @@ private:
     using Person =
         std::map<std::string, NotedDetail>;  ///< key, value; "detail KEY" for participant_detail
 
+    struct Word {
+        std::string code;
+        std::string key;
+        NotedDetail said;
+    };
+
+    void settle_consent(const std::string& code);
+    void number();
     void say(const std::string& code, const std::string& key, const NotedDetail& said);
     static void write_details(const std::string& code, const Person& person, Statement& detail);
-    static void bind_notes(const Person& person, Statement& note);
-    static bool stays(const Person& person, const std::string& key);
+    void bind_notes(const std::string& code, const Person& person, Statement& note) const;
 
+    std::vector<Word> words_;
+    std::map<std::string, std::string> destroyed_;  ///< code, when
+    /// File, code, when: of refusals and destructions.
+    std::set<std::tuple<std::string, std::string, std::string>> knows_;
+    std::set<std::pair<std::string, std::string>> forgot_;  ///< file, code
     std::map<std::string, Person> people_;
     std::set<std::string> in_conflict_;
     std::vector<MergeConflict> conflicts_;

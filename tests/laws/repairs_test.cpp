@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <set>
+
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 
@@ -17,8 +20,8 @@ std::string said_no(const std::vector<std::string>& words) {
 }
 
 void record(const std::string& file, const std::string& code, const std::string& number = "1") {
-    ran({"run", "shape_friction_demo", "--participant", code, "--session", number, "--db", file,
-         "--headless"});
+    ran({"run", "shape_friction_demo", "--participant", code, "--session", number, "--elsewhere",
+         "--db", file, "--headless"});
 }
 
 std::string copied(const std::string& file, const std::string& to) {
@@ -42,6 +45,9 @@ void check_edit(const std::string& file, const std::string& to, const std::strin
 constexpr const char* kWhose =
     "SELECT participant_code, session_number, sum(counts) FROM analysis_trial GROUP BY "
     "session_id ORDER BY 1, 2";
+
+constexpr const char* kNoted =
+    "SELECT consent, handedness, (SELECT value FROM participant_detail) FROM participant";
 
 }  // namespace
 
@@ -208,6 +214,63 @@ TEST_CASE("of two notes the newest is kept with a notice, and --prefer settles w
     }
     CHECK_THAT(said_no({"merge", all, file, "--prefer", folder.file("c.sqlite")}),
                Has("none of the files"));
+}
+
+TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were destroyed",
+          "[repair][merge][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const auto noted_in_2099 = [](const std::string& of, const std::string& session) {
+        ran({"participant", of, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
+             "age=31"});
+        data::Database(of, data::Access::write)
+            .execute(
+                "UPDATE participant SET handedness_utc = '2099-01-01T00:00:00.000Z', consent_utc = "
+                "'2099-01-01T00:00:00.000Z'; UPDATE participant_detail SET noted_utc = "
+                "'2099-01-01T00:00:00.000Z'");
+        record(of, "P1", session);
+    };
+    noted_in_2099(file, "1");
+    const std::string backup = copied(file, folder.file("backup.sqlite"));
+    const std::string all = folder.file("all.sqlite");
+    const auto merged = [&](std::vector<std::string> files) {
+        std::ranges::sort(files);
+        std::set<std::string> said;
+        do {
+            std::filesystem::remove(all);
+            std::vector<std::string> words{"merge", all};
+            words.insert(words.end(), files.begin(), files.end());
+            ran(words);
+            ran({"verify", all});
+            const std::string once = sql_csv(all, kNoted);
+            for (const std::string& one : files) {  // again, one by one: nothing changes
+                ran({"merge", all, one});
+            }
+            CHECK(sql_csv(all, kNoted) == once);
+            said.insert(once.substr(once.find('\n') + 1));
+        } while (std::ranges::next_permutation(files).found);
+        CHECK(said.size() == 1);
+        return *said.begin();
+    };
+    const auto note = [&](const std::string& of, const std::string& consent) {
+        const Finished done = palpate_command({"participant", of, "P1", "--consent", consent});
+        CHECK(done.code == 0);
+        CHECK_THAT(done.error, Has("warning: the clock says", "noted 2099-01-01"));
+    };
+    CHECK(merged({file, backup}) == "1,80,31\n");
+    note(file, "no");
+    CHECK(merged({file, backup}) == "0,80,31\n");
+    const std::string refused = copied(file, folder.file("refused.sqlite"));
+    note(file, "yes");  // after the refusal, in the file that has it
+    CHECK(merged({file, backup, refused}) == "1,80,31\n");
+    const std::string other = folder.file("other.sqlite");
+    noted_in_2099(other, "2");  // of the refusal it does not know
+    CHECK(merged({other, refused}) == "0,80,31\n");
+    CHECK(merged({other, refused, file, backup}) == "1,80,31\n");
+    ran({"participant", file, "P1", "--destroy", "everything", "--yes"});
+    CHECK(merged({file, backup, refused}) == "0,,\n");
+    note(file, "yes");
+    CHECK(merged({file, backup, refused}) == "1,,\n");
 }
 
 TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed",

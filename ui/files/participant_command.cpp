@@ -167,10 +167,14 @@ data::ParticipantNotes notes_of(const ParticipantOptions& options) {
     return notes;
 }
 
+bool takes_notes(const ParticipantOptions& options) {
+    return options.registers || options.handedness || !options.consent.empty() ||
+           !options.details.empty() || !options.destroy.empty();
+}
+
 /// Who is in the file, a line each.
 int list(const ParticipantOptions& options) {
-    if (options.registers || options.handedness || !options.consent.empty() ||
-        !options.details.empty() || !options.really.empty() || !options.destroy.empty()) {
+    if (takes_notes(options) || !options.really.empty()) {
         throw std::invalid_argument(
             fmt::format("{}: nobody is named: give the code of whom it is noted as well, as in "
                         "palpate participant FILE P01 ...",
@@ -200,6 +204,12 @@ int run(const ParticipantOptions& options) {
         const data::Database there(options.database, data::Access::inspect);
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
+    if (const std::string newest = data::newest_note(database);
+        takes_notes(options) && newest > database.utc_now()) {
+        say_to(stderr, fmt::format("warning: the clock says {}, and what was noted last in {} was "
+                                   "noted {}: set the clock right. New notes count as later ones\n",
+                                   database.utc_now(), options.database, newest));
+    }
     if (!options.really.empty()) {
         return give_away(database, options);
     }
@@ -218,7 +228,7 @@ int run(const ParticipantOptions& options) {
                                 options.participant)
                   : fmt::format("nobody is called {}: --new registers them", options.participant)));
     }
-    if (options.registers || notes.handedness || notes.consent || !notes.details.empty()) {
+    if (takes_notes(options)) {
         data::note_participant(database, options.participant, notes, options.operator_name);
         const auto sessions = data::sessions_of(database, options.participant, {}, {});
         if (!sessions.empty()) {
