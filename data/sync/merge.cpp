@@ -39,10 +39,21 @@ std::string called(const SessionVersion& session) {
                        session.participant, session.number, session.uuid);
 }
 
+/// Of one a score was destroyed, and the other went on without that.
+MergeConflict half_destroyed(const SessionVersion& one, const SessionVersion& other) {
+    const bool first = one.destructions < other.destructions;
+    return {.what = called(one) + ": details were destroyed in one file, and it went on in another",
+            .first = one.file,
+            .second = other.file,
+            .remedy = fmt::format("palpate participant {} {} --destroy details does it there, too",
+                                  (first ? one : other).file, one.participant)};
+}
+
 /// The version that all others became; none if two of them differ, which is a conflict unless one
-/// is preferred.
+/// is preferred. What was destroyed no preference brings back.
 const SessionVersion* last_of(const Versions& versions,
                               const std::string& prefer,
+                              PeopleMerge& people,
                               std::vector<MergeConflict>& conflicts) {
     const SessionVersion* last = &versions.front();
     for (const SessionVersion& version : versions) {
@@ -50,6 +61,11 @@ const SessionVersion* last_of(const Versions& versions,
             continue;
         }
         if (!became(*last, version)) {
+            if (last->destructions != version.destructions) {
+                people.leave_out(version.participant);
+                conflicts.push_back(half_destroyed(*last, version));
+                return nullptr;
+            }
             const auto preferred = std::ranges::find(versions, prefer, &SessionVersion::file);
             if (preferred != versions.end()) {
                 return &*preferred;
@@ -109,11 +125,12 @@ bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts)
 std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
                                    const Database& out,
                                    const std::string& prefer,
+                                   PeopleMerge& people,
                                    std::vector<MergeConflict>& conflicts) {
     std::vector<SessionMerge> order;
     for (const auto& [uuid, versions] : all) {
         const SessionVersion& first = versions.front();
-        if (const SessionVersion* last = last_of(versions, prefer, conflicts)) {
+        if (const SessionVersion* last = last_of(versions, prefer, people, conflicts)) {
             order.push_back({last, first.database == &out ? &first : nullptr});
         }
     }
@@ -140,7 +157,8 @@ void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeRe
         ++report.added;
         return;
     }
-    const bool goes_on = became(*one.own, *one.last) && !one.last->destroyed;
+    const bool goes_on =
+        became(*one.own, *one.last) && one.own->destructions == one.last->destructions;
     (goes_on ? extend_session : replace_session)(*one.last, *one.own, out, layout);
     ++report.extended;
 }
@@ -194,14 +212,14 @@ bool merge_into(Database& out,
     people.settle();
     report.conflicts = people.conflicts();
     report.notices = people.notices();
+    std::vector<SessionMerge> order = in_order(all, out, prefer, people, report.conflicts);
     people.write(out);
     destroyed = people.forgot(out.file());
-    std::vector<SessionMerge> order = in_order(all, out, prefer, report.conflicts);
     leave_out(order, people, report);
     free_numbers(out, order);
     for (const SessionMerge& one : order) {
         bring(one, out, layout, report);
-        destroyed = destroyed || one.last->destroyed;
+        destroyed = destroyed || one.last->destructions > 0;
     }
     for (const auto& input : inputs) {
         copy_shared(input->database, out, layout, input->name);

@@ -38,7 +38,9 @@ public:
     [[nodiscard]] bool forgot(const std::string& file) const {
         return std::ranges::any_of(forgot_, [&](const auto& one) { return one.first == file; });
     }
-    /// Of these codes two files say different things.
+    /// Nothing of this person is merged: two files say different things.
+    void leave_out(const std::string& code) { in_conflict_.insert(code); }
+    /// These people.
     [[nodiscard]] const std::set<std::string>& in_conflict() const { return in_conflict_; }
     [[nodiscard]] const std::vector<MergeConflict>& conflicts() const { return conflicts_; }
     /// "participant P01: age is 32 (noted ... in b.sqlite), no longer 31 (...)"

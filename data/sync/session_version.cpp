@@ -180,23 +180,20 @@ std::size_t place_of(std::int64_t id, const std::vector<TrialVersion>& trials) {
         std::count_if(trials.begin(), trials.end(), [id](const auto& t) { return t.id <= id; }));
 }
 
-std::vector<std::string> events_of(Database& database,
-                                   const Layout& layout,
-                                   const SessionVersion& session) {
-    std::vector<std::string> events;
+void hash_events(Database& database, const Layout& layout, SessionVersion& session) {
     Statement trial = database.prepare(
-        "SELECT event_id, coalesce(trial_id, 0) FROM event WHERE session_id = ?1 ORDER BY "
-        "event_id");
+        "SELECT event_id, coalesce(trial_id, 0), at_utc || ' ' || at_ns FROM event WHERE "
+        "session_id = ?1 ORDER BY event_id");
     Statement row = database.prepare(
         fmt::format("SELECT {} FROM event WHERE event_id = ?1", layout.event.list()));
     trial.bind(1, session.id);
     while (trial.step()) {
         row.bind(1, trial.integer(0)).step();
-        events.push_back(sha256_hex(fmt::format("{} ", place_of(trial.integer(1), session.trials)) +
-                                    row_bytes(row)));
+        session.moments.push_back(trial.text(2));
+        session.events.push_back(sha256_hex(
+            fmt::format("{} ", place_of(trial.integer(1), session.trials)) + row_bytes(row)));
         row.reset();
     }
-    return events;
 }
 
 std::string session_row(Database& database, const OwnedTable& part, std::int64_t id) {
@@ -223,6 +220,19 @@ bool became(const TrialVersion& earlier, const TrialVersion& later, bool noted) 
            (later.outcome != "running" || earlier.ticks < later.ticks);
 }
 
+/// Whatever the seals: the same was run and noted, and in `later` perhaps more.
+bool same_but_seals(const SessionVersion& earlier, const SessionVersion& later) {
+    return earlier.head == later.head && earlier.moments.size() <= later.moments.size() &&
+           std::equal(earlier.moments.begin(), earlier.moments.end(), later.moments.begin()) &&
+           earlier.trials.size() <= later.trials.size() && earlier.finished <= later.finished &&
+           std::equal(earlier.trials.begin(), earlier.trials.end(), later.trials.begin(),
+                      [](const TrialVersion& one, const TrialVersion& other) {
+                          return one.key == other.key &&
+                                 (one.outcome == other.outcome || one.outcome == "running") &&
+                                 one.ticks <= other.ticks;
+                      });
+}
+
 }  // namespace
 
 std::vector<SessionVersion> session_versions(Database& database,
@@ -234,7 +244,9 @@ std::vector<SessionVersion> session_versions(Database& database,
         "SELECT session.session_id, uuid, protocol_sha256, study_name, participant_code, "
         "session_number, finished, coalesce(run_code, participant_code), coalesce(run_number, "
         "session_number), EXISTS (SELECT 1 FROM event WHERE event.session_id = session.session_id "
-        "AND event_kind = 'mark' AND key = ?1) FROM session JOIN study USING (study_id) JOIN "
+        "AND event_kind = 'mark' AND key = ?1), (SELECT count(*) FROM event WHERE event.session_id "
+        "= session.session_id AND key = ?1 AND text <> 'detail ' || ?1) FROM session JOIN study "
+        "USING (study_id) JOIN "
         "participant USING (participant_id) ORDER BY session.session_id",
         kDestroyed);
     while (row.step()) {
@@ -251,12 +263,13 @@ std::vector<SessionVersion> session_versions(Database& database,
         session.run_code = row.text(7);
         session.run_number = row.integer(8);
         session.destroyed = row.integer(9) != 0;
+        session.destructions = static_cast<std::size_t>(row.integer(10));
         session.trials = trials_of(database, session.id);
         if (hashed) {
             session.end = sha256_hex(session_row(database, layout.session_end, session.id));
             session.head = head_of(database, layout, session);
             hash_trials(database, layout, session.trials);
-            session.events = events_of(database, layout, session);
+            hash_events(database, layout, session);
         }
     }
     return all;
@@ -265,6 +278,9 @@ std::vector<SessionVersion> session_versions(Database& database,
 bool became(const SessionVersion& earlier, const SessionVersion& later) {
     if (earlier.destroyed || later.destroyed) {
         return later.destroyed;
+    }
+    if (earlier.destructions != later.destructions) {
+        return earlier.destructions < later.destructions && same_but_seals(earlier, later);
     }
     if (earlier.head != later.head || earlier.trials.size() > later.trials.size() ||
         earlier.events.size() > later.events.size() ||

@@ -66,12 +66,14 @@ struct SessionVersion {
     std::int64_t number = 0;
     std::string run_code;  ///< as it was run
     std::int64_t run_number = 0;
-    bool destroyed = false;  ///< on request: all that is left is that it was
-    std::string head;        ///< hash of all that is set before the first trial
+    bool destroyed = false;        ///< on request: all that is left is that it was
+    std::size_t destructions = 0;  ///< how often that or a score was, with new seals each time
+    std::string head;              ///< hash of all that is set before the first trial
     bool finished = false;
     std::string end;                   ///< hash of what was set when it finished
     std::vector<TrialVersion> trials;  ///< in the order in which they were run
     std::vector<std::string> events;   ///< hashes, in their order
+    std::vector<std::string> moments;  ///< of the events
 };
 
 /// All sessions of a file. @param file  how to call it
@@ -85,7 +87,7 @@ struct SessionVersion {
 /// events as far as `earlier` has them. Of those a running trial may have gone on, an answer may
 /// have been marked not to count, the session may have become another's or been withdrawn, and it
 /// may have finished; nothing else changes in a session that goes on. Any version may have been
-/// destroyed. A partial order: two files can hold two sessions of one uuid of which neither became
+/// destroyed, and any score in it, after which no seal is as before. A partial order: two files can hold two sessions of one uuid of which neither became
 /// the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
 

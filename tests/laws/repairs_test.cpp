@@ -297,6 +297,27 @@ TEST_CASE("what a participant wants destroyed is gone from the file, and its eve
     check_edit(file, folder.file("edited.sqlite"),
                "UPDATE event SET text = 'x' WHERE event_id = 1");
 
+    // Of two copies that with the destruction is the later one, in any order, whatever is preferred.
+    for (const auto& [one, other] : {std::pair(file, before), std::pair(before, file)}) {
+        const std::string out = folder.file("out.sqlite");
+        ran({"merge", out, one});
+        ran({"merge", out, other, "--prefer", before});
+        ran({"verify", out});
+        CHECK_THAT(slurp(out), !Has("anosmia") && !Has("handedness 73"));
+        std::filesystem::remove(out);
+    }
+    // One that went on without it is in conflict, and stays as it was until it is done there, too.
+    const std::string went_on = copied(before, folder.file("went_on.sqlite"));
+    ran({"note", went_on, "tired", "--participant", "P1"});
+    const std::string person = ran({"participant", went_on, "P1"}).out;
+    CHECK_THAT(said_no({"merge", went_on, file, "--prefer", went_on}),
+               Has("P1 --destroy details does it there, too"));
+    ran({"verify", went_on});
+    CHECK(ran({"participant", went_on, "P1"}).out == person);
+    ran({"participant", went_on, "P1", "--destroy", "details", "--yes"});
+    ran({"merge", went_on, file, "--prefer", went_on});
+    ran({"verify", went_on});
+
     const std::string all = copied(before, folder.file("all.sqlite"));
     ran({"participant", file, "P1", "--destroy", "everything", "--yes", "--reason", "letter"});
     CHECK_THAT(ran({"participant", file, "P1"}).out,
