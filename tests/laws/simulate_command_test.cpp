@@ -70,6 +70,22 @@ TEST_CASE("any number of threads simulates the same bytes, and shards merged are
     }
     const Finished missing = ran(merge, 2);
     CHECK_THAT(missing.error, Has("one shard of 3 missing", "--array=1"));
+    // A shard is what it holds, whatever its name.
+    const std::string third = folder.file("wrong/shard-001-of-003.sqlite");
+    fs::create_directory(folder.file("wrong"));
+    fs::copy_file(merge.back(), third);
+    merge.push_back(third);
+    CHECK_THAT(ran(merge, 2).error, Has("S000001 is none of shard 1/3"));
+    for (const auto& [more, people, why] :
+         {std::tuple("--seed=9", "4", "another seed"),
+          std::tuple("--no-traces", "4", "another choice of --no-traces"),
+          std::tuple("--threads=1", "11", "S000011"),
+          std::tuple("--secret=00000000000000000000000000000001", "4", "another secret")}) {
+        fs::remove(third);
+        ran(simulate({"--db", third, "--shard", "1/3", more}, people));
+        CHECK_THAT(ran(merge, 2).error, Has(why, "nothing was merged"));
+    }
+    merge.pop_back();
     CHECK_FALSE(fs::exists(folder.file("all.sqlite")));
 
     // The last one as Slurm would run its script.

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/store/session_store.hpp"
 #include "data/sync/merge.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -25,24 +27,91 @@ void declare(CommandWords& words, MergeOptions& options) {
     words.add("IN", options.inputs, "Files of rigs; only read").required();
     words
         .add("--expect", options.expect,
-             "The files are all so many shards of palpate simulate, by their names; where one is "
-             "missing nothing is merged")
+             "The files are all so many shards of one palpate simulate, by their names and by what "
+             "they hold; where one is missing or of another nothing is merged")
         .within(1, 100'000);
     words.add("--prefer", options.prefer,
               "FILE, one of them: it is right where two files say different things of a session, "
               "or of a participant at one time");
 }
 
-/// @throws std::invalid_argument with the numbers of those that are not there, as sbatch takes them
+constexpr const char* kShard =
+    "SELECT participant_code, session_kind, session_number, protocol_sha256, seed, secret, "
+    "max(iif(key = 'build id', value, '')), max(iif(key = ?1, value, '')), max(iif(key = ?2, "
+    "value, '')), finished FROM session JOIN study USING (study_id) JOIN participant USING "
+    "(participant_id) LEFT JOIN session_provenance USING (session_id) GROUP BY session.session_id";
+constexpr const char* kAlike[] = {
+    "kind of sessions", "number of sessions",    "protocol", "seed", "secret", "build of palpate",
+    "observer",         "choice of --no-traces", "end"};
+
+/// What the files of one simulation hold.
+class Shards {
+public:
+    explicit Shards(std::size_t of) : found_(of) {}
+
+    /// @throws std::invalid_argument if it is not that shard of the same simulation
+    void read(const std::string& file, std::size_t number) {
+        data::Database database(file, data::Access::read);
+        for (const data::Statement& row :
+             database.prepare(kShard, data::kObserverKey, data::kTracesKey)) {
+            const std::string code = row.text(0);
+            const std::size_t index = std::strtoull(code.c_str() + 1, nullptr, 10) - 1;
+            if (simulated_code(index) != code || index % found_.size() != number) {
+                refuse(fmt::format("{}: {} is none of shard {}/{}", file, code, number,
+                                   found_.size()));
+            }
+            std::vector<std::string> words;
+            for (int column = 1; column < row.columns(); ++column) {
+                words.push_back(row.text(column));
+            }
+            alike_ = alike_.empty() ? words : alike_;
+            const auto other = std::ranges::mismatch(alike_, words).in1 - alike_.begin();
+            if (other < std::ssize(words)) {
+                refuse(fmt::format("{}: {} has another {} than the shards before", file, code,
+                                   kAlike[other]));
+            }
+            ++found_[number];
+            people_ = std::max(people_, index + 1);
+        }
+    }
+
+    /// @throws std::invalid_argument if somebody is missing, by the last one's code
+    void require_all() const {
+        for (std::size_t i = 0; i < found_.size(); ++i) {
+            const Shard shard{.number = i, .of = found_.size()};
+            if (const std::size_t all = participants_of(shard, people_); found_[i] != all) {
+                refuse(fmt::format("{}: it holds {}, and where {} is in another there are {}",
+                                   shard_name(shard), counted(found_[i], "participant"),
+                                   simulated_code(people_ - 1), all));
+            }
+        }
+    }
+
+private:
+    [[noreturn]] static void refuse(const std::string& what) {
+        throw std::invalid_argument(
+            what + ": nothing was merged; simulate all shards with the same words");
+    }
+
+    std::vector<std::size_t> found_;  ///< participants in each
+    std::vector<std::string> alike_;  ///< kAlike of the first
+    std::size_t people_ = 0;          ///< in all shards, by the greatest code
+};
+
+/// @throws std::invalid_argument with the numbers of those that are not there, as sbatch takes
+/// them, or if they are not of one simulation
 void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
     std::vector<std::size_t> missing;
+    std::vector<std::string> names;
     for (std::size_t i = 0; i < shards; ++i) {
         const std::string name = shard_name({.number = i, .of = shards});
-        const auto found = [&](const std::string& file) {
-            return std::filesystem::path(file).filename() == name;
-        };
-        if (std::ranges::none_of(files, found)) {
+        const auto file = std::ranges::find_if(files, [&](const std::string& one) {
+            return std::filesystem::path(one).filename() == name;
+        });
+        if (file == files.end()) {
             missing.push_back(i);
+        } else {
+            names.push_back(*file);
         }
     }
     if (!missing.empty()) {
@@ -52,6 +121,15 @@ void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
                         missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"),
                         shards, missing.size() == 1 ? "it" : "them", fmt::join(missing, ",")));
     }
+    if (files.size() != shards) {
+        throw std::invalid_argument(fmt::format("--expect {}: {} were given: nothing was merged",
+                                                shards, counted(files.size(), "file")));
+    }
+    Shards all(shards);
+    for (std::size_t i = 0; i < shards; ++i) {
+        all.read(names[i], i);
+    }
+    all.require_all();
 }
 
 int run(const MergeOptions& options) {
