@@ -190,7 +190,7 @@ std::vector<NoteBreak> note_breaks(Database& database) {
         "AND value IS NOT NULL AND event_id > (SELECT coalesce(max(moved.event_id), 0) FROM event "
         "AS moved WHERE moved.session_id = session.session_id AND moved.event_kind = 'participant' "
         "AND moved.key = ?1)) WHERE back = 1 AND stored IS NOT value AND NOT coalesce(stored_utc > "
-        "word_utc, 0) ORDER BY 1, 2",
+        "word_utc OR (stored = 'no' AND stored_utc <> word_utc), 0) ORDER BY 1, 2",
         kIsReally);
     std::vector<NoteBreak> breaks;
     while (row.step()) {

@@ -60,7 +60,8 @@ void note_participant(Database& database,
 void note_at_beginning(Database& database, std::int64_t session);
 
 /// Where what is noted of a participant is not what the events of their sessions say: those since
-/// the session is theirs, unless it was noted after them, in a file that was merged.
+/// the session is theirs, unless it was noted after them, in a file that was merged, or is a
+/// refusal of another time.
 struct NoteBreak {
     std::string what;    ///< "participant P01 handedness"
     std::string stored;  ///< in the participant's row

@@ -132,6 +132,11 @@ std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
         const SessionVersion& first = versions.front();
         if (const SessionVersion* last = last_of(versions, prefer, people, conflicts)) {
             order.push_back({last, first.database == &out ? &first : nullptr});
+            for (const SessionVersion& version : versions) {
+                if (version.destructions < last->destructions) {
+                    people.is_of_before(version.file, last->participant);
+                }
+            }
         }
     }
     std::ranges::stable_sort(order, {}, [](const SessionMerge& one) {
@@ -182,8 +187,40 @@ void collect(Database& database,
     }
 }
 
+/// Sessions of whom something was destroyed in a file that did not have them: they are left out
+/// until it is done where they are.
+void leave_undestroyed(std::vector<SessionMerge>& order,
+                       const PeopleMerge& people,
+                       std::vector<MergeConflict>& conflicts) {
+    std::set<std::string> gone;  // of whom all was destroyed
+    for (const SessionMerge& one : order) {
+        if (one.last->destroyed) {
+            gone.insert(one.last->participant);
+        }
+    }
+    std::erase_if(order, [&](const SessionMerge& one) {
+        const SessionVersion& session = *one.last;
+        const bool all = gone.contains(session.participant);
+        const std::string when = people.destroyed_unknown_to(session.file, session.participant);
+        if (when.empty() || session.destroyed || (session.destructions > 0 && !all)) {
+            return false;
+        }
+        conflicts.push_back(
+            {.what = fmt::format("{}: {} was destroyed on request ({}) in a file without it",
+                                 called(session), all ? "everything" : "what was noted", when),
+             .first = session.file,
+             .second = {},
+             .remedy =
+                 fmt::format("palpate participant {} {} --destroy {} does it there, too; a "
+                             "session run since then comes with --prefer FILE",
+                             session.file, session.participant, all ? "everything" : "details")});
+        return true;
+    });
+}
+
 /// What cannot be brought, or is there already.
 void leave_out(std::vector<SessionMerge>& order, const PeopleMerge& people, MergeReport& report) {
+    leave_undestroyed(order, people, report.conflicts);
     const std::set<std::string> twice = doubled(order, report.conflicts);
     std::erase_if(order, [&](const SessionMerge& one) {
         return twice.contains(one.last->uuid) ||
@@ -209,10 +246,10 @@ bool merge_into(Database& out,
     for (const auto& input : inputs) {
         collect(input->database, input->name, layout, people, all);
     }
-    people.settle();
-    report.conflicts = people.conflicts();
-    report.notices = people.notices();
     std::vector<SessionMerge> order = in_order(all, out, prefer, people, report.conflicts);
+    people.settle();
+    std::ranges::copy(people.conflicts(), std::back_inserter(report.conflicts));
+    report.notices = people.notices();
     people.write(out);
     destroyed = people.forgot(out.file());
     leave_out(order, people, report);

@@ -56,9 +56,12 @@ void PeopleMerge::read(Database& database, const std::string& file) {
     while (row.step()) {
         const std::string code = row.text(0);
         int column = 1;
-        for (const char* key : {kHandedness, kConsent, kSubject}) {
-            if (!row.null(column)) {
-                words_.push_back({code, key, {row.text(column), file, row.text(column + 1)}});
+        for (const std::string key : {kHandedness, kConsent, kSubject}) {
+            const NotedDetail said{row.text(column), file, row.text(column + 1)};
+            if (!row.null(column) && key == kConsent) {
+                (said.value == "0" ? refused_ : given_)[code].push_back(said);
+            } else if (!row.null(column)) {
+                words_.push_back({code, key, said});
             }
             column += 2;
         }
@@ -82,19 +85,26 @@ void PeopleMerge::read(Database& database, const std::string& file) {
     }
 }
 
+std::string PeopleMerge::destroyed_unknown_to(const std::string& file,
+                                              const std::string& code) const {
+    const auto there = destroyed_.find(code);
+    const bool unknown = there != destroyed_.end() &&
+                         !knows_.contains({file, code, there->second}) &&
+                         (file != prefer_ || of_before_.contains({file, code}));
+    return unknown ? there->second : std::string();
+}
+
 void PeopleMerge::settle() {
     for (const Word& word : words_) {
         const auto& [code, key, said] = word;
-        const auto destroyed = destroyed_.find(code);
-        const bool outlives = key == kConsent || key == kSubject || destroyed == destroyed_.end() ||
-                              knows_.contains({said.file, code, destroyed->second});
-        if (outlives && key != kConsent) {
+        const std::string destroyed = destroyed_unknown_to(said.file, code);
+        if (key == kSubject || destroyed.empty()) {
             say(code, key, said);
-        } else if (!outlives && forgot_.insert({said.file, code}).second) {
+        } else if (forgot_.insert({said.file, code}).second) {
             notices_.push_back(
                 fmt::format("participant {}: what {} has noted of them is left out: it was "
                             "destroyed ({}), of which that file does not know",
-                            code, said.file, destroyed->second));
+                            code, said.file, destroyed));
         }
     }
     for (const auto& each : people_) {
@@ -106,13 +116,8 @@ void PeopleMerge::settle() {
 /// A refusal stands unless a file that has it says yes now: only there the yes came after it,
 /// whatever the clocks of two rigs say.
 void PeopleMerge::settle_consent(const std::string& code) {
-    std::vector<NotedDetail> given;
-    std::vector<NotedDetail> refused;
-    for (const Word& word : words_) {
-        if (word.code == code && word.key == kConsent) {
-            (word.said.value == "0" ? refused : given).push_back(word.said);
-        }
-    }
+    std::vector<NotedDetail>& given = given_[code];
+    std::vector<NotedDetail>& refused = refused_[code];
     std::ranges::stable_sort(given, std::ranges::greater(), &NotedDetail::utc);
     std::ranges::stable_sort(refused, std::ranges::greater(), &NotedDetail::utc);
     const auto stands = std::ranges::find_if(refused, [&](const NotedDetail& no) {

@@ -32,8 +32,16 @@ public:
     explicit PeopleMerge(std::string prefer) : prefer_(std::move(prefer)) {}
     /// @param file  how to call the database
     void read(Database& database, const std::string& file);
+    /// The file has a session of theirs as it was before something of it was destroyed.
+    void is_of_before(const std::string& file, const std::string& code) {
+        of_before_.insert({file, code});
+    }
     /// When all is read. Sees that no two people have the same number in exports, too.
     void settle();
+    /// When something of the person was last destroyed, if this file does not know of it, nor can
+    /// be preferred for what was noted since; else "".
+    [[nodiscard]] std::string destroyed_unknown_to(const std::string& file,
+                                                   const std::string& code) const;
     /// Something that this file has of somebody was destroyed in another.
     [[nodiscard]] bool forgot(const std::string& file) const {
         return std::ranges::any_of(forgot_, [&](const auto& one) { return one.first == file; });
@@ -69,11 +77,14 @@ private:
     static void write_details(const std::string& code, const Person& person, Statement& detail);
     void bind_notes(const std::string& code, const Person& person, Statement& note) const;
 
-    std::vector<Word> words_;
-    std::map<std::string, std::string> destroyed_;  ///< code, when
+    std::vector<Word> words_;                                  ///< but for consent
+    std::map<std::string, std::vector<NotedDetail>> given_;    ///< consent, by code
+    std::map<std::string, std::vector<NotedDetail>> refused_;  ///< the same
+    std::map<std::string, std::string> destroyed_;             ///< code, when
     /// File, code, when: of refusals and destructions.
     std::set<std::tuple<std::string, std::string, std::string>> knows_;
-    std::set<std::pair<std::string, std::string>> forgot_;  ///< file, code
+    std::set<std::pair<std::string, std::string>> of_before_;  ///< file, code
+    std::set<std::pair<std::string, std::string>> forgot_;     ///< file, code
     std::map<std::string, Person> people_;
     std::set<std::string> in_conflict_;
     std::vector<MergeConflict> conflicts_;

@@ -220,17 +220,18 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
           "[repair][merge][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    const auto noted_in_2099 = [](const std::string& of, const std::string& session) {
+    const auto noted_in = [](const std::string& year, const std::string& of,
+                             const std::string& session) {
         ran({"participant", of, "P1", "--new", "--handedness", "80", "--consent", "yes", "--set",
              "age=31"});
         data::Database(of, data::Access::write)
-            .execute(
-                "UPDATE participant SET handedness_utc = '2099-01-01T00:00:00.000Z', consent_utc = "
-                "'2099-01-01T00:00:00.000Z'; UPDATE participant_detail SET noted_utc = "
-                "'2099-01-01T00:00:00.000Z'");
+            .execute(fmt::format("UPDATE participant SET handedness_utc = '{0}', consent_utc = "
+                                 "'{0}'; UPDATE participant_detail SET noted_utc = '{0}'",
+                                 year + "-01-01T00:00:00.000Z")
+                         .c_str());
         record(of, "P1", session);
     };
-    noted_in_2099(file, "1");
+    noted_in("2099", file, "1");
     const std::string backup = copied(file, folder.file("backup.sqlite"));
     const std::string all = folder.file("all.sqlite");
     const auto merged = [&](std::vector<std::string> files) {
@@ -264,11 +265,31 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
     note(file, "yes");  // after the refusal, in the file that has it
     CHECK(merged({file, backup, refused}) == "1,80,31\n");
     const std::string other = folder.file("other.sqlite");
-    noted_in_2099(other, "2");  // of the refusal it does not know
+    noted_in("2100", other, "2");  // of the refusal it does not know
     CHECK(merged({other, refused}) == "0,80,31\n");
     CHECK(merged({other, refused, file, backup}) == "1,80,31\n");
     ran({"participant", file, "P1", "--destroy", "everything", "--yes"});
     CHECK(merged({file, backup, refused}) == "0,,\n");
+    // Sessions of theirs that another file has, moved to them or not, are named, in any order.
+    const std::string moved = copied(other, folder.file("moved.sqlite"));
+    ran({"participant", moved, "P9", "--new"});
+    ran({"participant", moved, "P1", "--is-really", "P9", "--reason", "x"});
+    ran({"merge", folder.file("others.sqlite"), file, moved});
+    ran({"participant", moved, "P9", "--is-really", "P1", "--reason", "y"});
+    for (const std::string& one : {other, moved}) {
+        for (const auto& [first, second] : {std::pair(file, one), std::pair(one, file)}) {
+            std::filesystem::remove(all);
+            CHECK_THAT(said_no({"merge", all, first, second}),
+                       Has("session 2", "does it there, too"));
+            CHECK(sql_csv(all, "SELECT count(*) FROM trial") == "count(*)\n0\n");
+            ran({"verify", all});
+        }
+    }
+    ran({"merge", all, other, "--prefer", other});
+    ran({"verify", all});
+    CHECK(sql_csv(all, "SELECT count(*) > 0 FROM trial") == "count(*) > 0\n1\n");
+    ran({"participant", other, "P1", "--destroy", "everything", "--yes"});
+    CHECK(merged({file, other}) == "0,,\n");
     note(file, "yes");
     CHECK(merged({file, backup, refused}) == "1,,\n");
 }
@@ -301,7 +322,7 @@ TEST_CASE("what a participant wants destroyed is gone from the file, and its eve
     for (const auto& [one, other] : {std::pair(file, before), std::pair(before, file)}) {
         const std::string out = folder.file("out.sqlite");
         ran({"merge", out, one});
-        ran({"merge", out, other, "--prefer", before});
+        ran({"merge", out, other, "--prefer", other == before ? before : out});
         ran({"verify", out});
         CHECK_THAT(slurp(out), !Has("anosmia") && !Has("handedness 73"));
         std::filesystem::remove(out);
