@@ -77,10 +77,26 @@ void check_schema(Database& database, Findings& findings) {
     }
 }
 
-/// Handedness and consent against the events that noted them.
+/// Handedness, consent and that something was destroyed against the events that say so. A session
+/// that became another's was with somebody else then.
 void check_people(Database& database, Findings& findings) {
     for (const NoteBreak& at : note_breaks(database)) {
         findings.differs(at.what, at.stored, at.noted + ", as an event of the session says");
+    }
+    for (const StoredRow& person : rows_of(
+             database,
+             "SELECT participant_code, coalesce(destroyed_utc, 'NULL') AS stored, max(said) AS "
+             "said FROM (SELECT participant_id, participant_code, destroyed_utc, started_utc, "
+             "EXISTS (SELECT 1 FROM event WHERE event.session_id = session.session_id AND key = "
+             "'destroyed' AND text <> 'detail destroyed') AS said FROM participant JOIN session "
+             "USING (participant_id) WHERE NOT EXISTS (SELECT 1 FROM event WHERE event.session_id "
+             "= session.session_id AND key = 'is really')) GROUP BY participant_id HAVING "
+             "iif(max(said), destroyed_utc IS NULL, destroyed_utc > min(started_utc))")) {
+        findings.differs(
+            fmt::format("participant {} destroyed_utc", person.text("participant_code")),
+            person.text("stored"),
+            person.integer("said") != 0 ? "when an event says that something was"
+                                        : "NULL: no event of a session says so");
     }
 }
 

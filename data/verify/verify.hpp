@@ -16,8 +16,8 @@ inline constexpr std::array<std::string_view, 5> kNotChecked{
     "rows made again or taken away together with all later seals, a whole session taken away: "
     "compare the newest "
     "seals with those in the lab book",
-    "a participant's details and when consent was noted; handedness and consent of somebody "
-    "without a session, or "
+    "a participant's details, when consent was noted or something destroyed; handedness, "
+    "consent and destruction of somebody without a session, or "
     "noted before it, or edited together with the time when they were noted",
     "the secret of a file in which nothing was drawn yet",
     "tables, views and plain indices that somebody added",
@@ -39,7 +39,7 @@ inline constexpr std::array<std::string_view, 5> kNotChecked{
 ///
 /// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows, marks and notes made
 ///   later included, that was not followed by making all later heads again; that what is noted of a
-///   participant's handedness and consent is what events of their sessions say; of a session that
+///   participant's handedness, consent and destruction is what events of their sessions say; of a session that
 ///   was destroyed on request, that nothing but the mark that says so is left.
 ///
 /// - That every secret but the file's own was used.

@@ -315,8 +315,12 @@ TEST_CASE("what a participant wants destroyed is gone from the file, and its eve
     CHECK("newest_seal\n" +
               sql_csv(file, "SELECT value FROM event WHERE key = 'destroyed'").substr(6) ==
           seal);
-    check_edit(file, folder.file("edited.sqlite"),
-               "UPDATE event SET text = 'x' WHERE event_id = 1");
+    for (const char* edit :
+         {"UPDATE event SET text = 'x' WHERE event_id = 1",
+          "UPDATE participant SET destroyed_utc = NULL WHERE participant_code = 'P1'",
+          "UPDATE participant SET destroyed_utc = '2999' WHERE participant_code = 'P2'"}) {
+        check_edit(file, folder.file("edited.sqlite"), edit);
+    }
 
     // Of two copies that with the destruction is the later one, in any order, whatever is preferred.
     for (const auto& [one, other] : {std::pair(file, before), std::pair(before, file)}) {
