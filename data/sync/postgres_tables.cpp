@@ -62,7 +62,7 @@ std::vector<PostgresTable> tables_of_no_file() {
              {"protocol_sha256"}},
             {"participant_note",
              {{"participant_code", "text"}, {"key", "text"}, {"value", "text"}},
-             {"participant_code", "key"}},
+             {"participant_code", "key", "value"}},
             {"trial_invalid",
              {{"session_uuid", "uuid"}, {"trial_number", "bigint"}, {"invalid_reason", "text"}},
              {"session_uuid", "trial_number"}}};

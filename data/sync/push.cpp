@@ -166,11 +166,12 @@ private:
         flush();
     }
 
+    /// A refusal is sent whatever the server has; it stands there beside the yes before it.
     void push_people() {
-        std::map<std::string, std::string> there;
+        std::map<std::string, std::set<std::string>> there;
         for (const auto& row : server_.rows(
                  "SELECT participant_code || ' ' || key, value FROM palpate.participant_note")) {
-            there[*row[0]] = *row[1];
+            there[*row[0]].insert(*row[1]);
         }
         one_at_a_time();
         Statement note = database_.prepare(
@@ -178,11 +179,14 @@ private:
             "WHERE handedness IS NOT NULL AND consent IS NOT 0 UNION ALL SELECT participant_code, "
             "'consent', CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
         while (note.step()) {
-            const auto found = there.find(note.text(0) + ' ' + note.text(1));
-            if (found != there.end() && found->second != note.text(2)) {
+            const auto& found = there[note.text(0) + ' ' + note.text(1)];
+            const bool refuses = note.text(1) == "consent" && note.text(2) == "0";
+            if (!refuses && !found.empty() && found != std::set{note.text(2)}) {
                 report_.conflicts.push_back(
-                    fmt::format("participant {}: {} is {} here and {} on the server", note.text(0),
-                                note.text(1), note.text(2), found->second));
+                    fmt::format("participant {}: {} is {} here and {} on the server, where an "
+                                "administrator deletes the row if it is wrong",
+                                note.text(0), note.text(1), note.text(2), *found.begin()));
+                continue;
             }
             PostgresRow row;
             add_values(note, row);

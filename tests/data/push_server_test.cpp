@@ -196,6 +196,7 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
             .wait();
     REQUIRE(lab.code == 0);
     ran({"participant", file, "demo", "--consent", "no"});
+    ran({"participant", file, "later", "--new", "--consent", "yes"});
     const auto push = [&](std::vector<std::string> more) {
         more.insert(more.begin(), {"push", file, "--to", server->url()});
         return palpate_command(more);
@@ -212,6 +213,18 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
         CHECK(count(std::string("palpate.") + table) == "0");
     }
     CHECK(count("pg_class WHERE relname IN ('pwned', 'my_codes', 'mine')") == "0");
+    // Who refuses later does so on the server too, and a yes after that is not taken there.
+    const std::string refused =
+        "palpate.participant_note WHERE participant_code = 'later' AND key = 'consent' AND value = "
+        "'0'";
+    CHECK(count(refused) == "0");
+    ran({"participant", file, "later", "--consent", "no"});
+    CHECK(push({}).code == 0);
+    CHECK(count(refused) == "1");
+    CHECK(push({}).code == 0);
+    ran({"participant", file, "later", "--consent", "yes"});
+    check_end(push({}), 1, Has("participant later: consent is 1 here and 0 on the server"));
+    ran({"participant", file, "later", "--consent", "no"});
     CHECK(push({"--including-refused"}).code == 0);
     CHECK(count("palpate.session") == "1");
     const Finished again = push({});
