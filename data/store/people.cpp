@@ -81,14 +81,20 @@ protocols::Event noted(const std::string& key, const std::string& value = {}) {
             .value = value};
 }
 
-/// To each session of the participant.
+/// To each session of the participant of which something is left.
 void tell_sessions(Database& database,
                    std::string_view code,
                    const protocols::Event& event,
                    std::string_view operator_name,
                    std::string_view utc) {
+    Statement destroyed = database.prepare(
+        "SELECT 1 FROM event WHERE session_id = ?1 AND event_kind = 'mark' AND key = ?2");
+    destroyed.bind(2, kDestroyed);
     for (const SessionRow& session : sessions_of(database, code, std::nullopt)) {
-        add_event(database, session.id, event, operator_name, utc);
+        if (!destroyed.bind(1, session.id).step()) {
+            add_event(database, session.id, event, operator_name, utc);
+        }
+        destroyed.reset();
     }
 }
 

@@ -47,9 +47,9 @@ struct Participant {
 [[nodiscard]] std::string note_time(Database& database, std::string_view code);
 
 /// Registers the participant if need be and notes what is given. What was noted before and is not
-/// given stays; each has the note_time() when it was last noted. Each of the participant's sessions gets
-/// an event of each note: "handedness 80", "consent yes", and of a detail its key alone (events go
-/// where details do not), and that time.
+/// given stays; each has the note_time() when it was last noted. Each of the participant's sessions
+/// that was not destroyed gets an event of each note, with that time: "handedness 80", "consent
+/// yes", and of a detail its key alone (events go where details do not).
 void note_participant(Database& database,
                       std::string_view code,
                       const ParticipantNotes& notes,

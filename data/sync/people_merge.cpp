@@ -132,10 +132,10 @@ void PeopleMerge::settle_consent(const std::string& code) {
     if (!refused.empty() && !given.empty()) {
         const NotedDetail& now = no ? *stands : given.front();
         const NotedDetail& before = no ? given.front() : refused.front();
-        notices_.push_back(
-            fmt::format("participant {}: consent is {} (noted {} in {}), no longer {} ({} in {}){}",
-                        code, now.value, now.utc, now.file, before.value, before.utc, before.file,
-                        no ? ": who consents again after all says so in the former file" : ""));
+        notices_.push_back(fmt::format(
+            "participant {}: consent is {} (noted {} in {}), not {} ({} in {}){}", code,
+            no ? "no" : "yes", now.utc, now.file, no ? "yes" : "no", before.utc, before.file,
+            no ? ": who consents again after all says so in the former file" : ""));
     }
 }
 
