@@ -28,13 +28,13 @@ struct MergeReport {
 ///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;
 /// - all that `inputs` have of a participant of whom two files tell differently what was noted at
-///   one time, unless one is `prefer`; of notes of several times the newest is kept, of consent
-///   the refusal (see PeopleMerge), and a notice says so.
-/// What a participant had destroyed in one file is destroyed in `file` too; their sessions of a file
-/// that does not know of it are a conflict until it is done there, unless it is `prefer`. Sessions keep the
-/// secrets with which they were drawn; of a person with two numbers for exports the lesser is kept,
-/// and two people with one number are a conflict. What `file` itself holds stays in any case. The
-/// inputs are only read, also while a rig writes them.
+///   one time, unless one is `prefer`; of notes of several times the newest is kept, of consent the
+///   refusal (see PeopleMerge), and a notice says so.
+/// What a participant had destroyed in one file is destroyed in `file` too; their sessions of a
+/// file that does not know of it are a conflict until it is done there, unless it is `prefer`.
+/// Sessions keep the secrets with which they were drawn; of a person with two numbers for exports
+/// the lesser is kept, and two people with one number are a conflict. What `file` itself holds
+/// stays in any case. The inputs are only read, also while a rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
                                       const std::vector<std::string>& inputs,

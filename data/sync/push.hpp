@@ -32,11 +32,11 @@ struct PushReport {
 ///
 /// Makes the schema `palpate` if it is not there and the user may. In conflict are a session whose
 /// beginning, an attempt or an event that the server has otherwise, a study, participant and number
-/// that are there under another uuid, a participant's handedness, consent where somebody refused it before, and a session whose
-/// chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by hand. Of who does
-/// not consent nothing but that is added, as a row beside that of a yes before; a session of theirs that is there is a conflict. The
-/// server has each session as it was run: whose it is really, and that it was withdrawn, its events
-/// say.
+/// that are there under another uuid, a participant's handedness, consent where somebody refused it
+/// before, and a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or
+/// edited by hand. Of who does not consent nothing but that is added, as a row beside that of a yes
+/// before; a session of theirs that is there is a conflict. The server has each session as it was
+/// run: whose it is really, and that it was withdrawn, its events say.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
 /// @throws PostgresError if the server fails: what was added stays
 [[nodiscard]] PushReport push_file(const std::string& file,

@@ -87,8 +87,8 @@ struct SessionVersion {
 /// events as far as `earlier` has them. Of those a running trial may have gone on, an answer may
 /// have been marked not to count, the session may have become another's or been withdrawn, and it
 /// may have finished; nothing else changes in a session that goes on. Any version may have been
-/// destroyed, and any score in it, after which no seal is as before. A partial order: two files can hold two sessions of one uuid of which neither became
-/// the other.
+/// destroyed, and any score in it, after which no seal is as before. A partial order: two files can
+/// hold two sessions of one uuid of which neither became the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
 
 }  // namespace palpate::data

@@ -39,8 +39,8 @@ inline constexpr std::array<std::string_view, 5> kNotChecked{
 ///
 /// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows, marks and notes made
 ///   later included, that was not followed by making all later heads again; that what is noted of a
-///   participant's handedness, consent and destruction is what events of their sessions say; of a session that
-///   was destroyed on request, that nothing but the mark that says so is left.
+///   participant's handedness, consent and destruction is what events of their sessions say; of a
+///   session that was destroyed on request, that nothing but the mark that says so is left.
 ///
 /// - That every secret but the file's own was used.
 ///

@@ -321,7 +321,7 @@ TEST_CASE("what a participant wants destroyed is gone from the file, and its eve
         check_edit(file, folder.file("edited.sqlite"), edit);
     }
 
-    // Of two copies that with the destruction is the later one, in any order, whatever is preferred.
+    // The copy with the destruction is the later one, in any order, whatever is preferred.
     for (const auto& [one, other] : {std::pair(file, before), std::pair(before, file)}) {
         const std::string out = folder.file("out.sqlite");
         ran({"merge", out, one});
