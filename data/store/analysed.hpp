@@ -39,8 +39,8 @@ void keep_attempts(Database& database);
 /// Whether the file has a session that no analysis sees.
 [[nodiscard]] bool hides(Database& database);
 
-/// Why no tick of a trial is shown: "of somebody who is noted as not consenting", "of a session that
-/// was withdrawn". @return empty: nothing speaks against it, or there is no such trial
+/// Why no tick of a trial is shown: "of somebody who is noted as not consenting", "of a session
+/// that was withdrawn". @return empty: nothing speaks against it, or there is no such trial
 [[nodiscard]] std::string why_hidden(Database& database, std::int64_t trial);
 /// @throws std::invalid_argument why its ticks are not shown
 void require_shown(Database& database, std::int64_t trial);

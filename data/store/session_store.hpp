@@ -67,8 +67,8 @@ struct OpenedSession {
 struct SessionState {
     std::size_t number = 0;
     std::uint64_t seed = 0;
-    std::string
-        over{};  ///< "is finished", "was withdrawn", "was run under another code"; empty: it goes on
+    /// "is finished", "was withdrawn", "was run under another code"; empty: it goes on
+    std::string over{};
     bool begun = false;    ///< it has a trial
     std::string secret{};  ///< with which its orders were drawn
     std::string kind{};    ///< as to_string(RunKind)

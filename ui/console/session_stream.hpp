@@ -40,8 +40,8 @@ private:
 };
 
 /// Events of a session for one page: "state" at each change and at least once a second, "live"
-/// with the newest tick, but for a still one. A page that did not ask for it shows nothing of what another one revealed.
-/// Ends with the session's process.
+/// with the newest tick, but for a still one. A page that did not ask for it shows nothing of what
+/// another one revealed. Ends with the session's process.
 class SessionStream : public EventSource {
 public:
     SessionStream(std::shared_ptr<WatchedSession> watched, bool shown, bool still)
