@@ -290,7 +290,7 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
     ran({"participant", other, "P1", "--destroy", "everything", "--yes"});
     CHECK(merged({file, other}) == "0,,\n");
     note(file, "yes");
-    CHECK(merged({file, backup, refused}) == "1,,\n");
+    CHECK(merged({file, backup}) == "1,,\n");
 }
 
 TEST_CASE("what a participant wants destroyed is gone from the file, and its event is sealed",
