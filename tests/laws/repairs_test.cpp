@@ -19,9 +19,12 @@ std::string said_no(const std::vector<std::string>& words) {
     return finished.error;
 }
 
-void record(const std::string& file, const std::string& code, const std::string& number = "1") {
-    ran({"run", "shape_friction_demo", "--participant", code, "--session", number, "--elsewhere",
-         "--db", file, "--headless"});
+void record(const std::string& file,
+            const std::string& code,
+            const std::string& number = "1",
+            const std::string& protocol = "shape_friction_demo") {
+    ran({"run", protocol, "--participant", code, "--session", number, "--elsewhere", "--db", file,
+         "--headless"});
 }
 
 std::string copied(const std::string& file, const std::string& to) {
@@ -228,7 +231,7 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
                                  "'{0}'; UPDATE participant_detail SET noted_utc = '{0}'",
                                  year + "-01-01T00:00:00.000Z")
                          .c_str());
-        record(of, "P1", session);
+        record(of, "P1", session, kFourTrials);
     };
     noted_in("2099", file, "1");
     const std::string backup = copied(file, folder.file("backup.sqlite"));
@@ -243,8 +246,8 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
             ran(words);
             ran({"verify", all});
             const std::string once = sql_csv(all, kNoted);
-            for (const std::string& one : files) {  // again, one by one: nothing changes
-                ran({"merge", all, one});
+            for (std::size_t i = 0; said.empty() && i < files.size(); ++i) {
+                ran({"merge", all, files[i]});  // again, one by one: nothing changes
             }
             CHECK(sql_csv(all, kNoted) == once);
             said.insert(once.substr(once.find('\n') + 1));
