@@ -281,7 +281,10 @@ IdentificationReport identification_of(TrialTable table, const IdentificationOpt
         if (std::ranges::none_of(report.table.trials, [&](const Trial& trial) {
                 return trial.subject == subject && trial.excluded.empty();
             })) {
-            continue;  // the account of who is left out says why
+            if (!report.table.left_out) {  // of a database that account says why
+                report.left_out.push_back(report.table.subjects[subject] + ": no answer counts");
+            }
+            continue;
         }
         try {
             report.people.push_back(fitted(report, subject));
