@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -55,7 +55,9 @@ public:
         for (const data::Statement& row :
              database.prepare(kShard, data::kObserverKey, data::kTracesKey)) {
             const std::string code = row.text(0);
-            const std::size_t index = std::strtoull(code.c_str() + 1, nullptr, 10) - 1;
+            const auto digits =
+                std::string_view(code).substr(std::min<std::size_t>(1, code.size()));
+            const std::size_t index = parsed<std::size_t>(digits).value_or(0) - 1;
             if (simulated_code(index) != code || index % found_.size() != number) {
                 refuse(fmt::format("{}: {} is none of shard {}/{}", file, code, number,
                                    found_.size()));
