@@ -1,4 +1,5 @@
 #include <csignal>
+#include <cstring>
 
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
@@ -41,17 +42,19 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
                  commissioned_rig(folder, board.word())};
     }
     words.insert(words.end(), {"--stop-button", folder.file("button"), "--handle-free"});
-    const auto ends = [&](const std::string& way, const std::function<void(pid_t)>& act,
+    const auto ends = [&](const std::string& way, const std::function<bool(pid_t)>& act,
                           int code = 3) {
         CAPTURE(way);
         Finished end;
-        bool pulsed = false;
-        // A busy machine may leave the board without its turn before any pulse: then once more.
-        for (int attempt = 0; attempt < 8 && !pulsed; ++attempt) {
+        bool acted = false;
+        // A busy machine may leave the board without its turn before any pulse, or act after the
+        // last one: then once more.
+        for (int attempt = 0; attempt < 8 && !acted; ++attempt) {
             board.bring("0,89.3");
             Process program(
                 words, {std::string(kTerminal) + "=" + terminal.name(), "SDL_VIDEODRIVER=dummy"});
             std::size_t asked = 0;
+            bool pulsed = false;
             CHECK(eventually([&] {
                 const std::string out = program.out();
                 const std::size_t asks = out.rfind("Bring the handle to");
@@ -63,31 +66,42 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
                 pulsed = board.motors() != "0, 0";
                 return pulsed || !program.running();
             }));
-            if (pulsed) {
-                act(program.id());
-            }
+            acted = pulsed && act(program.id());
             end = program.wait();
         }
-        REQUIRE(pulsed);
+        REQUIRE(acted);
         CHECK(end.code == code);
         CHECK_THAT(end.error, Has(code == 3 ? "stopped" : ""));
         CHECK(eventually([&] { return board.motors() == "0, 0"; }));
         CHECK_FALSE(std::filesystem::exists(made));
         CHECK((code != 3 || terminal.as_before()));  // who is killed leaves Escape behind
     };
-    ends("terminal", [&](pid_t) { terminal.type("\x1b"); });
-    ends("palpate stop",
-         [&](pid_t) { CHECK_THAT(ran({"stop"}).out, Has("weak pulses that prove a rig")); });
-    ends("signal", [&](pid_t program) { kill(program, SIGINT); });
-    ends("hung up", [&](pid_t program) { kill(program, SIGHUP); });
+    const auto types = [&](pid_t) {
+        terminal.type("\x1b");
+        return true;
+    };
+    ends("terminal", types);
+    ends("palpate stop", [&](pid_t) {
+        const Finished stop = palpate_command({"stop"});
+        CHECK_THAT(stop.code == 0 ? stop.out : stop.error,
+                   Has(stop.code == 0 ? "weak pulses that prove a rig" : "is yours"));
+        return stop.code == 0;
+    });
+    for (const int signal : {SIGINT, SIGHUP}) {
+        ends(strsignal(signal), [&](pid_t program) { return kill(program, signal) == 0; });
+    }
     ends("stop button", [&](pid_t) {
         button.send(1);
         button.send(0);
+        return true;
     });
-    ends("stop button gone", [&](pid_t) { button.unplug(); });
+    ends("stop button gone", [&](pid_t) {
+        button.unplug();
+        return true;
+    });
     button.plug_in();
     ends(
-        "killed", [&](pid_t program) { kill(program, SIGKILL); }, 128 + SIGKILL);
+        "killed", [&](pid_t program) { return kill(program, SIGKILL) == 0; }, 128 + SIGKILL);
 }
 
 TEST_CASE("Escape at a question stops, and no pulse comes after it", "[commission][haply][law]") {
