@@ -243,7 +243,7 @@ CREATE TABLE trace_chunk (
     -- Servo ticks of one interval of a trial. While the trial runs its last chunk is replaced by a longer one.
     -- codec 1, up to 2048 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
     -- columns in the order of trace_column without the parts that the chunk does not hold. Size 0: all 0. A
-    -- stream is blocks of 64 numbers: a byte, how many bits each has, then these, lowest first, up to a whole
+    -- stream is blocks of 32 numbers: a byte, how many bits each has, then these, lowest first, up to a whole
     -- byte; of an exact column a zlib stream of its values: all first bytes, all second bytes, ...
     trial_id   INTEGER NOT NULL REFERENCES trial,   -- trial.trial_id
     interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
@@ -262,9 +262,9 @@ CREATE TABLE trace_column (
     -- Number * scale is in the unit. Rules say what was taken from a value before it was written: plain
     -- nothing; line twice the value before, less the one before that (before the first: 0); after one more than
     -- the value before (before the first: first_tick - 1); clock tick * period_ns, then the value before; exact
-    -- nothing. In two's complement of the type. All but plain and exact are folded: 0, -1, 1, -2 are 0, 1, 2, 3.
-    -- part: only chunks that hold it have the column; in
-    -- others it follows by replay from the scene. *_xor_*: bits of the commanded force XOR bits of the rendered
+    -- nothing; flip: it is XOR the value before (before the first: 0). In two's complement of the type. What line,
+    -- after and clock leave is folded: 0, -1, 1, -2 are 0, 1, 2, 3. part: only chunks that hold it have the column;
+    -- in others it follows by replay from the scene. *_xor_*: bits of the commanded force XOR bits of the rendered
     -- one. mode: 0 free, 1 stuck, 2 slip, 3 transition. -2147483648 in a column of 100 nm or 100 uN: not a
     -- number; 2147483647: that much or more.
     codec           INTEGER NOT NULL,               -- trace_chunk.codec
@@ -275,7 +275,7 @@ CREATE TABLE trace_column (
     unit            TEXT NOT NULL,                  -- of number * scale
     scale           REAL NOT NULL,                  -- in the unit
     rule            TEXT NOT NULL                   -- what was taken from a number before it was written
-                        CHECK (rule IN ('plain', 'after', 'clock', 'line', 'exact')),
+                        CHECK (rule IN ('plain', 'flip', 'after', 'clock', 'line', 'exact')),
     part            TEXT NOT NULL                   -- '': in every chunk, else in those that hold the part
                         CHECK (part IN ('', 'hip', 'contact', 'command', 'lateness')),
     PRIMARY KEY (codec, column_position)

@@ -15,7 +15,7 @@
 
 /// Codec 1. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
 /// stored_columns() without the parts that it does not hold, and then the streams. A size of 0 says
-/// that all numbers are 0. The stream of a column of whole numbers are blocks of 64 of them (the
+/// that all numbers are 0. The stream of a column of whole numbers are blocks of 32 of them (the
 /// last may have fewer): a byte that says how many bits the largest needs, then the numbers in so
 /// many bits each, the lowest bit first, up to a whole byte. The stream of an exact column is a
 /// zlib stream of its values, bytes shuffled: the first byte of every value, then the second, ...

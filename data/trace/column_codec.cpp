@@ -6,6 +6,7 @@
 #include <limits>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 #include <zlib.h>
 
@@ -114,14 +115,18 @@ bool each_number(std::span<const std::byte> stream,
     return numbers.at_end();
 }
 
-/// Numbers of a byte are not negative, and plain.
+/// Values of a byte are not negative, and each number is what flips in the one before.
 template <class Value>
 bool read_bytes(std::span<const std::byte> stream, std::span<Value> values) noexcept {
     if (stream.empty()) {
         std::ranges::fill(values, Value{0});
         return true;
     }
-    return each_number<std::uint8_t>(stream, values, [](std::uint8_t number) { return number; });
+    return each_number<std::uint8_t>(stream, values,
+                                     [before = std::uint8_t{0}](std::uint8_t number) mutable {
+                                         before ^= number;
+                                         return before;
+                                     });
 }
 
 /// What a stream of no bytes says: every number is 0.
@@ -309,14 +314,16 @@ void pack_column(ColumnId which,
                  const ChunkClock& clock,
                  std::vector<std::byte>& data) {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
-    const bool from_zero = column.rule == Rule::line || column.rule == Rule::plain;
-    if (column.rule == Rule::plain) {
-        const auto masked = [mask = ~std::uint64_t{0} >> (64U - 8U * column.size)](
-                                std::span<const std::int64_t> stored,
-                                std::span<const TickRecord> /*ticks*/,
-                                std::span<std::uint64_t> numbers) {
-            std::ranges::transform(stored, numbers.begin(), [mask](std::int64_t value) {
-                return static_cast<std::uint64_t>(value) & mask;
+    const bool flips = column.rule == Rule::flip;
+    const bool from_zero = flips || column.rule == Rule::line || column.rule == Rule::plain;
+    if (flips || column.rule == Rule::plain) {
+        const auto masked = [mask = ~std::uint64_t{0} >> (64U - 8U * column.size), flips,
+                             before = std::uint64_t{0}](std::span<const std::int64_t> stored,
+                                                        std::span<const TickRecord> /*ticks*/,
+                                                        std::span<std::uint64_t> numbers) mutable {
+            std::ranges::transform(stored, numbers.begin(), [&](std::int64_t value) {
+                const std::uint64_t bits = static_cast<std::uint64_t>(value) & mask;
+                return bits ^ std::exchange(before, flips ? bits : 0);
             });
         };
         pack_blocks(which, ticks, from_zero, masked, data);

@@ -205,7 +205,7 @@ constexpr std::array kStored{
     whole("code_1", "1", 1.0, Rule::line, 4),
     whole("code_2", "1", 1.0, Rule::line, 4),
     whole("lateness_ns", "s", 1e-9, Rule::plain, 4),
-    whole("flags", "1", 1.0, Rule::plain, 1),  // the only one of a byte
+    whole("flags", "1", 1.0, Rule::flip, 1),  // the only one of a byte
     whole("hip_x_100nm", "m", 1e-7, Rule::line, 4),
     whole("hip_y_100nm", "m", 1e-7, Rule::line, 4),
     whole("commanded_x_100un", "N", 1e-4, Rule::line, 4),
@@ -246,7 +246,8 @@ std::span<const StoredColumn> stored_columns() noexcept {
 }
 
 std::string_view to_string(Rule rule) noexcept {
-    constexpr std::array<std::string_view, 5> kWords{"plain", "after", "clock", "line", "exact"};
+    constexpr std::array<std::string_view, 6> kWords{"plain", "flip", "after",
+                                                     "clock", "line", "exact"};
     return kWords[static_cast<std::size_t>(rule)];
 }
 

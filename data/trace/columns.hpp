@@ -66,10 +66,11 @@ inline constexpr std::size_t kStoredColumns = 16;
 /// With the exact ones.
 inline constexpr std::size_t kAllColumns = 36;
 
-/// How a value becomes the number that is written, in two's complement of the column's width. All
-/// but `plain` and `exact` are then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
+/// How a value becomes the number that is written, in two's complement of the column's width. What
+/// is taken away leaves is then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
 enum class Rule : std::uint8_t {
     plain,  ///< as it is
+    flip,   ///< XOR the value before; before the first it is 0
     after,  ///< minus one more than the value before; the first: minus the chunk's first_tick
     clock,  ///< minus tick * period_ns, then minus the value before; before the first it is 0
     line,   ///< minus twice the value before, plus the one before that; before the first they are 0

@@ -14,7 +14,7 @@
 /// dictionary; of what hands and encoders give it leaves as little.
 namespace palpate::data {
 
-inline constexpr std::size_t kBlock = 64;
+inline constexpr std::size_t kBlock = 32;
 
 /// Adds the stream of `numbers` to `data`.
 void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>& data);

@@ -17,14 +17,16 @@ read_trace <- function(file, trial, interval = 1) {
     at <- 4 * nrow(held)
     for (i in which(held$part == "")) {                # those of every chunk come first
       v <- if (sizes[i] > 0) numeric(0) else numeric(n)
-      while (length(v) < n) {                          # a block: bits of a number, then up to 64 numbers
-        width <- as.integer(data[at + 1]); count <- min(64, n - length(v))
+      while (length(v) < n) {                          # a block: bits of a number, then up to 32 numbers
+        width <- as.integer(data[at + 1]); count <- min(32, n - length(v))
         bytes <- (width * count + 7) %/% 8
         bits <- as.integer(rawToBits(data[at + 1 + seq_len(bytes)]))[seq_len(width * count)]
         v <- c(v, colSums(matrix(bits, width, count) * 2^(seq_len(width) - 1)))  # exact below 2^53
         at <- at + 1 + bytes
       }
-      if (held$rule[i] != "plain") {                   # unfold, and add up what was taken away
+      if (held$rule[i] == "flip") {
+        v <- Reduce(bitwXor, v, accumulate = TRUE)
+      } else if (held$rule[i] != "plain") {            # unfold, and add up what was taken away
         v <- ifelse(v %% 2 == 0, v / 2, -(v + 1) / 2)
         if (held$rule[i] == "line") v <- cumsum(v) %% 2^32  # the steps
         v <- if (held$rule[i] == "after") first - 1 + cumsum(v + 1) else cumsum(v)

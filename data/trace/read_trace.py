@@ -22,15 +22,17 @@ def read_trace(file, trial, interval=1):
                 break                                  # exact numbers of this chunk: see trace_column
             limit, last, step, values = {"u8": 1 << 8, "i32le": 1 << 31}.get(kind, 1 << 63), 0, 0, []
             numbers = [] if size else [0] * n
-            while len(numbers) < n:                    # a block: bits of a number, then up to 64 numbers
-                bits, count = data[at], min(64, n - len(numbers))
+            while len(numbers) < n:                    # a block: bits of a number, then up to 32 numbers
+                bits, count = data[at], min(32, n - len(numbers))
                 block = int.from_bytes(data[at + 1:at + 1 + (bits * count + 7) // 8], "little")
                 numbers += [block >> i * bits & (1 << bits) - 1 for i in range(count)]
                 at += 1 + (bits * count + 7) // 8
             if rule == "after":
                 last, step = first - 1, 1
             for v in numbers:
-                if rule != "plain":                    # unfold, and add what was taken away
+                if rule == "flip":
+                    v ^= last
+                elif rule != "plain":                  # unfold, and add what was taken away
                     v = last + step + (v >> 1 ^ -(v & 1))
                 v = (v + limit) % (2 * limit) - limit
                 last, step = v, v - last if rule == "line" else step
