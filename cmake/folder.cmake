@@ -42,7 +42,7 @@ endfunction()
 # ALONE   every file is compiled alone: the speed of a tick must not depend on who its neighbour is, and a mutant
 #         takes the place of one file
 # MUTATED of another folder, these files are
-# TICKED  of a PLAIN folder, these files go over every tick, and are optimised all the same
+# TICKED  of a PLAIN folder, these files go over every tick or search an optimum, and are optimised all the same
 function(palpate_folder folder)
     cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;ALONE" "" "SEES;SOURCES;LINK;MUTATED;TICKED")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)
