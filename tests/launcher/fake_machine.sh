@@ -21,6 +21,8 @@ new_machine() {
     tree="$machine/my tree"
     mkdir -p "$machine/bin" "$tree"
     cp "$launcher" "$tree/palpate"
+    mkdir -p "$tree/tests/support"
+    cp "$(dirname "$launcher")/tests/support/once_more.sh" "$tree/tests/support"
     export machine
     : >"$machine/calls"
     printf '%s\n' $everything >"$machine/known"
@@ -108,7 +110,12 @@ printf '%s\n' "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" 'CMAKE_GENERATOR:INTERNAL=Nin
 touch $tree/build.ninja
 FAKE
     fake ctest <<'FAKE'
-echo "ctest $*" >>"$machine/calls"
+case $* in
+*'-L clock -N') echo '  Test  #2: a window' ;;
+*'--rerun-failed -N') cat "$machine/failed" ;;
+*) echo "ctest $*" >>"$machine/calls" ;;
+esac
+case $* in *' -N') exit ;; *--rerun-failed*) exit "$(cat "$machine/fails-alone")" ;; esac
 exit 8
 FAKE
     # The program of the fake tree: prints what it was given, one argument a line, and leaves with 42.

@@ -41,12 +41,22 @@ holds 'the second call configures nothing' lacks "$calls" preset
 holds 'the second call says nothing' [ -z "$err" ]
 holds 'the second call asks dpkg once' [ "$(grep -c dpkg-query "$machine/calls")" = 1 ]
 : >"$machine/calls"
+printf '  Test  #%s\n' '1: a sum' '2: a window' >"$machine/failed"
+echo 0 >"$machine/fails-alone"
 launch test -R 'a law'
 holds 'test configures with the tests' has "$calls" 'cmake -DPALPATE_TESTS=ON --preset release'
 holds 'test builds everything' has "$calls" '--target all'
 holds 'test hands its arguments to ctest' has "$calls" \
     "ctest --test-dir $tree/build --output-on-failure -j4 --no-tests=error -R a law"
 holds 'the exit code of test is ctest'\''s' [ "$code" = 8 ]
+holds 'where something failed that computes, nothing has a second try' lacks "$calls" --rerun-failed
+echo '  Test  #2: a window' >"$machine/failed"
+launch test
+holds 'what waits for a clock is tried once more, alone' has "$calls" '--no-tests=error --rerun-failed -j1'
+holds 'and may pass then' [ "$code" = 0 ]
+echo 8 >"$machine/fails-alone"
+launch test
+holds 'or fails' [ "$code" = 8 ]
 : >"$machine/calls"
 launch figures -o pictures
 holds 'figures builds their program beside palpate' has "$calls" '--target palpate palpate_figures'
