@@ -319,10 +319,10 @@
     drawScene();
   }
 
-  /// 1, 2, 5, 10, ... of which none is smaller than `most`.
-  function round(most) {
-    const ten = Math.pow(10, Math.floor(Math.log10(most)));
-    return ten * [1, 2, 5, 10].find(n => n * ten >= most * (1 - 1e-9));
+  /// The smallest of 1, 2, 5, 10, ... that is no smaller than `max`.
+  function round(max) {
+    const ten = Math.pow(10, Math.floor(Math.log10(max)));
+    return ten * [1, 2, 5, 10].find(n => n * ten >= max * (1 - 1e-9));
   }
 
   function drawStrips() {
