@@ -35,7 +35,7 @@ public:
     SurfaceFlow(SurfaceGround& ground, Work limit) noexcept : ground_(ground), limit_(limit) {}
 
     /// @param from  outside of its cone, whose drive leads into its patch
-    /// @param most  way that may be used, m
+    /// @param max  way that may be used, m
     [[nodiscard]] Arrival follow(const SurfaceSpot& from, double max) noexcept;
 
 private:

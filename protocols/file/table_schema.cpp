@@ -23,10 +23,10 @@ std::string number(const Range& range, std::string_view type = "number") {
     return std::isfinite(range.max) ? text + fmt::format(R"(, "maximum": {})", range.max) : text;
 }
 
-std::string list_of(std::string_view item, std::size_t least = 0, std::size_t most = 0) {
+std::string list_of(std::string_view item, std::size_t least = 0, std::size_t max = 0) {
     std::string text = fmt::format(R"("type": "array", "items": {{{}}})", item);
     text += least > 0 ? fmt::format(R"(, "minItems": {})", least) : "";
-    return most > 0 ? text + fmt::format(R"(, "maxItems": {})", most) : text;
+    return max > 0 ? text + fmt::format(R"(, "maxItems": {})", max) : text;
 }
 
 /// { from, to, count } or { from, to, step }.
@@ -150,8 +150,8 @@ std::string both(std::string_view one, std::string_view other) {
     return fmt::format(R"({{"allOf": [{}, {}]}})", one, other);
 }
 
-std::string json_list(std::string_view item, std::size_t least, std::size_t most) {
-    return fmt::format("{{{}}}", list_of(item.substr(1, item.size() - 2), least, most));
+std::string json_list(std::string_view item, std::size_t least, std::size_t max) {
+    return fmt::format("{{{}}}", list_of(item.substr(1, item.size() - 2), least, max));
 }
 
 std::string needs(const Names& needed, const Names& refused) {

@@ -18,10 +18,10 @@ using Names = std::vector<std::string_view>;
                                     std::string_view then,
                                     std::string_view otherwise = "true");
 [[nodiscard]] std::string both(std::string_view one, std::string_view other);
-/// Schema of an array of such items. @param most  0: any number
+/// Schema of an array of such items. @param max  0: any number
 [[nodiscard]] std::string json_list(std::string_view item,
                                     std::size_t least = 0,
-                                    std::size_t most = 0);
+                                    std::size_t max = 0);
 
 /// Schema of a table in which these keys have to be, and those must not be.
 [[nodiscard]] std::string needs(const Names& needed, const Names& refused = {});

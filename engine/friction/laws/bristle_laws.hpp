@@ -222,7 +222,7 @@ inline constexpr LawTraits kLuGreEuler{
     .creeps = true};
 
 /// The stretch after a travel s > 0 in its direction, for the adhesion map of hayward_armstrong().
-/// @param z  in [-most, most]   @param stick  z_stick, m, in [0, most)
+/// @param z  in [-max, max]   @param stick  z_stick, m, in [0, max)
 [[nodiscard]] inline double adhesion_step(double z, double s, double stick, double max) noexcept {
     const double width = max - stick;
     if (z < -stick) {  // the anchor comes along, ever slower, until it holds again
