@@ -106,13 +106,14 @@ TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply
                Has("name a file in a folder that you may write"));
 }
 
-TEST_CASE("who had the port open before is named, and no session or check begins beside it",
+TEST_CASE("who had the port open before is named and left as it was, and nothing begins beside it",
           "[laws][haply][doctor]") {
     const TemporaryFolder folder;
     const std::string link = folder.file("board");
     Process emulator({palpate_program(), "haply-emulator", "--link", link});
     REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
-    Process stranger({"/bin/sh", "-c", "exec 3<>'" + link + "'; exec sleep 600"});
+    Process stranger(
+        {"/bin/sh", "-c", "exec 3<>'" + link + "'; stty 9600 echo <&3; exec sleep 600"});
     const auto said = [&] {
         return on_one_line(palpate_command({"doctor", "--device", "haply:" + link, "--seconds",
                                             "0.05", "--db", folder.file("d.sqlite")})
@@ -134,6 +135,8 @@ TEST_CASE("who had the port open before is named, and no session or check begins
         CHECK_THAT(on_one_line(beside.error), Has("in use by another program, sleep"));
     }
     CHECK(folder.names().size() == 1);  // the board's
+    CHECK_THAT(Process({"/bin/stty", "-a", "-F", link}).wait().out,
+               Has("speed 9600 baud", " echo "));
     stranger.signal(SIGKILL);
     CHECK(stranger.wait().code != 0);
     CHECK_THAT(said(), !Has("in use by another program"));

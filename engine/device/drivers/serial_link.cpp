@@ -148,6 +148,10 @@ int SerialLink::configure() const noexcept {
     if (ioctl(port_, TIOCEXCL) != 0 || flock(port_, LOCK_EX | LOCK_NB) != 0) {
         return errno;
     }
+    if (!port_holder(path_).empty()) {  // who had it open before the locks, and set it as they need
+        ioctl(port_, TIOCNXCL);
+        return EBUSY;
+    }
     cfmakeraw(&raw);
     cfsetspeed(&raw, megabaud_ ? B1000000 : B115200);
     raw.c_cflag |= CLOCAL | CREAD;
@@ -169,11 +173,7 @@ int SerialLink::configure() const noexcept {
 bool SerialLink::reopen() {
     close();
     port_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    int error = port_ < 0 ? errno : configure();
-    if (error == 0 && !port_holder(path_).empty()) {  // who had it open before the locks
-        error = EBUSY;
-        ioctl(port_, TIOCNXCL);
-    }
+    const int error = port_ < 0 ? errno : configure();
     if (error == 0) {
         trouble_.clear();
         drain();
