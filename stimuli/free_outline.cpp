@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
 #include <tuple>
 
+#include "engine/base/refuse.hpp"
 #include "engine/geometry/arc.hpp"
 #include "engine/geometry/cusps.hpp"
 #include "engine/geometry/nurbs_curve.hpp"
@@ -107,9 +107,7 @@ engine::NurbsCurve<2> curve_of(const Segment& segment, const Pose& pose) {
     if (segment.kind == Segment::Kind::nurbs) {
         return {segment.degree, segment.knots, points, segment.weights};
     }
-    if (points.size() != 2) {
-        throw std::invalid_argument("a line or an arc has two ends");
-    }
+    refuse_if(points.size() != 2, "a line or an arc has two ends");
     return engine::NurbsCurve<2>(
         engine::make_arc(points[0], points[1], segment.curvature / pose.size));
 }

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <stdexcept>
 #include <utility>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/surface/nurbs_surface.hpp"
 
@@ -33,17 +33,13 @@ Arc arc_of(double curvature, double half) {
 }
 
 void check(const SurfacePatch& patch) {
-    if (!(patch.size > 0.0)) {
-        throw std::invalid_argument("the size of the patch is " + number_text(patch.size) +
-                                    " m: give a number above 0");
-    }
+    refuse_if(!(patch.size > 0.0), "the size of the patch is {:.9g} m: give a number above 0",
+              patch.size);
     for (const double curvature : {patch.curvature_x, patch.curvature_y}) {
-        if (!(std::fabs(curvature) * patch.size / 2.0 <= kMaxHalfSine)) {
-            throw std::invalid_argument(
-                "a curvature of " + number_text(curvature) + " 1/m is too strong for a patch of " +
-                number_text(1e3 * patch.size) + " mm: stay within " +
-                number_text(2.0 * kMaxHalfSine / patch.size) + " 1/m either way");
-        }
+        refuse_if(!(std::fabs(curvature) * patch.size / 2.0 <= kMaxHalfSine),
+                  "a curvature of {:.9g} 1/m is too strong for a patch of {:.9g} mm: stay within "
+                  "{:.9g} 1/m either way",
+                  curvature, 1e3 * patch.size, 2.0 * kMaxHalfSine / patch.size);
     }
 }
 

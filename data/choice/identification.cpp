@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/statistics/distributions.hpp"
 
@@ -38,12 +39,10 @@ void name_items(IdentificationReport& report) {
     }
     for (const std::string& name : names) {
         const std::optional<double> value = value_of(report.options, name);
-        if (!value) {
-            throw std::invalid_argument(
-                fmt::format("{}: \"{}\" has no value to be ordered by: give --item \"{}=VALUE\", "
-                            "and so for every item (of a database: the curvature of its object)",
-                            report.table.source, name, name));
-        }
+        refuse_if(!value,
+                  "{}: \"{}\" has no value to be ordered by: give --item \"{}=VALUE\", and so for "
+                  "every item (of a database: the curvature of its object)",
+                  report.table.source, name, name);
         all.emplace_back(*value, name);
     }
     std::ranges::sort(all);
@@ -292,11 +291,8 @@ IdentificationReport identification_of(TrialTable table, const IdentificationOpt
             report.left_out.push_back(report.table.subjects[subject] + ": " + e.what());
         }
     }
-    if (report.people.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: {}", report.table.source,
-                        report.left_out.empty() ? "no answer counts" : report.left_out.front()));
-    }
+    refuse_if(report.people.empty(), "{}: {}", report.table.source,
+              report.left_out.empty() ? "no answer counts" : report.left_out.front());
     over_people(report);
     return report;
 }

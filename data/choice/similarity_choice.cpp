@@ -6,10 +6,8 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <stdexcept>
 
-#include <fmt/format.h>
-
+#include "engine/base/refuse.hpp"
 #include "data/statistics/solve.hpp"
 
 namespace palpate::data {
@@ -91,15 +89,11 @@ double match(Factors& f, const Numbers& counts, const Margins& wanted) {
 Numbers as_numbers(const CallCounts& counts) {
     Numbers table;
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        if (counts[i].size() != counts.size()) {
-            throw std::invalid_argument(
-                "the similarity choice model needs the same items and responses");
-        }
+        refuse_if(counts[i].size() != counts.size(),
+                  "the similarity choice model needs the same items and responses");
         table.emplace_back(counts[i].begin(), counts[i].end());
-        if (counts[i][i] == 0) {
-            throw std::invalid_argument(fmt::format(
-                "item {} was never called by its name: its similarities are unbounded", i + 1));
-        }
+        refuse_if(counts[i][i] == 0,
+                  "item {} was never called by its name: its similarities are unbounded", i + 1);
     }
     return table;
 }

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
-#include <fmt/format.h>
-
+#include "engine/base/refuse.hpp"
 #include "data/statistics/solve.hpp"
 
 namespace palpate::data {
@@ -23,20 +21,15 @@ constexpr double kNoLoss = 1e-3;
 constexpr double kSame = 1e-6;
 
 void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
-    if (!(spec.lapse >= 0.0 && spec.lapse <= 0.25)) {
-        throw std::invalid_argument(
-            fmt::format("the lapse rate is {}: give a share from 0 to 0.25", spec.lapse));
-    }
+    refuse_if(!(spec.lapse >= 0.0 && spec.lapse <= 0.25),
+              "the lapse rate is {}: give a share from 0 to 0.25", spec.lapse);
     for (std::size_t i = 0; i + 1 < spec.items.size(); ++i) {
-        if (!(spec.items[i] < spec.items[i + 1])) {
-            throw std::invalid_argument(
-                fmt::format("items have the values {} and {}: give each its own, in order",
-                            spec.items[i], spec.items[i + 1]));
-        }
+        refuse_if(!(spec.items[i] < spec.items[i + 1]),
+                  "items have the values {} and {}: give each its own, in order", spec.items[i],
+                  spec.items[i + 1]);
     }
-    if (spec.items.size() < 2 || counts.empty()) {
-        throw std::invalid_argument("there are fewer than two items to tell apart");
-    }
+    refuse_if(spec.items.size() < 2 || counts.empty(),
+              "there are fewer than two items to tell apart");
 }
 
 /// What holding one parameter elsewhere costs, walked from the maximum outward.
@@ -179,9 +172,8 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     check(counts, spec);
     const Model model(counts, spec);
     const Layout& layout = model.layout();
-    if (layout.used.size() < 2) {
-        throw std::invalid_argument("every answer is the same response: nothing is distinguished");
-    }
+    refuse_if(layout.used.size() < 2,
+              "every answer is the same response: nothing is distinguished");
     const double spacing = least_distance(spec.items);
     Maximum top;
     for (const Parameters& start : starts_of(layout, spec)) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/shared_library.hpp"
 
 namespace palpate::data {
@@ -20,10 +21,8 @@ namespace {
 
 SharedLibrary::Symbol needed(const SharedLibrary& library, const char* name) {
     const SharedLibrary::Symbol found = library.find(name);
-    if (found.place == nullptr) {
-        throw std::invalid_argument(fmt::format(
-            "what PALPATE_DUCKDB names has no {}: set it to libduckdb.so, version 1", name));
-    }
+    refuse_if(found.place == nullptr,
+              "what PALPATE_DUCKDB names has no {}: set it to libduckdb.so, version 1", name);
     return found;
 }
 
@@ -47,9 +46,9 @@ DuckDb::DuckDb() {
     destroy_ = needed(library, "duckdb_destroy_result");
     disconnect_ = needed(library, "duckdb_disconnect");
     close_ = needed(library, "duckdb_close");
-    if (open(nullptr, &database_) != 0 || connect(database_, &connection_) != 0) {
-        throw std::runtime_error("DuckDB could not be opened");
-    }
+    refuse_if<std::runtime_error>(
+        open(nullptr, &database_) != 0 || connect(database_, &connection_) != 0,
+        "DuckDB could not be opened");
 }
 
 DuckDb::~DuckDb() {
@@ -63,9 +62,7 @@ void DuckDb::run(const std::string& sql) {
     const char* words = failed ? error_(&result) : nullptr;
     const std::string why = words != nullptr ? words : "";
     destroy_(&result);
-    if (failed) {
-        throw std::runtime_error("DuckDB: " + why);
-    }
+    refuse_if<std::runtime_error>(failed, "DuckDB: {}", why);
 }
 
 }  // namespace palpate::data

@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
 #include "data/export/tables.hpp"
@@ -38,20 +39,16 @@ public:
             place_ = place_.parent_path();
         }
         std::error_code unknown;
-        if (place_.empty() ||
-            (std::filesystem::exists(std::filesystem::symlink_status(place_, unknown)) &&
-             !(std::filesystem::is_directory(place_, unknown) &&
-               std::filesystem::is_empty(place_, unknown)))) {
-            throw std::invalid_argument(fmt::format(
-                "\"{}\" is there already: give -o the name of a new folder", place_.string()));
-        }
+        refuse_if(place_.empty() ||
+                      (std::filesystem::exists(std::filesystem::symlink_status(place_, unknown)) &&
+                       !(std::filesystem::is_directory(place_, unknown) &&
+                         std::filesystem::is_empty(place_, unknown))),
+                  "\"{}\" is there already: give -o the name of a new folder", place_.string());
         remove_leftovers(folder_of(place_));
         std::string name = place_.string() + std::string(kPartName) + "XXXXXX";
-        if (mkdtemp(name.data()) == nullptr) {
-            throw std::runtime_error(
-                fmt::format("cannot make a folder beside {}: is its parent there and writable?",
-                            place_.string()));
-        }
+        refuse_if<std::runtime_error>(
+            mkdtemp(name.data()) == nullptr,
+            "cannot make a folder beside {}: is its parent there and writable?", place_.string());
         building_ = name;
         held_.emplace(building_);
     }
@@ -82,10 +79,8 @@ public:
         }
         std::error_code failed;
         std::filesystem::rename(building_, place_, failed);
-        if (failed) {
-            throw std::runtime_error(fmt::format("cannot rename {} to {}: {}", building_.string(),
-                                                 place_.string(), failed.message()));
-        }
+        refuse_if<std::runtime_error>(failed.value() != 0, "cannot rename {} to {}: {}",
+                                      building_.string(), place_.string(), failed.message());
         building_.clear();
         static_cast<void>(sync_to_disk(folder_of(place_)));  // some network disks cannot
     }
@@ -191,10 +186,8 @@ void export_procedures(const Exporting& to) {
         }
         row.reset();
     }
-    if (runs == 0) {
-        throw std::invalid_argument(
-            "no session of the file has a rule that chooses stimuli: take another format");
-    }
+    refuse_if(runs == 0,
+              "no session of the file has a rule that chooses stimuli: take another format");
 }
 
 /// In the order of ExportFormat.
@@ -219,10 +212,8 @@ void add_accounts(const std::filesystem::path& readme,
 
 ExportFormat parse_export_format(std::string_view word) {
     const auto found = std::ranges::find(kExportWords, word);
-    if (found == kExportWords.end()) {
-        throw std::invalid_argument(fmt::format("\"{}\" is no format: give one of {}", word,
-                                                fmt::join(kExportWords, ", ")));
-    }
+    refuse_if(found == kExportWords.end(), "\"{}\" is no format: give one of {}", word,
+              fmt::join(kExportWords, ", "));
     return static_cast<ExportFormat>(found - kExportWords.begin());
 }
 
@@ -230,13 +221,11 @@ ExportSummary export_file(const std::string& file,
                           ExportFormat format,
                           const ExportOptions& options,
                           const std::filesystem::path& folder) {
-    if (format >= ExportFormat::procedure &&
-        (options.details || options.traces || options.keep_codes)) {
-        throw std::invalid_argument(
-            fmt::format("{} holds no more than answers: details, codes and ticks go with csv, "
-                        "bids, psych-ds and parquet",
-                        kExportWords.at(static_cast<std::size_t>(format))));
-    }
+    refuse_if(format >= ExportFormat::procedure &&
+                  (options.details || options.traces || options.keep_codes),
+              "{} holds no more than answers: details, codes and ticks go with csv, bids, psych-ds "
+              "and parquet",
+              kExportWords.at(static_cast<std::size_t>(format)));
     Database database(file, Access::read);
     NewFolder built(folder);
     const Selection selection(database, options);

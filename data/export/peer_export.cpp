@@ -1,9 +1,9 @@
 #include <functional>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
 #include "data/store/graded_answers.hpp"
@@ -34,11 +34,9 @@ void each_count(Database& database, const std::function<void(const GradedCount&)
         take({row.text(0), row.text(1), row.text(2), row.text(3), row.real(4), row.integer(5),
               row.integer(6)});
     }
-    if (!any) {
-        throw std::invalid_argument(
-            "no session has two-interval or yes-no answers on a graded stimulus: take another "
-            "format, as csv or psychopy");
-    }
+    refuse_if(!any,
+              "no session has two-interval or yes-no answers on a graded stimulus: take another "
+              "format, as csv or psychopy");
 }
 
 void write_words(DelimitedFile& file, std::initializer_list<std::string_view> words) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/analysis/left_out.hpp"
 #include "data/csv/json_text.hpp"
 #include "data/csv/number_table.hpp"
@@ -73,11 +74,9 @@ Levels levels_of(const std::filesystem::path& folder) {
         objects.add(text(row, "chosen_object"), "");
     }
     Levels levels{kinds.names(), frictions.names(), objects.names()};
-    if (levels.kinds.empty() || levels.frictions.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{}: there is no trial in it, or the columns session_kind and friction are gone",
-            (folder / "trials.csv").string()));
-    }
+    refuse_if(levels.kinds.empty() || levels.frictions.empty(),
+              "{}: there is no trial in it, or the columns session_kind and friction are gone",
+              (folder / "trials.csv").string());
     return levels;
 }
 
@@ -120,10 +119,8 @@ std::vector<std::filesystem::path> write_starters(const std::filesystem::path& f
         account_of(folder);
     std::vector<std::filesystem::path> written{folder / "analysis.R", folder / "analysis.py"};
     for (const auto& file : written) {
-        if (std::filesystem::exists(file)) {
-            throw std::invalid_argument(fmt::format(
-                "{} is there already, and stays as it is: move it away first", file.string()));
-        }
+        refuse_if(std::filesystem::exists(file),
+                  "{} is there already, and stays as it is: move it away first", file.string());
     }
     const auto write = [&](const std::filesystem::path& file, std::string_view sets,
                            std::string_view c, std::string_view end, std::string_view script) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
 
 namespace palpate::data {
@@ -107,9 +108,7 @@ ExportColumn one_column(const std::string& word) {
         return *computed;
     }
     const ColumnManual* column = find_column(word);
-    if (column == nullptr) {
-        throw std::logic_error(fmt::format("the catalogue has no column {}", word));
-    }
+    refuse_if<std::logic_error>(column == nullptr, "the catalogue has no column {}", word);
     return exported(word.substr(0, word.find('.')), *column);
 }
 
@@ -237,9 +236,7 @@ const std::vector<ExportColumn>& tick_keys() {
 
 const ExportTable& export_table(std::string_view name) {
     const auto table = std::ranges::find(export_tables(), name, &ExportTable::name);
-    if (table == export_tables().end()) {
-        throw std::logic_error(fmt::format("there is no table {}", name));
-    }
+    refuse_if<std::logic_error>(table == export_tables().end(), "there is no table {}", name);
     return *table;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"
@@ -110,13 +111,11 @@ PartChunk PartChunks::at(std::size_t i) {
                   .derived = static_cast<std::uint64_t>(rows_.integer(6)),
                   .data = chunk.bytes};
     rows_.reset();
-    if (chunk.view.ticks == 0) {
-        throw TraceError(fmt::format("the chunk of tick {} has no ticks", first_ticks_[i]));
-    }
-    if (chunk.view.period_ns != period_ns_) {
-        throw TraceError(fmt::format("the chunk of tick {} has a period of {} ns, not {}",
-                                     first_ticks_[i], chunk.view.period_ns, period_ns_));
-    }
+    refuse_if<TraceError>(chunk.view.ticks == 0, "the chunk of tick {} has no ticks",
+                          first_ticks_[i]);
+    refuse_if<TraceError>(chunk.view.period_ns != period_ns_,
+                          "the chunk of tick {} has a period of {} ns, not {}", first_ticks_[i],
+                          chunk.view.period_ns, period_ns_);
     return chunk;
 }
 

@@ -6,8 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "data/extension/part_chunks.hpp"
@@ -217,13 +216,12 @@ void TickStore::State::require_one_study() {
     // Statements: a table of the file may be called pragma_database_list.
     for (Query others(db, "PRAGMA database_list"); others.step();) {
         const std::string name = others.text(1);
-        if (name != "main" && name != "temp" &&
-            Query(db, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step()) {
-            throw SampleError(fmt::format(
-                "sample is of the file that was opened first, and another palpate database is "
-                "attached: DETACH {}, and ask each by itself",
-                name));
-        }
+        refuse_if<SampleError>(
+            name != "main" && name != "temp" &&
+                Query(db, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
+            "sample is of the file that was opened first, and another palpate database is "
+            "attached: DETACH {}, and ask each by itself",
+            name);
     }
 }
 

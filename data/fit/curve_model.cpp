@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
@@ -42,10 +43,8 @@ double term(double k, double p) {
 
 void check(const CurveSpec& spec) {
     const auto rate = [](const char* what, double value, double max) {
-        if (!(value >= 0.0 && value <= max)) {
-            throw std::invalid_argument(
-                fmt::format("the {} is {}: give a share from 0 to {}, or free", what, value, max));
-        }
+        refuse_if(!(value >= 0.0 && value <= max),
+                  "the {} is {}: give a share from 0 to {}, or free", what, value, max);
     };
     rate("guess rate", spec.guess, kMaxGuess);
     rate("lapse rate", spec.lapse, kMaxLapse);
@@ -129,23 +128,17 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
     check(spec);
     std::map<double, std::pair<double, double>> merged;
     for (const Level& level : levels) {
-        if (!std::isfinite(level.stimulus) ||
-            (spec.family == Family::weibull && level.stimulus < 0.0)) {
-            throw std::invalid_argument(
-                fmt::format("a stimulus is {}: give finite numbers{}", level.stimulus,
-                            spec.family == Family::weibull
-                                ? " from 0, or another function: a Weibull begins at 0"
-                                : ""));
-        }
-        if (std::fabs(level.stimulus) > kLargest) {
-            throw std::invalid_argument(
-                fmt::format("a stimulus is {}: give stimuli up to {}, in a larger unit",
-                            level.stimulus, kLargest));
-        }
-        if (level.k < 0 || level.k > level.n) {
-            throw std::invalid_argument(
-                fmt::format("k is {} of n = {}: give a k from 0 to n", level.k, level.n));
-        }
+        refuse_if(!std::isfinite(level.stimulus) ||
+                      (spec.family == Family::weibull && level.stimulus < 0.0),
+                  "a stimulus is {}: give finite numbers{}", level.stimulus,
+                  spec.family == Family::weibull
+                      ? " from 0, or another function: a Weibull begins at 0"
+                      : "");
+        refuse_if(std::fabs(level.stimulus) > kLargest,
+                  "a stimulus is {}: give stimuli up to {}, in a larger unit", level.stimulus,
+                  kLargest);
+        refuse_if(level.k < 0 || level.k > level.n, "k is {} of n = {}: give a k from 0 to n",
+                  level.k, level.n);
         if (level.n > 0) {
             auto& [n, k] = merged[on_axis(spec.family, level.stimulus)];
             n += static_cast<double>(level.n);
@@ -161,19 +154,14 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
         n_.push_back(nk.first);
         k_.push_back(nk.second);
     }
-    if (!std::isfinite(gap)) {
-        throw std::invalid_argument(
-            fmt::format("there {} with answers: give two different stimuli or more{}",
-                        z_.size() == 1 ? "is one stimulus"
-                        : z_.empty()   ? "is no stimulus"
-                                       : "are too few stimuli",
-                        spec.family == Family::weibull ? " above 0" : ""));
-    }
-    if (gap < 1.0 / kLargest) {
-        throw std::invalid_argument(fmt::format(
-            "two stimuli are {} apart: give stimuli further apart than {}, in a smaller unit", gap,
-            1.0 / kLargest));
-    }
+    refuse_if(!std::isfinite(gap), "there {} with answers: give two different stimuli or more{}",
+              z_.size() == 1 ? "is one stimulus"
+              : z_.empty()   ? "is no stimulus"
+                             : "are too few stimuli",
+              spec.family == Family::weibull ? " above 0" : "");
+    refuse_if(gap < 1.0 / kLargest,
+              "two stimuli are {} apart: give stimuli further apart than {}, in a smaller unit",
+              gap, 1.0 / kLargest);
     first_ = std::isfinite(z_.front()) ? z_.front() : z_[1];
     last_ = z_.back();
     const double range = last_ - first_;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/fit/shared_rate.hpp"
 
 namespace palpate::data {
@@ -381,11 +382,8 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
             report.left_out.push_back({answers.participant, answers.condition, e.what()});
         }
     }
-    if (report.curves.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {}", report.source,
-            report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front())));
-    }
+    refuse_if(report.curves.empty(), "{}: {}", report.source,
+              report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front()));
     if (options.spec.shared_rate() != 0) {
         fit_shared(report);
     }

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <exception>
 #include <set>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/session/progress.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
@@ -123,11 +123,8 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
             stored.all.push_back(std::move(answers));
         }
     }
-    if (stored.all.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: everybody is left out by the protocol's rules\n{}", database.file(),
-                        left_out_text(stored.left_out)));
-    }
+    refuse_if(stored.all.empty(), "{}: everybody is left out by the protocol's rules\n{}",
+              database.file(), left_out_text(stored.left_out));
     add_beliefs(database, choice, stored.all);
     if (!choice.codes) {
         number_people(database, stored.all);
@@ -176,11 +173,9 @@ std::vector<Answers> read_answers(const std::filesystem::path& file) {
         found->levels.push_back(
             {table.at(row, 0), static_cast<std::int64_t>(n), static_cast<std::int64_t>(k)});
     }
-    if (all.empty()) {
-        throw CsvError(
-            fmt::format("{}: there is no row below the head: give stimulus,n,k, a row a stimulus",
-                        file.string()));
-    }
+    refuse_if<CsvError>(all.empty(),
+                        "{}: there is no row below the head: give stimulus,n,k, a row a stimulus",
+                        file.string());
     return all;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/inference/stats_report.hpp"
 #include "data/inference/stats_tables.hpp"
 
@@ -12,26 +13,20 @@ namespace {
 
 void check_signals(const TrialTable& table, const StatsOptions& options) {
     for (const std::string& signal : options.signals) {
-        if (std::ranges::find(table.shapes, signal) == table.shapes.end()) {
-            throw std::invalid_argument(fmt::format("--signal is {}: give one of {}", signal,
-                                                    fmt::join(table.shapes, ", ")));
-        }
+        refuse_if(std::ranges::find(table.shapes, signal) == table.shapes.end(),
+                  "--signal is {}: give one of {}", signal, fmt::join(table.shapes, ", "));
     }
-    if (!options.signals.empty() && table.alternatives > 0) {
-        throw std::invalid_argument(
-            "--signal is for answers of yes and no alone: these are names of shapes, which are "
-            "right or wrong by themselves");
-    }
+    refuse_if(!options.signals.empty() && table.alternatives > 0,
+              "--signal is for answers of yes and no alone: these are names of shapes, which are "
+              "right or wrong by themselves");
 }
 
 void check_alternatives(const TrialTable& table, const StatsOptions& options) {
     if (options.alternatives == 0) {
         return;
     }
-    if (table.alternatives == 0) {
-        throw std::invalid_argument(
-            "--alternatives is for named shapes: these answers are yes and no");
-    }
+    refuse_if(table.alternatives == 0,
+              "--alternatives is for named shapes: these answers are yes and no");
     if (options.alternatives < table.responses.size()) {
         throw std::invalid_argument(fmt::format(
             "--alternatives is {}: {} different answers were given; give as many or more",
@@ -100,11 +95,9 @@ StatsReport stats_of(TrialTable table, const StatsOptions& options) {
     report.probability = is_probability(all);
     report.excluded = excluded_of(all);
     report.applied = part_of(report, [](const Trial& one) { return one.excluded.empty(); });
-    if (report.applied.trials == 0) {
-        throw std::invalid_argument(
-            fmt::format("{}: all {} trials are excluded: nothing is left to compute", all.source,
-                        all.trials.size()));
-    }
+    refuse_if(report.applied.trials == 0,
+              "{}: all {} trials are excluded: nothing is left to compute", all.source,
+              all.trials.size());
     if (!report.excluded.empty()) {
         report.not_applied = part_of(report, [](const Trial&) { return true; });
     }

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/csv/csv_text.hpp"
@@ -27,12 +27,12 @@ public:
     Rows(const std::filesystem::path& file, const NumberTable& table)
         : file_(file.string()), table_(table) {
         for (const std::string_view name : kNamed) {
-            if (std::ranges::find(table.text_columns, name) == table.text_columns.end()) {
-                throw CsvError(fmt::format(
-                    "{}:1: there is no column {}: give a head with subject,trial,shape,friction,"
-                    "response and, if known, rt_s,confidence,explore_s,since_break,excluded",
-                    file_, name));
-            }
+            refuse_if<CsvError>(
+                std::ranges::find(table.text_columns, name) == table.text_columns.end(),
+                "{}:1: there is no column {}: give a head with "
+                "subject,trial,shape,friction,response and, if known, "
+                "rt_s,confidence,explore_s,since_break,excluded",
+                file_, name);
         }
     }
 
@@ -53,12 +53,10 @@ public:
 
     [[nodiscard]] std::int64_t number(std::size_t row) const {
         const double value = table_.at(row, 0);
-        if (!(value >= 0.0 && value <= kLatest) || value != std::floor(value)) {
-            throw CsvError(fmt::format(
-                "{}:{}: trial is {:g}: give the trial's number in the order run, a whole number "
-                "from 0 to 1000000000",
-                file_, table_.place(row, 0), value));
-        }
+        refuse_if<CsvError>(!(value >= 0.0 && value <= kLatest) || value != std::floor(value),
+                            "{}:{}: trial is {:g}: give the trial's number in the order run, a "
+                            "whole number from 0 to 1000000000",
+                            file_, table_.place(row, 0), value);
         return static_cast<std::int64_t>(value);
     }
 
@@ -177,20 +175,17 @@ TrialTable read_trials(const std::filesystem::path& file, bool others) {
         one.trial.since_break = rows.value(row, "since_break", false);
         one.trial.excluded = rows.excluded(row);
         const auto [first, is_new] = seen.try_emplace({one.subject, one.trial.number}, row);
-        if (!is_new) {
-            throw CsvError(fmt::format(
-                "{}:{}: trial {} of this subject stands in line {} too: number the trials of a "
-                "subject in the order run, each once",
-                file.string(), read.place(row, 0), one.trial.number, read.lines[first->second]));
-        }
+        refuse_if<CsvError>(!is_new,
+                            "{}:{}: trial {} of this subject stands in line {} too: number the "
+                            "trials of a subject in the order run, each once",
+                            file.string(), read.place(row, 0), one.trial.number,
+                            read.lines[first->second]);
         all.push_back(std::move(one));
     }
-    if (all.empty()) {
-        throw CsvError(
-            fmt::format("{}: there is no row below the head: give "
+    refuse_if<CsvError>(all.empty(),
+                        "{}: there is no row below the head: give "
                         "subject,trial,shape,friction,response, a row a trial",
-                        file.string()));
-    }
+                        file.string());
     TrialTable table = table_of_names(std::move(all));
     if (table.alternatives > 0) {
         check_named(file, table);
@@ -223,10 +218,8 @@ std::string trials_csv(const TrialTable& table) {
 
 void compare_with(TrialTable& table, const std::string& friction) {
     const auto found = std::ranges::find(table.frictions, friction);
-    if (found == table.frictions.end()) {
-        throw std::invalid_argument(fmt::format("--baseline is {}: give one of {}", friction,
-                                                fmt::join(table.frictions, ", ")));
-    }
+    refuse_if(found == table.frictions.end(), "--baseline is {}: give one of {}", friction,
+              fmt::join(table.frictions, ", "));
     const auto at = static_cast<std::size_t>(found - table.frictions.begin());
     std::rotate(table.frictions.begin(), found, found + 1);
     for (Trial& one : table.trials) {

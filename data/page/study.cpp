@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/shell/sql_shell.hpp"
@@ -23,9 +24,7 @@ std::string_view page_query(std::string_view name) {
     const std::string head = fmt::format("-- name: {}\n", name);
     std::string_view query = page_queries();
     const std::size_t at = query.find(head);
-    if (at == std::string_view::npos) {
-        throw std::logic_error(head);
-    }
+    refuse_if<std::logic_error>(at == std::string_view::npos, "{}", head);
     query.remove_prefix(at + head.size());
     query = query.substr(0, query.find("\n\n--"));
     return query.ends_with('\n') ? query.substr(0, query.size() - 1) : query;
@@ -89,9 +88,7 @@ std::vector<std::vector<std::string>> fields_of(std::string_view csv) {
 
 const std::string& Rows::text(std::size_t row, std::string_view name) const {
     const auto found = std::ranges::find(names, name);
-    if (found == names.end()) {
-        throw std::logic_error(fmt::format("no column {} in {}", name, sql));
-    }
+    refuse_if<std::logic_error>(found == names.end(), "no column {} in {}", name, sql);
     return cells.at(row)[static_cast<std::size_t>(found - names.begin())];
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <future>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/fit/stored_answers.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/graded_answers.hpp"
@@ -99,10 +99,8 @@ std::string study_page(Database& database, const PageOptions& options) {
     // Statistics need no database any more: they are computed while the rest is asked for.
     std::optional<TrialTable> trials = stats_trials(database, study);
     const StoredAnswers answers = fit_answers(database, study);
-    if (!trials && !options.signals.empty()) {
-        throw std::invalid_argument(
-            "--signal is for answers of yes and no: there are none without a rule here");
-    }
+    refuse_if(!trials && !options.signals.empty(),
+              "--signal is for answers of yes and no: there are none without a rule here");
     auto computed = std::async(std::launch::async, [&] {
         if (trials) {
             numbers.stats = stats_of(*std::move(trials), {.signals = options.signals,

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/page/trial_trace.hpp"
 #include "data/schema/catalogue.hpp"
@@ -126,11 +127,9 @@ Owner owner_of(Database& database, const TrialPageOptions& options) {
                 : fmt::format("{} has no trial {}: its trial_id go from {} to {}", database.file(),
                               options.trial, all.integer(1), all.integer(2)));
     }
-    if (row.integer(5) != 0) {
-        throw std::invalid_argument(fmt::format(
-            "trial {} is of somebody who is noted as not consenting: there is no page of it",
-            options.trial));
-    }
+    refuse_if(row.integer(5) != 0,
+              "trial {} is of somebody who is noted as not consenting: there is no page of it",
+              options.trial);
     if (!row.null(6)) {
         throw std::invalid_argument(
             fmt::format("trial {} is of a session that was withdrawn ({}): there is no page of it",

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/plot/svg_text.hpp"
 
 namespace palpate::data {
@@ -49,11 +49,9 @@ AxisRange range_of(const Axis& axis, Extent extent, std::string_view which) {
                           .log = axis.log};
     const bool sane = std::isfinite(range.low) && std::isfinite(range.high) &&
                       std::isfinite(range.high - range.low);
-    if (!sane || !(range.low < range.high) || (axis.log && range.low <= 0.0)) {
-        throw std::invalid_argument(
-            fmt::format("the {} axis \"{}\" goes from {} to {}: give finite numbers that rise{}",
-                        which, axis.label, range.low, range.high, axis.log ? ", above 0" : ""));
-    }
+    refuse_if(!sane || !(range.low < range.high) || (axis.log && range.low <= 0.0),
+              "the {} axis \"{}\" goes from {} to {}: give finite numbers that rise{}", which,
+              axis.label, range.low, range.high, axis.log ? ", above 0" : "");
     return range;
 }
 
@@ -87,31 +85,22 @@ std::string_view colour(Ink ink, std::size_t turn) {
 }
 
 PanelPlan::PanelPlan(const Panel& panel, double width) : panel_(&panel), width_(width) {
-    if (!(panel.height >= 40.0 && panel.height <= 4000.0)) {
-        throw std::invalid_argument(
-            fmt::format("a panel is {} px high: give 40 to 4000", panel.height));
-    }
-    if (panel.equal_aspect && (panel.x.log || panel.y.log)) {
-        throw std::invalid_argument(
-            "a panel of equal aspect has a log axis: choose one of the two");
-    }
+    refuse_if(!(panel.height >= 40.0 && panel.height <= 4000.0),
+              "a panel is {} px high: give 40 to 4000", panel.height);
+    refuse_if(panel.equal_aspect && (panel.x.log || panel.y.log),
+              "a panel of equal aspect has a log axis: choose one of the two");
     for (const Series& series : panel.series) {
-        if (series.x.size() != series.y.size()) {
-            throw std::invalid_argument(fmt::format("series \"{}\" has {} x and {} y: give as many",
-                                                    series.name, series.x.size(), series.y.size()));
-        }
-        if (!series.sizes.empty() && series.sizes.size() != series.x.size()) {
-            throw std::invalid_argument(
-                fmt::format("series \"{}\" has {} points and {} sizes: give as many, or none",
-                            series.name, series.x.size(), series.sizes.size()));
-        }
+        refuse_if(series.x.size() != series.y.size(),
+                  "series \"{}\" has {} x and {} y: give as many", series.name, series.x.size(),
+                  series.y.size());
+        refuse_if(!series.sizes.empty() && series.sizes.size() != series.x.size(),
+                  "series \"{}\" has {} points and {} sizes: give as many, or none", series.name,
+                  series.x.size(), series.sizes.size());
     }
     for (const Band& band : panel.bands) {
-        if (band.x.size() != band.low.size() || band.x.size() != band.high.size()) {
-            throw std::invalid_argument(
-                fmt::format("band \"{}\" has {} x, {} low and {} high: give as many", band.name,
-                            band.x.size(), band.low.size(), band.high.size()));
-        }
+        refuse_if(band.x.size() != band.low.size() || band.x.size() != band.high.size(),
+                  "band \"{}\" has {} x, {} low and {} high: give as many", band.name,
+                  band.x.size(), band.low.size(), band.high.size());
     }
     find_ranges();
     fit_ranges();

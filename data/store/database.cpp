@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/own_schema.hpp"
@@ -186,11 +187,10 @@ void Database::open(Access access) {
     if (access != Access::write && lies_still(plain_name(connection_.file))) {
         connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }
-    if (access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1) {
-        throw StoreError(fmt::format(
-            "{}: the file or its folder is read-only: choose another place or change the rights",
-            connection_.file));
-    }
+    refuse_if<StoreError>(
+        access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1,
+        "{}: the file or its folder is read-only: choose another place or change the rights",
+        connection_.file);
     try {
         check_identity(access);
     } catch (const DiskError&) {

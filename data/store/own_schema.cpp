@@ -12,6 +12,7 @@
 #include <sqlite3.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
 
 namespace palpate::data {
@@ -340,9 +341,8 @@ std::string migrate(const Connection& file, std::span<const MigrationStep> steps
     if (steps.empty() || steps.back().to <= version) {
         return "";
     }
-    if (first == steps.end()) {
-        throw StoreError(fmt::format("{}: no step leads on from schema {}", file.file, version));
-    }
+    refuse_if<StoreError>(first == steps.end(), "{}: no step leads on from schema {}", file.file,
+                          version);
     std::string copy = copied(file, version);
     file.execute("BEGIN IMMEDIATE");
     try {

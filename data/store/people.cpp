@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"
 
@@ -307,11 +308,8 @@ std::string came_of_mark(Database& database, std::int64_t trial) {
 MarkResult mark_invalid(Database& database, std::int64_t trial, const Reason& why) {
     Transaction all(database);
     const Markable found = markable(database, trial);
-    if (!found.answered) {
-        throw std::invalid_argument(
-            fmt::format("{}: trial {} is {} and has no answer that could count", database.file(),
-                        trial, found.outcome));
-    }
+    refuse_if(!found.answered, "{}: trial {} is {} and has no answer that could count",
+              database.file(), trial, found.outcome);
     if (found.invalid) {
         throw std::invalid_argument(fmt::format("{}: trial {} does not count already: {}",
                                                 database.file(), trial, *found.invalid));
@@ -326,13 +324,11 @@ MarkResult mark_invalid(Database& database, std::int64_t trial, const Reason& wh
 MarkResult undo_mark(Database& database, std::int64_t trial, const Reason& why) {
     Transaction all(database);
     const Markable found = markable(database, trial);
-    if (!mark_reason(database, trial)) {
-        throw std::invalid_argument(
-            fmt::format("{}: trial {} {}: there is no mark to take back", database.file(), trial,
-                        found.invalid    ? "does not count by a rule: " + *found.invalid
-                        : found.answered ? "counts"
-                                         : "has no answer"));
-    }
+    refuse_if(!mark_reason(database, trial), "{}: trial {} {}: there is no mark to take back",
+              database.file(), trial,
+              found.invalid    ? "does not count by a rule: " + *found.invalid
+              : found.answered ? "counts"
+                               : "has no answer");
     if (const std::string kept = came_of_mark(database, trial); !kept.empty()) {
         throw std::invalid_argument(
             fmt::format("{}: the mark of trial {} stays: {}", database.file(), trial, kept));

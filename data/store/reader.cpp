@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/realtime/felt_scene.hpp"
 
 namespace palpate::data {
@@ -67,10 +68,8 @@ namespace {
         "SELECT 1 FROM trial JOIN session_provenance USING (session_id) WHERE trial_id = ?1 AND "
         "key = 'traces' AND value = 'none'",
         trial);
-    if (none.step()) {
-        throw TraceError(
-            fmt::format("trial {} has no ticks: it was simulated with --no-traces", trial));
-    }
+    refuse_if<TraceError>(none.step(), "trial {} has no ticks: it was simulated with --no-traces",
+                          trial);
     throw TraceError(fmt::format("trial {}: ticks {} to {} are missing", trial, first, last));
 }
 
@@ -84,10 +83,8 @@ Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
         if (tick.tick > next) {
             missing(database_, trial, next, tick.tick - 1);
         }
-        if (tick.tick < next) {
-            throw TraceError(
-                fmt::format("trial {}: tick {} follows tick {}", trial, tick.tick, next - 1));
-        }
+        refuse_if<TraceError>(tick.tick < next, "trial {}: tick {} follows tick {}", trial,
+                              tick.tick, next - 1);
         ++next;
     }
     Statement counted = database_.first(
@@ -128,9 +125,8 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
     for (const Statement& row : database.prepare(kChunks, trial, interval)) {
         const auto blob = row.blob(4);
         const auto& data = all.data.emplace_back(blob.begin(), blob.end());
-        if (row.integer(1) < 1) {
-            throw TraceError(fmt::format("trial {}: a chunk of {} ticks", trial, row.integer(1)));
-        }
+        refuse_if<TraceError>(row.integer(1) < 1, "trial {}: a chunk of {} ticks", trial,
+                              row.integer(1));
         all.views.push_back({.interval = row.integer(5),
                              .first_tick = row.integer(0),
                              .ticks = static_cast<std::size_t>(row.integer(1)),

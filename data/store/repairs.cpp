@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/session/progress.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/own_schema.hpp"
@@ -88,11 +89,9 @@ void require_movable(Database& database,
     if (whose == code) {
         refuse(database, session, "is theirs already");
     }
-    if (!find_participant(database, code)) {
-        throw std::invalid_argument(fmt::format(
-            "{}: nobody is called {}: palpate participant FILE {} --new registers them first",
-            database.file(), code, code));
-    }
+    refuse_if(!find_participant(database, code),
+              "{}: nobody is called {}: palpate participant FILE {} --new registers them first",
+              database.file(), code, code);
     if (is_destroyed(database, session)) {
         refuse(database, session, "was destroyed");
     }
@@ -196,15 +195,12 @@ void destroy_session(Database& database, std::int64_t session, const Reason& why
 
 /// All of a participant. @throws std::invalid_argument for nobody, or if one of them runs
 std::vector<SessionRow> idle_sessions(Database& database, std::string_view code) {
-    if (!find_participant(database, code)) {
-        throw std::invalid_argument(fmt::format("{}: nobody is called {}", database.file(), code));
-    }
+    refuse_if(!find_participant(database, code), "{}: nobody is called {}", database.file(), code);
     std::vector<SessionRow> sessions = sessions_of(database, code, std::nullopt);
     for (const SessionRow& session : sessions) {
-        if (SessionLock::held(database, session.id)) {
-            throw std::invalid_argument(fmt::format("{}: session {} of {} runs now: end it first",
-                                                    database.file(), session.number, code));
-        }
+        refuse_if(SessionLock::held(database, session.id),
+                  "{}: session {} of {} runs now: end it first", database.file(), session.number,
+                  code);
     }
     return sessions;
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
 
 namespace palpate::data {
@@ -16,9 +17,7 @@ bool Row::has(std::string_view column) const {
 }
 
 Row& Row::add(std::string_view column, Value value) {
-    if (!has(column)) {
-        throw std::logic_error(fmt::format("the catalogue has no column {}.{}", table_, column));
-    }
+    refuse_if<std::logic_error>(!has(column), "the catalogue has no column {}.{}", table_, column);
     values_.emplace_back(column, std::move(value));
     return *this;
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 #include "data/store/row.hpp"
 #include "data/store/uuid.hpp"
@@ -133,12 +134,10 @@ void set_secret(Database& database, std::string_view hex) {
     if (own_secret(database) == hex) {
         return;
     }
-    if (anybody_in(database)) {
-        throw std::invalid_argument(
-            fmt::format("{}: it has a secret of its own, with which people are numbered and their "
-                        "orders drawn: leave --secret out, or begin another file",
-                        database.file()));
-    }
+    refuse_if(anybody_in(database),
+              "{}: it has a secret of its own, with which people are numbered and their orders "
+              "drawn: leave --secret out, or begin another file",
+              database.file());
     database.execute("DELETE FROM secret");
     keep_secret(database, hex);
     all.commit();

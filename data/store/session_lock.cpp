@@ -11,6 +11,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
+
 namespace palpate::data {
 
 namespace {
@@ -23,9 +25,8 @@ struct Name {
 
     Name(const Database& database, std::int64_t session) {
         struct stat file {};
-        if (stat(database.file().c_str(), &file) != 0) {
-            throw StoreError(database.file() + ": it is no longer there");
-        }
+        refuse_if<StoreError>(stat(database.file().c_str(), &file) != 0,
+                              "{}: it is no longer there", database.file());
         const std::string name = fmt::format("palpate-{}-{}-{}", file.st_dev, file.st_ino, session);
         address.sun_family = AF_UNIX;
         std::memcpy(address.sun_path + 1, name.data(), name.size());

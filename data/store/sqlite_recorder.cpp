@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "protocols/session/progress.hpp"
 #include "protocols/trial/trial_scene.hpp"
@@ -181,9 +182,8 @@ void SqliteRecorder::begin_interval(TrialId trial,
 }
 
 void SqliteRecorder::require_running(TrialId trial) const {
-    if (trial != running_ || running_ == 0) {
-        throw std::logic_error(fmt::format("trial {} is not the one that is running", trial));
-    }
+    refuse_if<std::logic_error>(trial != running_ || running_ == 0,
+                                "trial {} is not the one that is running", trial);
 }
 
 void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
@@ -223,18 +223,14 @@ bool SqliteRecorder::save() {
 
 void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
     require_running(trial);
-    if (protocols::is_answered(result.outcome) != result.response.has_value()) {
-        throw std::logic_error(fmt::format("trial {} is {} {} an answer", trial,
-                                           to_string(result.outcome),
-                                           result.response ? "with" : "without"));
-    }
-    if (!result.invalid.empty() && !result.response) {
-        throw std::logic_error(fmt::format("trial {} has no answer that could be invalid", trial));
-    }
-    if (result.fault && result.outcome != protocols::Outcome::faulted) {
-        throw std::logic_error(
-            fmt::format("trial {} is {} with a fault", trial, to_string(result.outcome)));
-    }
+    refuse_if<std::logic_error>(
+        protocols::is_answered(result.outcome) != result.response.has_value(),
+        "trial {} is {} {} an answer", trial, to_string(result.outcome),
+        result.response ? "with" : "without");
+    refuse_if<std::logic_error>(!result.invalid.empty() && !result.response,
+                                "trial {} has no answer that could be invalid", trial);
+    refuse_if<std::logic_error>(result.fault && result.outcome != protocols::Outcome::faulted,
+                                "trial {} is {} with a fault", trial, to_string(result.outcome));
     with_room([&] { write_end(trial, result); });  // a try that fails leaves the ticks for another
     trace_.saved();
     running_ = 0;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
@@ -225,10 +226,9 @@ protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session
 ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run) {
     const Begun rules = begun(database, session).value_or(Begun{});
     const protocols::Protocol& protocol = rules.protocol;
-    if (!protocol.procedure || run < 0 || run >= static_cast<std::int64_t>(protocol.runs.size())) {
-        throw StoreError(fmt::format("{}: there is no run {} of a rule in session {}",
-                                     database.file(), run, session));
-    }
+    refuse_if<StoreError>(
+        !protocol.procedure || run < 0 || run >= static_cast<std::int64_t>(protocol.runs.size()),
+        "{}: there is no run {} of a rule in session {}", database.file(), run, session);
     return {
         .procedure = protocol.procedure->rule.text +
                      fmt::format("\n[stream]\norigin = \"{}\"\n",

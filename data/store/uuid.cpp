@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <sys/random.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 
 namespace palpate::data {
@@ -29,9 +30,8 @@ std::string uuid_of(Bytes bytes, unsigned version) {
 
 Bytes random_bytes() {
     Bytes bytes{};
-    if (getentropy(bytes.data(), bytes.size()) != 0) {
-        throw std::runtime_error("the kernel gives no random numbers, which palpate asks it for");
-    }
+    refuse_if<std::runtime_error>(getentropy(bytes.data(), bytes.size()) != 0,
+                                  "the kernel gives no random numbers, which palpate asks it for");
     return bytes;
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/shared_library.hpp"
 #include "data/export/csv_export.hpp"
 
@@ -41,11 +42,9 @@ private:
 
     [[nodiscard]] SharedLibrary::Symbol needed(const char* name) const {
         const SharedLibrary::Symbol found = library_.find(name);
-        if (found.place == nullptr) {
-            throw std::invalid_argument(
-                "palpate push needs PostgreSQL's library, libpq.so.5 of version 14 or later: "
-                "install libpq5, and push again");
-        }
+        refuse_if(found.place == nullptr,
+                  "palpate push needs PostgreSQL's library, libpq.so.5 of version 14 or later: "
+                  "install libpq5, and push again");
         return found;
     }
 
@@ -160,13 +159,11 @@ void require_secure(PGconn* connection) {
         // libpq goes by an address, and where its place is empty by the host's name.
         const bool by_name = i >= addresses.size() || addresses[i].empty();
         const std::string host = !by_name ? addresses[i] : i < hosts.size() ? hosts[i] : "";
-        if (!stays_here(host) && mode != "verify-full") {
-            throw std::invalid_argument(
-                fmt::format("{} is another machine, and with sslmode={} others can read what is "
-                            "sent, or answer in its place: give sslmode=verify-full with "
-                            "sslrootcert, or --insecure as well",
-                            host, mode));
-        }
+        refuse_if(
+            !stays_here(host) && mode != "verify-full",
+            "{} is another machine, and with sslmode={} others can read what is sent, or answer in "
+            "its place: give sslmode=verify-full with sslrootcert, or --insecure as well",
+            host, mode);
     }
 }
 
@@ -183,11 +180,9 @@ void require_url(const std::string& url) {
     void* parsed = ours ? pq().conninfo_parse(url.c_str(), nullptr) : nullptr;
     const bool good = parsed != nullptr;
     pq().conninfo_free(parsed);
-    if (!good) {
-        throw std::invalid_argument(
-            "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs "
-            "other than letters and digits as %XX");
-    }
+    refuse_if(!good,
+              "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs "
+              "other than letters and digits as %XX");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/repairs.hpp"
 #include "data/store/secret.hpp"
@@ -214,10 +215,9 @@ void copy_shared(Database& from, Database& out, const Layout& layout, const std:
             bind_row(row, add, 1);
             add.run();
             bind_row(row, there, 1);
-            if (!there.step()) {
-                throw StoreError(fmt::format("{}: {} differs from that of {}: nothing was merged",
-                                             file, table.name, out.file()));
-            }
+            refuse_if<StoreError>(!there.step(),
+                                  "{}: {} differs from that of {}: nothing was merged", file,
+                                  table.name, out.file());
             there.reset();
         }
     }

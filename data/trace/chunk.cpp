@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "engine/base/refuse.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -39,10 +41,8 @@ EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
                           std::int64_t first_tick,
                           std::int64_t period_ns,
                           std::uint8_t parts) {
-    if (ticks.empty() || ticks.size() > kChunkTicks) {
-        throw TraceError(
-            fmt::format("a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, ticks.size()));
-    }
+    refuse_if<TraceError>(ticks.empty() || ticks.size() > kChunkTicks,
+                          "a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, ticks.size());
     std::vector<std::uint32_t> sizes;
     EncodedChunk chunk;
     const auto columns = stored_columns();
@@ -73,10 +73,8 @@ void check_head(const ChunkView& chunk) {
     if (chunk.codec != kTraceCodec) {
         throw TraceError(fmt::format("trace codec {} is unknown; update palpate", chunk.codec));
     }
-    if (chunk.ticks < 1 || chunk.ticks > kChunkTicks) {
-        throw TraceError(
-            fmt::format("a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, chunk.ticks));
-    }
+    refuse_if<TraceError>(chunk.ticks < 1 || chunk.ticks > kChunkTicks,
+                          "a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, chunk.ticks);
     if (crc_of(chunk.data) != chunk.crc32) {
         damaged("its checksum differs");
     }
@@ -173,9 +171,8 @@ std::uint8_t parts_of(std::string_view text) {
 }
 
 std::uint32_t crc32_of(std::int64_t stored) {
-    if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
-        throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
-    }
+    refuse_if<TraceError>(stored < 0 || stored > std::numeric_limits<std::uint32_t>::max(),
+                          "crc32 {} has more than 32 bits", stored);
     return static_cast<std::uint32_t>(stored);
 }
 

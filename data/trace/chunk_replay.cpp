@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "engine/base/processor.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
@@ -35,9 +36,9 @@ void require_modes(const ChunkReader& reader) {
     std::vector<TickRecord> ticks(reader.chunk().ticks);
     reader.read_exact(ticks);
     for (const TickRecord& tick : ticks) {
-        if (static_cast<unsigned>(tick.mode) > static_cast<unsigned>(engine::Mode::transition)) {
-            throw TraceError("a trace chunk holds an unknown contact mode");
-        }
+        refuse_if<TraceError>(
+            static_cast<unsigned>(tick.mode) > static_cast<unsigned>(engine::Mode::transition),
+            "a trace chunk holds an unknown contact mode");
     }
 }
 

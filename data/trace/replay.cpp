@@ -1,10 +1,10 @@
 #include "data/trace/replay.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/calibration_file.hpp"
@@ -24,9 +24,7 @@ template <class List>
 std::size_t index_of(const List& list, const std::string& name, std::string_view what) {
     const auto found =
         std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
-    if (found == list.end()) {
-        throw std::invalid_argument(fmt::format("the protocol has no {} \"{}\"", what, name));
-    }
+    refuse_if(found == list.end(), "the protocol has no {} \"{}\"", what, name);
     return static_cast<std::size_t>(found - list.begin());
 }
 

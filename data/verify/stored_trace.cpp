@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/chunk_replay.hpp"
@@ -72,20 +73,16 @@ private:
     /// @throws TraceError what is wrong with a chunk that should follow next_ ticks
     void check(std::size_t i) {
         const ChunkView& chunk = chunks_[i];
-        if (i > 0 && chunks_[i - 1].ticks != kChunkTicks) {
-            throw TraceError(
-                fmt::format("the one before it is not full: it ends before {}", next_));
-        }
+        refuse_if<TraceError>(i > 0 && chunks_[i - 1].ticks != kChunkTicks,
+                              "the one before it is not full: it ends before {}", next_);
         const std::int64_t first = chunk.first_tick;
         if (first != next_) {
             throw TraceError(first > next_
                                  ? fmt::format("ticks {} to {} are missing", next_, first - 1)
                                  : fmt::format("it begins with tick {} again", first));
         }
-        if (chunk.period_ns != period_ns_) {
-            throw TraceError(
-                fmt::format("its period is {} ns, not {}", chunk.period_ns, period_ns_));
-        }
+        refuse_if<TraceError>(chunk.period_ns != period_ns_, "its period is {} ns, not {}",
+                              chunk.period_ns, period_ns_);
         const ChunkReplay::Again again = replay_.chunk(i);
         const Look look = look_at(*again.columns, again.ticks);
         if (!look.right) {
@@ -140,10 +137,8 @@ private:
 
     void require_order(std::span<const TickRecord> ticks) const {
         for (std::int64_t due = next_; const TickRecord& tick : ticks) {
-            if (tick.tick != due) {
-                throw TraceError(
-                    fmt::format("tick {} stands where tick {} belongs", tick.tick, due));
-            }
+            refuse_if<TraceError>(tick.tick != due, "tick {} stands where tick {} belongs",
+                                  tick.tick, due);
             ++due;
         }
     }

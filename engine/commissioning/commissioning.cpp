@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/commissioning/pulse_match.hpp"
 #include "engine/commissioning/straight_axes.hpp"
@@ -31,11 +32,9 @@ void check_marks(const Calibration& machine, const std::vector<Vec3>& places) {
     for (const Vec3& place : places) {
         plane.emplace_back(place);
     }
-    if (!(separation(machine.pantograph, plane) > 2.0 * kPlaced)) {
-        throw std::invalid_argument(
-            "these marks do not tell how the encoders are connected: give others, further apart "
-            "and not in one line with home");
-    }
+    refuse_if(!(separation(machine.pantograph, plane) > 2.0 * kPlaced),
+              "these marks do not tell how the encoders are connected: give others, further apart "
+              "and not in one line with home");
 }
 
 /// Of the pulses that find numbers, N. @param force  that moves the handle
@@ -331,10 +330,8 @@ CommissioningResult commission(Device& device,
                                const CommissioningDesk& desk) {
     check_marks(machine, places);
     for (int i = 0; i < static_cast<int>(machine.gantry ? machine.axes() : 1); ++i) {
-        if (!(mass[i] > 0.0 && std::isfinite(mass[i]))) {
-            throw std::invalid_argument("the handle weighs " + number_text(mass[i]) +
-                                        " kg: give a number above 0");
-        }
+        refuse_if(!(mass[i] > 0.0 && std::isfinite(mass[i])),
+                  "the handle weighs {:.9g} kg: give a number above 0", mass[i]);
     }
     CommissioningResult done;
     PulseRunner runner(device, Machine(machine), desk.period, desk.wait);

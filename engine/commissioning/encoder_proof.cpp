@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/device/pantograph.hpp"
 
 namespace palpate::engine {
@@ -90,9 +90,7 @@ std::string explained(const Connection& connection,
 }
 
 EncoderProof prove_encoders(const PantographSpec& spec, std::span<const MarkReading> marks) {
-    if (marks.size() < 2) {
-        throw std::invalid_argument("encoders are proved by home and one more mark at least");
-    }
+    refuse_if(marks.size() < 2, "encoders are proved by home and one more mark at least");
     const Pantograph machine(spec);
     EncoderProof proof{.connection = {}, .fits = false, .missed = kNowhere};
     for (const Connection& connection : all_connections()) {
@@ -160,11 +158,10 @@ std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& h
             }
         }
     }
-    if (best.empty()) {
-        throw std::invalid_argument(
-            "no two places within reach of " + spec.name +
-            " tell how its encoders are connected: correct home, the lengths or the origin");
-    }
+    refuse_if(best.empty(),
+              "no two places within reach of {} tell how its encoders are connected: correct home, "
+              "the lengths or the origin",
+              spec.name);
     return best;
 }
 

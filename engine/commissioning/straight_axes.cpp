@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/commissioning/nearest_numbers.hpp"
@@ -232,19 +232,16 @@ void check_straight_places(const GantrySpec& spec, std::span<const Vec3> places)
         beside[i] = 0.0;
         good = good && beside == Vec3{};
     }
-    if (!good) {
-        throw std::invalid_argument(
-            "marks of three axes are home and a place along each axis, 20 mm away from it or more "
-            "and 10 mm from the axis' end: correct home or the ends of " +
-            spec.name);
-    }
+    refuse_if(!good,
+              "marks of three axes are home and a place along each axis, 20 mm away from it or "
+              "more and 10 mm from the axis' end: correct home or the ends of {}",
+              spec.name);
     for (int i = 0; i < 3; ++i) {
         const StraightAxis& axis = spec.axes[static_cast<std::size_t>(i)];
-        if (!(axis.home - axis.low >= kMargin && axis.high - axis.home >= kMargin)) {
-            throw std::invalid_argument("home of axis " + name(i) +
-                                        " is less than 10 mm from its end, and weak pulses move "
-                                        "the handle there: let it rest further inside");
-        }
+        refuse_if(!(axis.home - axis.low >= kMargin && axis.high - axis.home >= kMargin),
+                  "home of axis {} is less than 10 mm from its end, and weak pulses move the "
+                  "handle there: let it rest further inside",
+                  name(i));
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 
@@ -276,12 +277,10 @@ std::vector<Vec2> Dnurbs::equilibrium(double u, const Vec2& force) const {
         of_moving(moving_, [this](std::size_t i, std::size_t j) { return stiffness(i, j); });
     const Eigen::LDLT<Matrix> factor(k);
     const double largest = k.diagonal().maxCoeff();
-    if (!(factor.vectorD().minCoeff() > kFree * largest)) {
-        throw std::invalid_argument(
-            "fixed leaves a motion that no tension or rigidity resists, so no force has an "
-            "equilibrium: fix one "
-            "more control point (rigidity alone needs two), or give alpha or beta above 0");
-    }
+    refuse_if(!(factor.vectorD().minCoeff() > kFree * largest),
+              "fixed leaves a motion that no tension or rigidity resists, so no force has an "
+              "equilibrium: fix one more control point (rigidity alone needs two), or give alpha "
+              "or beta above 0");
     const BasisAt r = basis(u);
     std::vector<Vec2> load(points());
     for (std::size_t i = 0; i < r.value.size(); ++i) {
@@ -341,10 +340,8 @@ DnurbsMotion::DnurbsMotion(const Dnurbs& curve, double step)
       q_(curve.points()),
       v_(curve.points()),
       side_(moving_.size()) {
-    if (!(curve.spec().mu > 0.0)) {
-        throw std::invalid_argument(
-            "mu is 0: a motion needs mass, give a number above 0 (or static = true)");
-    }
+    refuse_if(!(curve.spec().mu > 0.0),
+              "mu is 0: a motion needs mass, give a number above 0 (or static = true)");
     require(std::isfinite(step) && step > 0.0, "dt_s", step, "give a number above 0");
     for (std::size_t i = 0; i < moving_.size(); ++i) {
         place_[moving_[i]] = i;

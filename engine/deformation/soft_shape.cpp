@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/deformation/dnurbs.hpp"
 #include "engine/math/elementary.hpp"
@@ -94,11 +94,9 @@ const Outline& checked(const Outline& outline) {
     for (std::size_t i = 0; whole && i < outline.spans().size(); ++i) {
         whole = outline.name(i).segment == i;
     }
-    if (!whole) {
-        throw std::invalid_argument(
-            "a compliance is for two curves on a base line: give a closed outline of three "
-            "segments that are one span each, or leave the compliance out");
-    }
+    refuse_if(!whole,
+              "a compliance is for two curves on a base line: give a closed outline of three "
+              "segments that are one span each, or leave the compliance out");
     return outline;
 }
 

@@ -1,8 +1,8 @@
 #include "engine/device/calibration.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 
@@ -18,10 +18,8 @@ constexpr double kMaxDamping = 100.0;  ///< N s/m: no hand would move it
 constexpr double kMaxCode = 2147483647.0;
 
 void above_zero(double value, double highest, const std::string& what) {
-    if (!(value > 0.0 && value <= highest)) {
-        throw std::invalid_argument(what + " is " + number_text(value) +
-                                    ": give a number above 0, at most " + number_text(highest));
-    }
+    refuse_if(!(value > 0.0 && value <= highest),
+              "{} is {:.9g}: give a number above 0, at most {:.9g}", what, value, highest);
 }
 
 void check_axis(const Axis& axis, const std::string& which) {
@@ -34,18 +32,13 @@ void check_axis(const Axis& axis, const std::string& which) {
 }
 
 void differ(std::uint32_t one, std::uint32_t two, const std::string& what) {
-    if (one == two) {
-        throw std::invalid_argument(what + " is " + std::to_string(one) +
-                                    " for two axes: give each its own");
-    }
+    refuse_if(one == two, "{} is {} for two axes: give each its own", what, one);
 }
 
 void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
-    if (wiring.id == 0) {
-        throw std::invalid_argument(
-            "the device id on a Haply board is 0, which the board takes for every unused slot: "
-            "give 1 to 255");
-    }
+    refuse_if(wiring.id == 0,
+              "the device id on a Haply board is 0, which the board takes for every unused slot: "
+              "give 1 to 255");
     for (const std::uint8_t port : wiring.port) {
         require_range(port, 1.0, 2.0, "port of the Haply board");
     }
@@ -56,13 +49,10 @@ void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
     require_range(wiring.grip_threshold, 0.0, 4095.0, "grip threshold (ADC value)");
     for (std::size_t i = 0; i < 2; ++i) {
         const double torque = pantograph.axes[i].torque_limit;
-        if (!(torque <= kHaplyTorque)) {
-            throw std::invalid_argument("torque limit of axis " + std::to_string(i + 1) + " is " +
-                                        number_text(torque) + " N m, and a Haply board gives " +
-                                        number_text(kHaplyTorque) +
-                                        " at most: lower it, or take the table [haply] out if the "
-                                        "machine hangs on another board");
-        }
+        refuse_if(!(torque <= kHaplyTorque),
+                  "torque limit of axis {} is {:.9g} N m, and a Haply board gives {:.9g} at most: "
+                  "lower it, or take the table [haply] out if the machine hangs on another board",
+                  i + 1, torque, kHaplyTorque);
     }
 }
 
@@ -130,11 +120,10 @@ void check(const GantrySpec& spec) {
 void check(const Calibration& calibration) {
     if (calibration.gantry) {
         check(*calibration.gantry);
-        if (calibration.haply || calibration.comedi) {
-            throw std::invalid_argument("machine " + calibration.name() +
-                                        " has three axes, and only an open board drives so many: "
-                                        "leave its table board alone");
-        }
+        refuse_if(calibration.haply || calibration.comedi,
+                  "machine {} has three axes, and only an open board drives so many: leave its "
+                  "table board alone",
+                  calibration.name());
     } else {
         check(calibration.pantograph);
     }

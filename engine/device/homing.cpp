@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/pantograph.hpp"
 
@@ -30,20 +31,17 @@ struct Target {
 Target target_of(const Pantograph& machine, const MarkReading& mark) {
     const auto angles = machine.reach(mark.place);
     const auto fix = angles ? machine.locate(*angles) : std::nullopt;
-    if (!fix) {
-        throw HomingError("the mark " + text_of(mark.place) +
-                          " is out of the linkage's reach: give a mark within it");
-    }
+    refuse_if<HomingError>(!fix, "the mark {} is out of the linkage's reach: give a mark within it",
+                           text_of(mark.place));
     const auto& axes = machine.spec().axes;
     const double moved =
         (glm::length(fix->jacobian.column_1()) * mark.span.x / axes[0].counts_per_turn +
          glm::length(fix->jacobian.column_2()) * mark.span.y / axes[1].counts_per_turn) *
         kTurn;
-    if (!(moved <= kMoved + machine.quantum(*fix).largest)) {
-        throw HomingError("the handle moved by " + number_text(moved * 1e3) +
-                          " mm while it was read at " + text_of(mark.place) +
-                          ": hold it still, or put it into a hole");
-    }
+    refuse_if<HomingError>(!(moved <= kMoved + machine.quantum(*fix).largest),
+                           "the handle moved by {:.9g} mm while it was read at {}: hold it still, "
+                           "or put it into a hole",
+                           moved * 1e3, text_of(mark.place));
     return {
         .counts = mark.counts, .angles = {(*angles)[0], (*angles)[1]}, .jacobian = fix->jacobian};
 }
@@ -93,9 +91,8 @@ Column solved(Normal a, Column b, std::size_t n) {
         }
         std::swap(a[k], a[pivot]);
         std::swap(b[k], b[pivot]);
-        if (!(std::fabs(a[k][k]) > 1e-300)) {
-            throw HomingError("the marks do not tell the encoders' zeros: give other marks");
-        }
+        refuse_if<HomingError>(!(std::fabs(a[k][k]) > 1e-300),
+                               "the marks do not tell the encoders' zeros: give other marks");
         for (std::size_t i = k + 1; i < n; ++i) {
             const double share = a[i][k] / a[k][k];
             for (std::size_t j = k; j < n; ++j) {
@@ -139,12 +136,10 @@ Column fitted(const std::vector<Target>& targets, const Vec2& per_count, bool sc
 void check_scale(const std::array<Axis, 2>& before, const std::array<Axis, 2>& after) {
     for (std::size_t i = 0; i < 2; ++i) {
         const double share = after[i].counts_per_turn / before[i].counts_per_turn;
-        if (!(std::fabs(share - 1.0) <= kMaxScale)) {
-            throw HomingError("axis " + std::to_string(i + 1) + " would count " +
-                              number_text(after[i].counts_per_turn) + " a turn instead of " +
-                              number_text(before[i].counts_per_turn) +
-                              ": check the preset and the order of the marks");
-        }
+        refuse_if<HomingError>(!(std::fabs(share - 1.0) <= kMaxScale),
+                               "axis {} would count {:.9g} a turn instead of {:.9g}: check the "
+                               "preset and the order of the marks",
+                               i + 1, after[i].counts_per_turn, before[i].counts_per_turn);
     }
 }
 
@@ -159,13 +154,12 @@ void measure(Homing& homing, const PantographSpec& spec, std::span<const MarkRea
         const auto fix = Pantograph(spec).locate(angles);
         const double missed =
             fix ? glm::length(fix->hip - mark.place) : std::numeric_limits<double>::infinity();
-        if (!(missed <= kMissed)) {
-            throw HomingError(
-                "with the zeros that fit best the mark " + text_of(mark.place) +
-                (fix ? " is missed by " + number_text(missed * 1e3) + " mm" : " is nowhere") +
-                ", more than 1 mm: check the marks' places and order, the preset's lengths and "
-                "the encoders' directions");
-        }
+        refuse_if<HomingError>(
+            !(missed <= kMissed),
+            "with the zeros that fit best the mark {}{}, more than 1 mm: check the marks' places "
+            "and order, the preset's lengths and the encoders' directions",
+            text_of(mark.place),
+            fix ? " is missed by " + number_text(missed * 1e3) + " mm" : " is nowhere");
         homing.residuals.push_back(missed);
         homing.worst = std::fmax(homing.worst, missed);
     }
@@ -183,9 +177,7 @@ void MarkCounts::add(const Pantograph::Counts& counts) noexcept {
 }
 
 MarkReading MarkCounts::at(const Vec2& place) const {
-    if (readings_ == 0) {
-        throw std::invalid_argument("nothing was read at the mark " + text_of(place));
-    }
+    refuse_if(readings_ == 0, "nothing was read at the mark {}", text_of(place));
     const auto mean = [&](std::size_t i) {
         return static_cast<double>(sum_[i]) / readings_;
     };
@@ -198,18 +190,14 @@ MarkReading MarkCounts::at(const Vec2& place) const {
 namespace {
 
 void check_marks(std::span<const MarkReading> marks, bool scale) {
-    if (marks.empty()) {
-        throw HomingError("there is no mark: give at least one");
-    }
-    if (scale && marks.size() < 3) {
-        throw HomingError("counts per turn need three marks, " + std::to_string(marks.size()) +
-                          " were given: give more, or find the zeros alone");
-    }
-    if (scale && !(narrowest(marks) >= kNarrow)) {
-        throw HomingError(
-            "the marks lie in line or too close together to tell counts per turn: "
-            "spread them over a triangle of 30 mm or more");
-    }
+    refuse_if<HomingError>(marks.empty(), "there is no mark: give at least one");
+    refuse_if<HomingError>(
+        scale && marks.size() < 3,
+        "counts per turn need three marks, {} were given: give more, or find the zeros alone",
+        marks.size());
+    refuse_if<HomingError>(scale && !(narrowest(marks) >= kNarrow),
+                           "the marks lie in line or too close together to tell counts per turn: "
+                           "spread them over a triangle of 30 mm or more");
 }
 
 }  // namespace

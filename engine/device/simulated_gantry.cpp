@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 #include <vector>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 
@@ -119,10 +119,8 @@ Vec3 in_space(const std::array<std::int32_t, 3>& steps) noexcept {
 
 SimulatedGantry::SimulatedGantry(const GantryModel& model, double period)
     : plant_(model), period_(period) {
-    if (!(period >= 1e-6 && period <= 0.1)) {
-        throw std::invalid_argument("the simulated gantry's period (s) is " + number_text(period) +
-                                    ": give 1e-06 to 0.1");
-    }
+    refuse_if(!(period >= 1e-6 && period <= 0.1),
+              "the simulated gantry's period (s) is {:.9g}: give 1e-06 to 0.1", period);
     traits_ = {
         .damping = model.damping, .delay_ticks = 1.0 + model.current_time / period, .axes = 3};
 }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "engine/base/processor.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
@@ -121,11 +121,10 @@ PantographPlant::PantographPlant(const PlantModel& model)
 void PantographPlant::begin(const Exploration& plan) {
     HandPath path(plan);
     const auto angles = Pantograph(model_.machine).reach(path.at(0.0).position);
-    if (!angles) {
-        throw std::invalid_argument("the simulated pantograph cannot reach the start pose (" +
-                                    number_text(plan.start.x) + ", " + number_text(plan.start.y) +
-                                    ") m: move the start closer to the object");
-    }
+    refuse_if(!angles,
+              "the simulated pantograph cannot reach the start pose ({:.9g}, {:.9g}) m: move the "
+              "start closer to the object",
+              plan.start.x, plan.start.y);
     path_ = std::move(path);
     angles_ = *angles;
     rates_ = Vec2{};
@@ -269,14 +268,11 @@ SimulatedPantograph::SimulatedPantograph(const PantographModel& model, double pe
       plant_(model.plant),
       period_(period),
       delayed_(model.delay_ticks == 1) {
-    if (!(period > 0.0 && period <= 0.1)) {
-        throw std::invalid_argument("the simulated pantograph's period is " + number_text(period) +
-                                    " s: give a number above 0, at most 0.1");
-    }
-    if (model.delay_ticks != 0 && model.delay_ticks != 1) {
-        throw std::invalid_argument("the simulated pantograph's delay is " +
-                                    std::to_string(model.delay_ticks) + " ticks: give 0 or 1");
-    }
+    refuse_if(!(period > 0.0 && period <= 0.1),
+              "the simulated pantograph's period is {:.9g} s: give a number above 0, at most 0.1",
+              period);
+    refuse_if(model.delay_ticks != 0 && model.delay_ticks != 1,
+              "the simulated pantograph's delay is {} ticks: give 0 or 1", model.delay_ticks);
     const PantographSpec& spec = model.plant.machine;
     traits_ = {.gives_force = true,
                .damping = spec.damping ? *spec.damping : min_handle_damping(model.plant),

@@ -4,6 +4,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 
@@ -36,12 +37,10 @@ RationalBezier<2> make_line(const Vec2& from, const Vec2& to) {
 RationalBezier<2> make_arc(const Vec2& from, const Vec2& to, double curvature) {
     const double chord = checked_chord(from, to);
     const double sine = 0.5 * curvature * chord;
-    if (!(std::fabs(sine) <= kMaxArcSine)) {
-        throw std::invalid_argument("curvature " + number_text(curvature) +
-                                    " 1/m is too strong for a chord of " + number_text(chord) +
-                                    " m: keep |curvature| below " +
-                                    number_text(2.0 * kMaxArcSine / chord) + " 1/m");
-    }
+    refuse_if(!(std::fabs(sine) <= kMaxArcSine),
+              "curvature {:.9g} 1/m is too strong for a chord of {:.9g} m: keep |curvature| below "
+              "{:.9g} 1/m",
+              curvature, chord, 2.0 * kMaxArcSine / chord);
     if (curvature == 0.0) {
         return make_line(from, to);
     }

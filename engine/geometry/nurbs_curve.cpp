@@ -5,60 +5,50 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {
 
 void check_degree(int degree, std::size_t points) {
-    if (degree < 1 || degree > kMaxDegree) {
-        throw std::invalid_argument("degree is " + std::to_string(degree) + ": give 1 to " +
-                                    std::to_string(kMaxDegree));
-    }
+    refuse_if(degree < 1 || degree > kMaxDegree, "degree is {}: give 1 to {}", degree, kMaxDegree);
     const auto p = static_cast<std::size_t>(degree);
-    if (points < p + 1) {
-        throw std::invalid_argument("degree " + std::to_string(degree) + " needs at least " +
-                                    std::to_string(p + 1) + " control points, not " +
-                                    std::to_string(points) + ": add points or lower the degree");
-    }
+    refuse_if(points < p + 1,
+              "degree {} needs at least {} control points, not {}: add points or lower the degree",
+              degree, p + 1, points);
 }
 
 void check_values(const std::vector<double>& values, const std::string& name) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!std::isfinite(values[i])) {
-            throw std::invalid_argument(name + "[" + std::to_string(i) + "] is " +
-                                        number_text(values[i]) + ": give a finite number");
-        }
-        if (i > 0 && values[i] < values[i - 1]) {
-            throw std::invalid_argument(name + "[" + std::to_string(i) + "] = " +
-                                        number_text(values[i]) + " is below the knot before it, " +
-                                        number_text(values[i - 1]) + ": knots never fall");
-        }
+        refuse_if(!std::isfinite(values[i]), "{}[{}] is {:.9g}: give a finite number", name, i,
+                  values[i]);
+        const double before = values[i > 0 ? i - 1 : 0];
+        refuse_if(values[i] < before,
+                  "{}[{}] = {:.9g} is below the knot before it, {:.9g}: knots never fall", name, i,
+                  values[i], before);
     }
 }
 
 void check_clamped(const std::vector<double>& values, std::size_t p, const std::string& name) {
     const std::size_t last = values.size() - 1;
     for (std::size_t i = 1; i <= p; ++i) {
-        if (values[i] != values[0] || values[last - i] != values[last]) {
-            throw std::invalid_argument(
-                name + " must repeat its first and its last value " + std::to_string(p + 1) +
-                " times (degree + 1), so that the curve reaches its end points");
-        }
+        refuse_if(values[i] != values[0] || values[last - i] != values[last],
+                  "{} must repeat its first and its last value {} times (degree + 1), so that the "
+                  "curve reaches its end points",
+                  name, p + 1);
     }
-    if (!(values[0] < values[last])) {
-        throw std::invalid_argument(name + " holds only the value " + number_text(values[0]) +
-                                    ": the last knot must be larger than the first");
-    }
+    refuse_if(!(values[0] < values[last]),
+              "{} holds only the value {:.9g}: the last knot must be larger than the first", name,
+              values[0]);
 }
 
 void check_repeats(const std::vector<double>& values, std::size_t p, const std::string& name) {
     for (std::size_t i = 1; i + p < values.size() - 1; ++i) {
-        if (values[i] > values[0] && values[i] < values.back() && values[i] == values[i + p]) {
-            throw std::invalid_argument(name + " repeats the inner knot " + number_text(values[i]) +
-                                        " more than " + std::to_string(p) +
-                                        " times (the degree): the curve would fall apart");
-        }
+        refuse_if(values[i] > values[0] && values[i] < values.back() && values[i] == values[i + p],
+                  "{} repeats the inner knot {:.9g} more than {} times (the degree): the curve "
+                  "would fall apart",
+                  name, values[i], p);
     }
 }
 
@@ -72,12 +62,9 @@ KnotVector::KnotVector(std::vector<double> values,
     const std::string label(name);
     check_degree(degree, points);
     const auto p = static_cast<std::size_t>(degree);
-    if (values_.size() != points + p + 1) {
-        throw std::invalid_argument(label + " has " + std::to_string(values_.size()) +
-                                    " values: " + std::to_string(points) +
-                                    " control points of degree " + std::to_string(degree) +
-                                    " need " + std::to_string(points + p + 1));
-    }
+    refuse_if(values_.size() != points + p + 1,
+              "{} has {} values: {} control points of degree {} need {}", label, values_.size(),
+              points, degree, points + p + 1);
     check_values(values_, label);
     check_clamped(values_, p, label);
     check_repeats(values_, p, label);
@@ -136,11 +123,9 @@ std::vector<double> all_weights(std::span<const double> weights, std::size_t poi
     if (weights.empty()) {
         return std::vector<double>(points, 1.0);
     }
-    if (weights.size() != points) {
-        throw std::invalid_argument(std::to_string(weights.size()) + " weights for " +
-                                    std::to_string(points) +
-                                    " control points: give one a control point, or none");
-    }
+    refuse_if(weights.size() != points,
+              "{} weights for {} control points: give one a control point, or none", weights.size(),
+              points);
     return {weights.begin(), weights.end()};
 }
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
@@ -81,11 +81,9 @@ Seam join(const RationalBezier<2>& before, const RationalBezier<2>& after, const
     const Vec2 end = before.point(static_cast<std::size_t>(before.degree()));
     const Vec2 start = after.point(0);
     const double gap = glm::length(start - end);
-    if (!(gap <= kSameEnd)) {
-        throw std::invalid_argument(name_text(name) + " starts " + number_text(gap) +
-                                    " m away from the end of the one before: let them share the "
-                                    "point");
-    }
+    refuse_if(!(gap <= kSameEnd),
+              "{} starts {:.9g} m away from the end of the one before: let them share the point",
+              name_text(name), gap);
     Seam seam{.point = start,
               .tangent_in = end_tangent(before, true),
               .tangent_out = end_tangent(after, false)};
@@ -93,10 +91,8 @@ Seam join(const RationalBezier<2>& before, const RationalBezier<2>& after, const
     seam.turn = std::fabs(arc_tan2(side, glm::dot(seam.tangent_in, seam.tangent_out)));
     if (seam.turn > kPi - kCuspTurn) {
         side = side_of_cusp(before, after, seam.tangent_in);
-        if (side == 0.0) {
-            throw std::invalid_argument("the outline runs back along itself where " +
-                                        name_text(name) + " starts: open the angle");
-        }
+        refuse_if(side == 0.0, "the outline runs back along itself where {} starts: open the angle",
+                  name_text(name));
     }
     seam.kind = seam.turn <= kSmoothTurn ? SeamKind::smooth
               : side < 0.0               ? SeamKind::convex
@@ -146,10 +142,8 @@ Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed) : closed_
 }
 
 void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
-    if (index >= kMaxSegments) {
-        throw std::invalid_argument("an outline has at most " + std::to_string(kMaxSegments) +
-                                    " segments: join some as spans of one NURBS");
-    }
+    refuse_if(index >= kMaxSegments,
+              "an outline has at most {} segments: join some as spans of one NURBS", kMaxSegments);
     const std::size_t first = spans_.size();
     const auto add = [this](const std::optional<RationalBezier<2>>& moving, const SpanName& name) {
         if (moving) {
@@ -173,16 +167,12 @@ void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
             from = to;
         }
     }
-    if (spans_.size() == first) {
-        throw std::invalid_argument("segment " + std::to_string(index) +
-                                    " is a mere point: give control points apart from one another");
-    }
+    refuse_if(spans_.size() == first,
+              "segment {} is a mere point: give control points apart from one another", index);
 }
 
 void Outline::join_all() {
-    if (spans_.empty()) {
-        throw std::invalid_argument("an outline needs at least one segment");
-    }
+    refuse_if(spans_.empty(), "an outline needs at least one segment");
     for (const RationalBezier<2>& span : spans_) {
         arcs_.push_back(Arc::of(span));
     }
@@ -195,11 +185,9 @@ void Outline::join_all() {
         seam.is_vertex = next <= i || names_[i].segment != names_[next].segment;
         seams_.push_back(seam);
     }
-    if (closed_ && !(control_area(spans_) < 0.0)) {
-        throw std::invalid_argument(
-            "a closed outline must run clockwise, the object on the right "
-            "of travel: reverse the order of its points");
-    }
+    refuse_if(closed_ && !(control_area(spans_) < 0.0),
+              "a closed outline must run clockwise, the object on the right of travel: reverse the "
+              "order of its points");
 }
 
 std::optional<std::size_t> Outline::seam_beyond(std::size_t span, bool forward) const noexcept {

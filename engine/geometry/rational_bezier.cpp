@@ -1,25 +1,22 @@
 #include "engine/geometry/rational_bezier.hpp"
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
 template <int D>
 void check_control_point(const Vec<D>& point, double weight, std::size_t index) {
-    if (!(weight >= kMinWeight) || !(weight <= kMaxWeight)) {
-        throw std::invalid_argument("weight " + std::to_string(index) + " is " +
-                                    number_text(weight) +
-                                    ": give a finite weight above 0, from 1e-12 to 1e12");
-    }
+    refuse_if(!(weight >= kMinWeight) || !(weight <= kMaxWeight),
+              "weight {} is {:.9g}: give a finite weight above 0, from 1e-12 to 1e12", index,
+              weight);
     for (int k = 0; k < D; ++k) {
-        if (!(std::fabs(point[k]) <= kMaxCoordinate)) {
-            throw std::invalid_argument("control point " + std::to_string(index) +
-                                        " has the coordinate " + number_text(point[k]) +
-                                        ": give finite coordinates in m, up to 1e9");
-        }
+        refuse_if(
+            !(std::fabs(point[k]) <= kMaxCoordinate),
+            "control point {} has the coordinate {:.9g}: give finite coordinates in m, up to 1e9",
+            index, point[k]);
     }
 }
 
@@ -27,15 +24,11 @@ template <int D>
 RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points,
                                   std::span<const double> weights,
                                   const Vec<D>& about) {
-    if (points.size() < 2 || points.size() > kMaxDegree + 1) {
-        throw std::invalid_argument("a Bezier span has 2 to " + std::to_string(kMaxDegree + 1) +
-                                    " control points, not " + std::to_string(points.size()));
-    }
-    if (weights.size() != points.size()) {
-        throw std::invalid_argument(
-            "a Bezier span needs one weight a control point: " + std::to_string(points.size()) +
-            ", not " + std::to_string(weights.size()));
-    }
+    refuse_if(points.size() < 2 || points.size() > kMaxDegree + 1,
+              "a Bezier span has 2 to {} control points, not {}", kMaxDegree + 1, points.size());
+    refuse_if(weights.size() != points.size(),
+              "a Bezier span needs one weight a control point: {}, not {}", points.size(),
+              weights.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         local_[i] = about + points[i];
         check_control_point<D>(local_[i], weights[i], i);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
+
+#include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -12,14 +13,10 @@ namespace {
 constexpr std::int64_t kSliceNs = 10'000'000;
 
 std::int64_t checked_period(const ServoSpec& spec) {
-    if (!(spec.rate_hz >= 1000.0 && spec.rate_hz <= 10000.0)) {
-        throw std::invalid_argument("the servo rate is " + std::to_string(spec.rate_hz) +
-                                    " Hz: give 1000 to 10000");
-    }
-    if (!(spec.spin_share >= 0.0 && spec.spin_share <= 0.5)) {
-        throw std::invalid_argument("the servo may spin for " + std::to_string(spec.spin_share) +
-                                    " of its period: give 0 to 0.5");
-    }
+    refuse_if(!(spec.rate_hz >= 1000.0 && spec.rate_hz <= 10000.0),
+              "the servo rate is {:f} Hz: give 1000 to 10000", spec.rate_hz);
+    refuse_if(!(spec.spin_share >= 0.0 && spec.spin_share <= 0.5),
+              "the servo may spin for {:f} of its period: give 0 to 0.5", spec.spin_share);
     return tick_period_ns(spec.rate_hz);
 }
 

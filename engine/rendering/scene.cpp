@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/friction/walk_at_once.hpp"
 
@@ -71,11 +71,9 @@ const SceneSpec& checked(const SceneSpec& spec) {
             "give 0 N s/m with a compliance: the object has a damping of its own");
     require(!soft || spec.slew.none(), "vertex slew", spec.slew.speed,
             "give 0 m/s with a compliance: the vertex yields");
-    if (soft && spec.law.traits != nullptr) {
-        throw std::invalid_argument(
-            "an object with a compliance takes friction \"frictionless\", \"gos\" or \"coulomb\": "
-            "give one of them, or leave the compliance out");
-    }
+    refuse_if(soft && spec.law.traits != nullptr,
+              "an object with a compliance takes friction \"frictionless\", \"gos\" or "
+              "\"coulomb\": give one of them, or leave the compliance out");
     return spec;
 }
 

@@ -3,11 +3,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 
 #include "engine/base/processor.hpp"
+#include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -90,10 +90,8 @@ std::array<Quad, 4> powers(const std::array<Quad, 4>& b, int degree) {
 }
 
 void check_degree(int degree, const char* name) {
-    if (degree < 1 || degree > kMaxDegree) {
-        throw std::invalid_argument(std::string(name) + " is " + std::to_string(degree) +
-                                    ": give 1 to " + std::to_string(kMaxDegree));
-    }
+    refuse_if(degree < 1 || degree > kMaxDegree, "{} is {}: give 1 to {}", name, degree,
+              kMaxDegree);
 }
 
 }  // namespace
@@ -110,11 +108,8 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
     };
     work_ = 2 * ((degree_v + 1) * levels(degree_u) + 3 * levels(degree_v));
     const auto needed = static_cast<std::size_t>((degree_u + 1) * (degree_v + 1));
-    if (net.size() != needed) {
-        throw std::invalid_argument("a patch of degree " + std::to_string(degree_u) + " x " +
-                                    std::to_string(degree_v) + " needs " + std::to_string(needed) +
-                                    " control points, not " + std::to_string(net.size()));
-    }
+    refuse_if(net.size() != needed, "a patch of degree {} x {} needs {} control points, not {}",
+              degree_u, degree_v, needed, net.size());
     if (!polynomial || degree_u > 3 || degree_v > 3) {
         method_ = degree_u == 3 && degree_v == 3 ? Method::bicubic
                 : degree_u == 2 && degree_v == 2 ? Method::biquadratic

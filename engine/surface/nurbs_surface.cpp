@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
@@ -22,28 +22,20 @@ std::size_t row_length(const Points& points) {
 
 void check_shape(const Points& points, const Weights& weights) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (points[i].size() != row_length(points)) {
-            throw std::invalid_argument("points[" + std::to_string(i) + "] has " +
-                                        std::to_string(points[i].size()) + " points, points[0] " +
-                                        std::to_string(row_length(points)) +
-                                        ": give rows of the same length");
-        }
+        refuse_if(points[i].size() != row_length(points),
+                  "points[{}] has {} points, points[0] {}: give rows of the same length", i,
+                  points[i].size(), row_length(points));
     }
     if (weights.empty()) {
         return;
     }
-    if (weights.size() != points.size()) {
-        throw std::invalid_argument(std::to_string(weights.size()) + " rows of weights for " +
-                                    std::to_string(points.size()) +
-                                    " rows of points: give one weight a point, or none");
-    }
+    refuse_if(weights.size() != points.size(),
+              "{} rows of weights for {} rows of points: give one weight a point, or none",
+              weights.size(), points.size());
     for (std::size_t i = 0; i < weights.size(); ++i) {
-        if (weights[i].size() != points[i].size()) {
-            throw std::invalid_argument("weights[" + std::to_string(i) + "] has " +
-                                        std::to_string(weights[i].size()) + " values for " +
-                                        std::to_string(points[i].size()) +
-                                        " points: give one weight a point, or none");
-        }
+        refuse_if(weights[i].size() != points[i].size(),
+                  "weights[{}] has {} values for {} points: give one weight a point, or none", i,
+                  weights[i].size(), points[i].size());
     }
 }
 
@@ -155,13 +147,11 @@ std::vector<BezierPatch> patches_of(const KnotVector& knots_u,
                 patch.insert(patch.end(), row.begin(), row.end());
             }
             patches.emplace_back(knots_u.degree(), knots_v.degree(), patch, net.polynomial);
-            if (is_mere_curve(patches.back(), net.size)) {
-                throw std::invalid_argument(
-                    "the patch with " + interval_text("u", knots_u.intervals()[i]) + " and " +
-                    interval_text("v", knots_v.intervals()[j]) +
-                    " is a mere curve, without an outside: give its rows of control points apart "
-                    "from one another");
-            }
+            refuse_if(is_mere_curve(patches.back(), net.size),
+                      "the patch with {} and {} is a mere curve, without an outside: give its rows "
+                      "of control points apart from one another",
+                      interval_text("u", knots_u.intervals()[i]),
+                      interval_text("v", knots_v.intervals()[j]));
         }
     }
     return patches;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -16,9 +17,7 @@ constexpr std::size_t kMaxLeaves = 4096;
 }  // namespace
 
 SurfaceFeet::SurfaceFeet(std::shared_ptr<const SurfaceObject> object) : object_(std::move(object)) {
-    if (!object_) {
-        throw std::invalid_argument("the object is null: give one of surfaces");
-    }
+    refuse_if(!object_, "the object is null: give one of surfaces");
     const auto count = static_cast<std::uint32_t>(object_->count());
     grids_.resize(count);
     for (std::uint32_t k = 0; k < count; ++k) {

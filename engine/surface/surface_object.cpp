@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 #include "engine/surface/surface_border.hpp"
@@ -71,19 +72,14 @@ bool same_breaks(const SurfaceBorder& a, const SurfaceBorder& b, bool reversed) 
 /// @param same  what joins, m @param near  what is nearer was meant to be one, m
 void check_apart(const SurfaceBorder& a, const SurfaceBorder& b, double same, double near) {
     const double gap = std::min(sampled_gap(a, b, false), sampled_gap(a, b, true));
-    if (gap <= near) {
-        throw std::invalid_argument(
-            a.name() + " and " + b.name() + " are up to " + number_text(gap) +
-            " m apart: give both the same control points, weights and knots (up to direction), "
-            "within " +
-            number_text(same) + " m, or leave more than " + number_text(near) + " m between them");
-    }
-    if (runs_along(a, b, 10.0 * same)) {
-        throw std::invalid_argument(
-            a.name() + " runs along " + b.name() +
-            ", but not from end to end at the same pace: cut the longer surface where the other "
-            "ends, and give both borders the same weights and knots");
-    }
+    refuse_if(gap <= near,
+              "{} and {} are up to {:.9g} m apart: give both the same control points, weights and "
+              "knots (up to direction), within {:.9g} m, or leave more than {:.9g} m between them",
+              a.name(), b.name(), gap, same, near);
+    refuse_if(runs_along(a, b, 10.0 * same),
+              "{} runs along {}, but not from end to end at the same pace: cut the longer surface "
+              "where the other ends, and give both borders the same weights and knots",
+              a.name(), b.name());
 }
 
 void check_corners(const SurfaceObject& object) {
@@ -94,12 +90,9 @@ void check_corners(const SurfaceObject& object) {
                 .u = corner % 2 == 0 ? 0.0 : 1.0, .v = corner < 2 ? 0.0 : 1.0, .surface = k};
             p.i = corner % 2 == 0 ? 0 : s.rows() - 1;
             p.j = corner < 2 ? 0 : s.columns() - 1;
-            if (object.around(p).full) {
-                throw std::invalid_argument("more than " +
-                                            std::to_string(SurfaceObject::kMaxAround) +
-                                            " patches meet at a corner of surface " +
-                                            std::to_string(k + 1) + ": give fewer");
-            }
+            refuse_if(object.around(p).full,
+                      "more than {} patches meet at a corner of surface {}: give fewer",
+                      SurfaceObject::kMaxAround, k + 1);
         }
     }
 }
@@ -108,13 +101,9 @@ void check_corners(const SurfaceObject& object) {
 
 SurfaceObject::SurfaceObject(std::vector<std::shared_ptr<const NurbsSurface>> surfaces)
     : surfaces_(std::move(surfaces)) {
-    if (surfaces_.empty()) {
-        throw std::invalid_argument("an object has no surface: give at least one");
-    }
+    refuse_if(surfaces_.empty(), "an object has no surface: give at least one");
     for (const auto& surface : surfaces_) {
-        if (!surface) {
-            throw std::invalid_argument("the surface is null: give a surface");
-        }
+        refuse_if(!surface, "the surface is null: give a surface");
     }
     origin_ = surfaces_[0]->origin();
     size_ = surfaces_[0]->size();
@@ -159,11 +148,10 @@ void SurfaceObject::join_borders() {
             if (!reversed) {
                 continue;
             }
-            if (of(a).joined || of(b).joined) {
-                throw std::invalid_argument((of(a).joined ? a : b).name() +
-                                            " has more than one neighbour: give each border at "
-                                            "most one, so that the surface has one outside");
-            }
+            refuse_if(of(a).joined || of(b).joined,
+                      "{} has more than one neighbour: give each border at most one, so that the "
+                      "surface has one outside",
+                      (of(a).joined ? a : b).name());
             if ((a.counter_clockwise() == b.counter_clockwise()) != *reversed) {
                 throw std::invalid_argument(
                     a.name() + " and " + b.name() +

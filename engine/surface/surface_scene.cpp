@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
@@ -11,10 +11,8 @@ namespace {
 
 const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
     static_cast<void>(checked(whole.contact));
-    if (whole.contact.compliance > 0.0) {
-        throw std::invalid_argument("compliance is " + number_text(whole.contact.compliance) +
-                                    ": give 0 with a surface");
-    }
+    refuse_if(whole.contact.compliance > 0.0, "compliance is {:.9g}: give 0 with a surface",
+              whole.contact.compliance);
     return whole;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/surface/surface_leaf.hpp"
 
@@ -52,33 +53,25 @@ std::vector<double> lines_of(std::span<const TrimLoop> loops,
     std::sort(lines.begin(), lines.end());
     lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
     for (std::size_t k = 0; k + 1 < lines.size(); ++k) {
-        if (lines[k + 1] - lines[k] < kNarrow * (knots.back() - knots.front())) {
-            throw std::invalid_argument(std::string("the trim lines ") + name + " = " +
-                                        number_text(lines[k]) + " and " + name + " = " +
-                                        number_text(lines[k + 1]) +
-                                        " nearly touch: give both the same value");
-        }
+        refuse_if(
+            lines[k + 1] - lines[k] < kNarrow * (knots.back() - knots.front()),
+            "the trim lines {} = {:.9g} and {} = {:.9g} nearly touch: give both the same value",
+            name, lines[k], name, lines[k + 1]);
     }
     return lines;
 }
 
 void check(const TrimLoop& loop, std::size_t number, const NurbsSurface& surface) {
     const std::string label = "trim loop " + std::to_string(number);
-    if (loop.size() < 4) {
-        throw std::invalid_argument(label + " has " + std::to_string(loop.size()) +
-                                    " corners: give 4 or more");
-    }
+    refuse_if(loop.size() < 4, "{} has {} corners: give 4 or more", label, loop.size());
     const KnotVector& u = surface.knots_u();
     const KnotVector& v = surface.knots_v();
     for (std::size_t k = 0; k < loop.size(); ++k) {
         const Vec2& a = loop[k];
         const Vec2& b = loop[(k + 1) % loop.size()];
-        if (!(a.x >= u.front() && a.x <= u.back() && a.y >= v.front() && a.y <= v.back())) {
-            throw std::invalid_argument(
-                "corner " + std::to_string(k + 1) + " of " + label + " is " + place_text(a) +
-                ": give u from " + number_text(u.front()) + " to " + number_text(u.back()) +
-                " and v from " + number_text(v.front()) + " to " + number_text(v.back()));
-        }
+        refuse_if(!(a.x >= u.front() && a.x <= u.back() && a.y >= v.front() && a.y <= v.back()),
+                  "corner {} of {} is {}: give u from {:.9g} to {:.9g} and v from {:.9g} to {:.9g}",
+                  k + 1, label, place_text(a), u.front(), u.back(), v.front(), v.back());
         if ((a.x == b.x) == (a.y == b.y)) {
             throw std::invalid_argument(label + " goes from " + place_text(a) + " to " +
                                         place_text(b) +
@@ -161,11 +154,10 @@ std::vector<std::shared_ptr<const NurbsSurface>> trimmed(const NurbsSurface& sur
     }
     const auto us = lines_of(loops, surface.knots_u(), 0, "u");
     const auto vs = lines_of(loops, surface.knots_v(), 1, "v");
-    if ((us.size() - 1) * (vs.size() - 1) > kMaxCells) {
-        throw std::invalid_argument(
-            "trim loops cut the surface into " + std::to_string((us.size() - 1) * (vs.size() - 1)) +
-            " cells: give loops with fewer corners, for at most " + std::to_string(kMaxCells));
-    }
+    refuse_if(
+        (us.size() - 1) * (vs.size() - 1) > kMaxCells,
+        "trim loops cut the surface into {} cells: give loops with fewer corners, for at most {}",
+        (us.size() - 1) * (vs.size() - 1), kMaxCells);
     const bool bounded = std::any_of(loops.begin(), loops.end(),
                                      [](const TrimLoop& loop) { return area_of(loop) > 0.0; });
     std::vector<std::shared_ptr<const NurbsSurface>> kept;
@@ -173,22 +165,19 @@ std::vector<std::shared_ptr<const NurbsSurface>> trimmed(const NurbsSurface& sur
         for (std::size_t j = 0; j + 1 < vs.size(); ++j) {
             const Vec2 middle{0.5 * (us[i] + us[i + 1]), 0.5 * (vs[j] + vs[j + 1])};
             const int turns = turns_round(loops, middle) + (bounded ? 0 : 1);
-            if (turns != 0 && turns != 1) {
-                throw std::invalid_argument("trim loops cross, or run the wrong way round, near " +
-                                            place_text(middle) +
-                                            ": give outer loops counter-clockwise, holes in them "
-                                            "clockwise, and none that cross");
-            }
+            refuse_if(turns != 0 && turns != 1,
+                      "trim loops cross, or run the wrong way round, near {}: give outer loops "
+                      "counter-clockwise, holes in them clockwise, and none that cross",
+                      place_text(middle));
             if (turns == 1) {
                 kept.push_back(std::make_shared<const NurbsSurface>(
                     surface.part(us[i], us[i + 1], vs[j], vs[j + 1])));
             }
         }
     }
-    if (kept.empty()) {
-        throw std::invalid_argument(
-            "the trim loops leave nothing: give an outer loop counter-clockwise, holes clockwise");
-    }
+    refuse_if(
+        kept.empty(),
+        "the trim loops leave nothing: give an outer loop counter-clockwise, holes clockwise");
     return kept;
 }
 

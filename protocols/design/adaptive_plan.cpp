@@ -1,10 +1,10 @@
 #include "protocols/design/adaptive_plan.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "protocols/psychometric/exact_math.hpp"
@@ -15,18 +15,14 @@ namespace {
 std::size_t index_of(const std::vector<FrictionSpec>& specs, const std::string& name) {
     const auto found = std::find_if(specs.begin(), specs.end(),
                                     [&](const FrictionSpec& spec) { return spec.name == name; });
-    if (found == specs.end()) {
-        throw std::invalid_argument(fmt::format("there is no friction \"{}\"", name));
-    }
+    refuse_if(found == specs.end(), "there is no friction \"{}\"", name);
     return static_cast<std::size_t>(found - specs.begin());
 }
 
 std::size_t index_of(const std::vector<ObjectSpec>& specs, const std::string& name) {
     const auto found = std::find_if(specs.begin(), specs.end(),
                                     [&](const ObjectSpec& spec) { return spec.name == name; });
-    if (found == specs.end()) {
-        throw std::invalid_argument(fmt::format("there is no object \"{}\"", name));
-    }
+    refuse_if(found == specs.end(), "there is no object \"{}\"", name);
     return static_cast<std::size_t>(found - specs.begin());
 }
 

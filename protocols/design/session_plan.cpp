@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
@@ -70,27 +71,21 @@ std::string canonical_text(const Plan& plan,
 void refuse(const Protocol& protocol) {
     const DesignSpec& design = protocol.design;
     const std::size_t conditions = objects_of(protocol, true).size() * protocol.frictions.size();
-    if (conditions == 0 || design.repetitions == 0) {
-        throw std::invalid_argument(
-            "a plan needs a pictured object, a friction and at least 1 repetition");
-    }
-    if (design.catch_trials > 0 && objects_of(protocol, false).empty()) {
-        throw std::invalid_argument("catch trials need an object that is not pictured");
-    }
-    if (design.blocks == 0 || design.repetitions % design.blocks != 0) {
-        throw std::invalid_argument(fmt::format(
-            "{} cannot be divided evenly into {}: give a divisor",
-            counted(design.repetitions, "repetition"), counted(design.blocks, "block")));
-    }
+    refuse_if(conditions == 0 || design.repetitions == 0,
+              "a plan needs a pictured object, a friction and at least 1 repetition");
+    refuse_if(design.catch_trials > 0 && objects_of(protocol, false).empty(),
+              "catch trials need an object that is not pictured");
+    refuse_if(design.blocks == 0 || design.repetitions % design.blocks != 0,
+              "{} cannot be divided evenly into {}: give a divisor",
+              counted(design.repetitions, "repetition"), counted(design.blocks, "block"));
     if (const std::string why = why_not_in_blocks(protocol); !why.empty()) {
         throw std::invalid_argument(why);
     }
-    if (design.order == OrderRule::first_order &&
-        (design.repetitions != conditions || design.blocks != 1 || design.catch_trials != 0)) {
-        throw std::invalid_argument(fmt::format(
-            "a first-order balanced sequence of {} needs {}, 1 block and no catch trials",
-            counted(conditions, "condition"), counted(conditions, "repetition")));
-    }
+    refuse_if(
+        design.order == OrderRule::first_order &&
+            (design.repetitions != conditions || design.blocks != 1 || design.catch_trials != 0),
+        "a first-order balanced sequence of {} needs {}, 1 block and no catch trials",
+        counted(conditions, "condition"), counted(conditions, "repetition"));
 }
 
 /// The main trials, block by block. A trial that only leads in stands before the first.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/calibration_keys.hpp"
@@ -189,17 +190,14 @@ RigFile load_rig(const std::string& name_or_file) {
         const std::string text = read_text(name_or_file, kMaxDocument);
         RigFile rig;
         auto found = parse_rig(text, name_or_file, rig.record);
-        if (found.size() != 1) {
-            throw ProtocolError(
-                fmt::format("{}:1:1: the file holds {} machines: leave one, or name a shipped one",
-                            name_or_file, found.size()));
-        }
-        if (rig.record && !seal_holds(text)) {
-            throw ProtocolError(fmt::format(
-                "{}:1:1: the file was changed after the rig was commissioned: run palpate "
-                "commission again, or take the table [commissioning] out",
-                name_or_file));
-        }
+        refuse_if<ProtocolError>(
+            found.size() != 1,
+            "{}:1:1: the file holds {} machines: leave one, or name a shipped one", name_or_file,
+            found.size());
+        refuse_if<ProtocolError>(rig.record && !seal_holds(text),
+                                 "{}:1:1: the file was changed after the rig was commissioned: run "
+                                 "palpate commission again, or take the table [commissioning] out",
+                                 name_or_file);
         rig.calibration = std::move(found.front());
         return rig;
     }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/file/document.hpp"
 
 namespace palpate::protocols {
@@ -109,10 +110,8 @@ DeformationCase parse_deformation(std::string_view text, std::string_view file_n
     top.attempt([&] {
         read.curve.points = read.points.plane();
         engine::Dnurbs curve(std::move(read.curve));
-        if (!(read.at_u >= curve.front() && read.at_u <= curve.back())) {
-            throw std::invalid_argument(fmt::format("at_u is {}: the knots go from {} to {}",
-                                                    read.at_u, curve.front(), curve.back()));
-        }
+        refuse_if(!(read.at_u >= curve.front() && read.at_u <= curve.back()),
+                  "at_u is {}: the knots go from {} to {}", read.at_u, curve.front(), curve.back());
         if (read.at_rest) {
             static_cast<void>(curve.equilibrium(read.at_u, read.force));
         } else {

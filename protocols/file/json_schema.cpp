@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <functional>
-#include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/file/calibration_keys.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
@@ -303,10 +303,8 @@ std::string json_schema(std::string_view kind) {
     constexpr std::array<Make, kSchemaKinds.size()> kMakers{
         protocol_schema, procedure_schema, scene_schema, calibration_schema, observer_schema};
     const auto found = std::ranges::find(kSchemaKinds, kind);
-    if (found == kSchemaKinds.end()) {
-        throw std::invalid_argument(fmt::format("there is no schema of {}: give one of {}", kind,
-                                                fmt::join(kSchemaKinds, ", ")));
-    }
+    refuse_if(found == kSchemaKinds.end(), "there is no schema of {}: give one of {}", kind,
+              fmt::join(kSchemaKinds, ", "));
     const TableSchema schema = kMakers.at(static_cast<std::size_t>(found - kSchemaKinds.begin()))();
     return schema.text(fmt::format(R"("$schema": "https://json-schema.org/draft/2020-12/schema", )"
                                    R"("title": "palpate: {}", )",

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/geometry/outline.hpp"
 #include "protocols/file/keys.hpp"
@@ -206,11 +207,9 @@ SegmentTable read_segment_table(TableReader& table) {
         return read;
     }
     table.attempt([&] {
-        if (read.to.dimension != read.from.dimension ||
-            (read.kind == SegmentKind::arc && read.to.dimension != 2)) {
-            throw std::invalid_argument(
-                "from_m and to_m need two coordinates each (three only for lines in space)");
-        }
+        refuse_if(read.to.dimension != read.from.dimension ||
+                      (read.kind == SegmentKind::arc && read.to.dimension != 2),
+                  "from_m and to_m need two coordinates each (three only for lines in space)");
     });
     read.points = read.from;
     read.points.values.push_back(read.to.values.at(0));
@@ -218,9 +217,7 @@ SegmentTable read_segment_table(TableReader& table) {
 }
 
 stimuli::Segment plane_segment(const SegmentTable& table) {
-    if (table.points.dimension != 2) {
-        throw std::invalid_argument("its points have three coordinates: give two each");
-    }
+    refuse_if(table.points.dimension != 2, "its points have three coordinates: give two each");
     return {.kind = table.kind,
             .degree = table.degree,
             .knots = table.knots,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/surface/surface_object.hpp"
 #include "engine/surface/surface_trim.hpp"
 #include "protocols/file/document.hpp"
@@ -207,11 +208,9 @@ void read_segment(TableReader table, SceneFile& scene) {
 std::vector<engine::TrimLoop> loops_of(const NumberGrid& trims) {
     std::vector<engine::TrimLoop> loops;
     for (const std::vector<double>& numbers : trims) {
-        if (numbers.size() % 2 != 0) {
-            throw std::invalid_argument(
-                fmt::format("a loop of trim_loops has {} numbers: give u and v of each corner",
-                            numbers.size()));
-        }
+        refuse_if(numbers.size() % 2 != 0,
+                  "a loop of trim_loops has {} numbers: give u and v of each corner",
+                  numbers.size());
         engine::TrimLoop& loop = loops.emplace_back();
         for (std::size_t i = 0; i < numbers.size(); i += 2) {
             loop.emplace_back(numbers[i], numbers[i + 1]);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::protocols {
@@ -17,9 +18,8 @@ void replace(std::string& text, std::string_view key, std::string_view value) {
     const std::size_t found = text.find(begin);
     const std::size_t from = found + begin.size();
     const std::size_t to = found == std::string::npos ? found : text.find('"', from);
-    if (to == std::string::npos) {
-        throw std::logic_error(fmt::format("a shipped protocol has no line {} = \"...\"", key));
-    }
+    refuse_if<std::logic_error>(to == std::string::npos,
+                                "a shipped protocol has no line {} = \"...\"", key);
     text.replace(from, to - from, value);
 }
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan.hpp"
@@ -118,13 +119,11 @@ double below(double z) noexcept {
 }  // namespace
 
 void require_judged(const Protocol& protocol) {
-    if (protocol.procedure || protocol.response.kind != ResponseKind::identification ||
-        !differ_in_curvature_alone(protocol)) {
-        throw std::invalid_argument(
-            fmt::format("{}: power is known of studies that ask which of several objects was felt, "
-                        "where these differ in curvature alone and no rule chooses",
-                        protocol.id));
-    }
+    refuse_if(protocol.procedure || protocol.response.kind != ResponseKind::identification ||
+                  !differ_in_curvature_alone(protocol),
+              "{}: power is known of studies that ask which of several objects was felt, where "
+              "these differ in curvature alone and no rule chooses",
+              protocol.id);
 }
 
 namespace {

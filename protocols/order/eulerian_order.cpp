@@ -2,9 +2,8 @@
 
 #include <numeric>
 #include <span>
-#include <stdexcept>
 
-#include <fmt/format.h>
+#include "engine/base/refuse.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -38,11 +37,9 @@ std::vector<std::size_t> exits(std::size_t k, std::size_t last, Pcg32& random) {
 }  // namespace
 
 std::vector<std::size_t> eulerian_order(std::size_t k, Pcg32& random) {
-    if (k > kMaxSymbols) {
-        throw std::invalid_argument(fmt::format(
-            "a first-order balanced sequence of {} symbols has {} trials: use at most {} symbols",
-            k, k * k + 1, kMaxSymbols));
-    }
+    refuse_if(k > kMaxSymbols,
+              "a first-order balanced sequence of {} symbols has {} trials: use at most {} symbols",
+              k, k * k + 1, kMaxSymbols);
     if (k == 0) {
         return {};
     }

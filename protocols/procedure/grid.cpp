@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -103,10 +104,8 @@ std::vector<double> criteria_between(const std::vector<double>& alternatives) {
         }
         criteria.push_back(0.5 * (alternatives[j] + alternatives[j + 1]));
     }
-    if (m < 2 || criteria.size() + 1 != m || !std::isfinite(alternatives.back())) {
-        throw std::invalid_argument(
-            "the alternatives are no list of at least two increasing finite numbers: give one");
-    }
+    refuse_if(m < 2 || criteria.size() + 1 != m || !std::isfinite(alternatives.back()),
+              "the alternatives are no list of at least two increasing finite numbers: give one");
     return criteria;
 }
 
@@ -123,11 +122,9 @@ OutcomeModel identification_model(const std::vector<double>& alternatives) {
                                                      std::span<double> chances) {
         const double noise = s[0];
         const double lapse = s[2];
-        if (!(noise > 0.0) || !(lapse >= 0.0 && lapse <= 1.0)) {
-            throw std::invalid_argument(fmt::format(
-                "noise is {} and lapse {}: give a noise above 0 and a lapse from 0 to 1", noise,
-                lapse));
-        }
+        refuse_if(!(noise > 0.0) || !(lapse >= 0.0 && lapse <= 1.0),
+                  "noise is {} and lapse {}: give a noise above 0 and a lapse from 0 to 1", noise,
+                  lapse);
         const double guess = lapse / static_cast<double>(chances.size());
         Sides left;
         for (std::size_t j = 0; j < chances.size(); ++j) {
@@ -143,41 +140,30 @@ OutcomeModel identification_model(const std::vector<double>& alternatives) {
 namespace {
 
 void check(const Axis& axis) {
-    if (axis.values.empty()) {
-        throw std::invalid_argument(fmt::format("{} has no values: give at least one", axis.name));
-    }
+    refuse_if(axis.values.empty(), "{} has no values: give at least one", axis.name);
     for (std::size_t i = 0; i < axis.values.size(); ++i) {
         const double value = axis.values[i];
-        if (!std::isfinite(value) || (i > 0 && value <= axis.values[i - 1])) {
-            throw std::invalid_argument(
-                fmt::format("{} has the value {} at place {}: give finite numbers, each above the "
-                            "one before it",
-                            axis.name, value, i + 1));
-        }
+        refuse_if(
+            !std::isfinite(value) || (i > 0 && value <= axis.values[i - 1]),
+            "{} has the value {} at place {}: give finite numbers, each above the one before it",
+            axis.name, value, i + 1);
     }
 }
 
 }  // namespace
 
 Grid::Grid(std::vector<Axis> axes) : axes_(std::move(axes)), strides_(axes_.size()), size_(1) {
-    if (axes_.empty()) {
-        throw std::invalid_argument("the grid has no axis: give at least one");
-    }
+    refuse_if(axes_.empty(), "the grid has no axis: give at least one");
     for (std::size_t k = axes_.size(); k-- > 0;) {
         check(axes_[k]);
         const auto same = std::count_if(axes_.begin(), axes_.end(), [this, k](const Axis& other) {
             return other.name == axes_[k].name;
         });
-        if (same > 1) {
-            throw std::invalid_argument(
-                fmt::format("two axes are called {}: give each its own name", axes_[k].name));
-        }
+        refuse_if(same > 1, "two axes are called {}: give each its own name", axes_[k].name);
         strides_[k] = size_;
-        if (axes_[k].values.size() > kMaxCells / size_) {
-            throw std::invalid_argument(
-                fmt::format("the grid has more than {} cells: give fewer values, above all to {}",
-                            kMaxCells, axes_[k].name));
-        }
+        refuse_if(axes_[k].values.size() > kMaxCells / size_,
+                  "the grid has more than {} cells: give fewer values, above all to {}", kMaxCells,
+                  axes_[k].name);
         size_ *= axes_[k].values.size();
     }
 }
@@ -191,22 +177,18 @@ std::vector<double> Grid::point(std::size_t cell) const {
 }
 
 std::size_t Grid::cell_at(std::span<const double> point) const {
-    if (point.size() != axes_.size()) {
-        throw std::invalid_argument(
-            fmt::format("the stimulus has {} coordinates: give {}", point.size(), axes_.size()));
-    }
+    refuse_if(point.size() != axes_.size(), "the stimulus has {} coordinates: give {}",
+              point.size(), axes_.size());
     std::size_t cell = 0;
     for (std::size_t k = 0; k < axes_.size(); ++k) {
         const std::vector<double>& values = axes_[k].values;
         const double slack = 1e-9 * std::max({values.back() - values.front(),
                                               std::fabs(values.front()), std::fabs(values.back())});
         const auto near = std::lower_bound(values.begin(), values.end(), point[k] - slack);
-        if (near == values.end() || !(std::fabs(*near - point[k]) <= slack)) {
-            throw std::invalid_argument(
-                fmt::format("{} is {}, which is none of its {} values from {} to {}: give one of "
-                            "them, or add it to the configuration",
-                            axes_[k].name, point[k], values.size(), values.front(), values.back()));
-        }
+        refuse_if(near == values.end() || !(std::fabs(*near - point[k]) <= slack),
+                  "{} is {}, which is none of its {} values from {} to {}: give one of them, or "
+                  "add it to the configuration",
+                  axes_[k].name, point[k], values.size(), values.front(), values.back());
         cell += strides_[k] * static_cast<std::size_t>(near - values.begin());
     }
     return cell;
@@ -235,10 +217,8 @@ void check_names(std::string_view what, const Grid& grid, std::span<const std::s
     for (std::size_t k = 0; same && k < names.size(); ++k) {
         same = grid.axis(k).name == names[k];
     }
-    if (!same) {
-        throw std::invalid_argument(fmt::format("the {} have other axes than the model: give {}",
-                                                what, fmt::join(names, ", ")));
-    }
+    refuse_if(!same, "the {} have other axes than the model: give {}", what,
+              fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -248,15 +228,13 @@ LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid p
     check_names("stimuli", stimuli_, model.stimulus);
     check_names("parameters", parameters_, model.parameters);
     const std::size_t max = kMaxBytes / sizeof(double) / (outcomes_ + 1);
-    if (stimuli_.size() > max / parameters_.size()) {
-        throw std::invalid_argument(fmt::format(
-            "{} stimuli, {} parameter cells and {} outcomes need {:.0f} MB of tables, more than {} "
-            "MB: give fewer values to the longest axis",
-            stimuli_.size(), parameters_.size(), outcomes_,
-            1e-6 * static_cast<double>(sizeof(double) * (outcomes_ + 1)) *
-                static_cast<double>(stimuli_.size()) * static_cast<double>(parameters_.size()),
-            kMaxBytes / 1'000'000));
-    }
+    refuse_if(stimuli_.size() > max / parameters_.size(),
+              "{} stimuli, {} parameter cells and {} outcomes need {:.0f} MB of tables, more than "
+              "{} MB: give fewer values to the longest axis",
+              stimuli_.size(), parameters_.size(), outcomes_,
+              1e-6 * static_cast<double>(sizeof(double) * (outcomes_ + 1)) *
+                  static_cast<double>(stimuli_.size()) * static_cast<double>(parameters_.size()),
+              kMaxBytes / 1'000'000);
     values_.resize(stimuli_.size() * parameters_.size() * (outcomes_ + 1));
     fill(model);
 }

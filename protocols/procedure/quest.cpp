@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
@@ -17,9 +17,7 @@ namespace {
 constexpr double kMaxQuestCells = 200'000;
 
 void need(bool good, std::string_view name, double value, std::string_view wanted) {
-    if (!good) {
-        throw std::invalid_argument(fmt::format("{} is {}: give {}", name, value, wanted));
-    }
+    refuse_if(!good, "{} is {}: give {}", name, value, wanted);
 }
 
 void check(const QuestSpec& s) {
@@ -107,12 +105,9 @@ std::vector<double> Quest::next() const {
 }
 
 void Quest::update(std::span<const double> shown, std::size_t outcome) {
-    if (shown.size() != 1 || !std::isfinite(shown[0])) {
-        throw std::invalid_argument("the stimulus of QUEST is one finite number: give that");
-    }
-    if (outcome > 1) {
-        throw std::invalid_argument(fmt::format("the response is {}: give 0 or 1", outcome));
-    }
+    refuse_if(shown.size() != 1 || !std::isfinite(shown[0]),
+              "the stimulus of QUEST is one finite number: give that");
+    refuse_if(outcome > 1, "the response is {}: give 0 or 1", outcome);
     // In grains from the guess; far away is the same as at the table's ends.
     const double far = 4.0 * static_cast<double>(half_);
     const auto place = static_cast<std::ptrdiff_t>(
@@ -126,10 +121,9 @@ void Quest::update(std::span<const double> shown, std::size_t outcome) {
         updated[i] = weights_[i] * (outcome == 1 ? p : 1.0 - p);
         sum += updated[i];
     }
-    if (!(sum > 0.0)) {
-        throw std::invalid_argument(
-            "the response is impossible under every threshold of the table: give a delta above 0");
-    }
+    refuse_if(
+        !(sum > 0.0),
+        "the response is impossible under every threshold of the table: give a delta above 0");
     for (double& w : updated) {
         w /= sum;
     }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 #include "protocols/psychometric/psychometric_function.hpp"
 
@@ -85,9 +86,7 @@ CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisan
                 static_cast<std::uint32_t>(groups.of[cell] * size + parameters.index(cell, k));
         }
     }
-    if (!any) {
-        throw std::invalid_argument("every parameter is a nuisance: leave one out of the list");
-    }
+    refuse_if(!any, "every parameter is a nuisance: leave one out of the list");
     return groups;
 }
 
@@ -132,9 +131,7 @@ QuestPlus::QuestPlus(const QuestPlusSpec& spec)
     if (!spec.nuisance.empty()) {
         groups_ = std::make_shared<const CellGroups>(groups_of(spec.parameters, spec.nuisance));
     }
-    if (spec.trials == 0) {
-        throw std::invalid_argument("there are 0 trials: give at least 1");
-    }
+    refuse_if(spec.trials == 0, "there are 0 trials: give at least 1");
 }
 
 std::vector<double> QuestPlus::expected() const {
@@ -148,10 +145,7 @@ std::vector<double> QuestPlus::next() const {
 }
 
 void QuestPlus::update(std::span<const double> shown, std::size_t outcome) {
-    if (outcome >= outcomes()) {
-        throw std::invalid_argument(
-            fmt::format("the response is {}: give 0 to {}", outcome, outcomes() - 1));
-    }
+    refuse_if(outcome >= outcomes(), "the response is {}: give 0 to {}", outcome, outcomes() - 1);
     posterior_.update(table_->chances(table_->stimuli().cell_at(shown), outcome));
     ++trials_;
 }
@@ -241,18 +235,14 @@ std::vector<double> normalised(std::span<const double> weights, const Axis& axis
     }
     double sum = 0.0;
     for (const double w : weights) {
-        if (!std::isfinite(w) || w < 0.0) {
-            throw std::invalid_argument(fmt::format(
-                "the prior of {} has the weight {}: give finite numbers from 0 up", axis.name, w));
-        }
+        refuse_if(!std::isfinite(w) || w < 0.0,
+                  "the prior of {} has the weight {}: give finite numbers from 0 up", axis.name, w);
         sum += w;
     }
-    if (weights.size() != axis.values.size() || !(sum > 0.0) || !std::isfinite(sum)) {
-        throw std::invalid_argument(fmt::format(
-            "the prior of {} has {} weights with the sum {}: give {}, one for each value, "
-            "not all of them 0",
-            axis.name, weights.size(), sum, axis.values.size()));
-    }
+    refuse_if(weights.size() != axis.values.size() || !(sum > 0.0) || !std::isfinite(sum),
+              "the prior of {} has {} weights with the sum {}: give {}, one for each value, not "
+              "all of them 0",
+              axis.name, weights.size(), sum, axis.values.size());
     std::vector<double> shares(weights.begin(), weights.end());
     for (double& w : shares) {
         w /= sum;
@@ -267,10 +257,9 @@ Posterior::Posterior(const Grid& grid)
 
 Posterior::Posterior(const Grid& grid, std::span<const std::vector<double>> axis_weights)
     : weights_(grid.size(), 1.0) {
-    if (axis_weights.size() > grid.dimensions()) {
-        throw std::invalid_argument(fmt::format("there are priors for {} parameters: give {}",
-                                                axis_weights.size(), grid.dimensions()));
-    }
+    refuse_if(axis_weights.size() > grid.dimensions(),
+              "there are priors for {} parameters: give {}", axis_weights.size(),
+              grid.dimensions());
     for (std::size_t k = 0; k < grid.dimensions(); ++k) {
         const std::vector<double> shares =
             normalised(k < axis_weights.size() ? std::span<const double>(axis_weights[k])
@@ -287,11 +276,9 @@ void Posterior::update(std::span<const double> likelihood) {
     for (std::size_t cell = 0; cell < weights_.size(); ++cell) {
         sum += weights_[cell] * likelihood[cell];
     }
-    if (!(sum > 0.0)) {
-        throw std::invalid_argument(
-            "the response is impossible under every parameter of the grid: give lapse or guess "
-            "rates above 0, or check the response");
-    }
+    refuse_if(!(sum > 0.0),
+              "the response is impossible under every parameter of the grid: give lapse or guess "
+              "rates above 0, or check the response");
     for (std::size_t cell = 0; cell < weights_.size(); ++cell) {
         weights_[cell] = weights_[cell] * likelihood[cell] / sum;
     }

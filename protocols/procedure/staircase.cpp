@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
@@ -15,9 +15,7 @@ namespace palpate::protocols {
 namespace {
 
 void need(bool good, const std::string& what) {
-    if (!good) {
-        throw std::invalid_argument(what);
-    }
+    refuse_if(!good, "{}", what);
 }
 
 void check_steps(std::string_view name, const std::vector<double>& steps) {
@@ -126,15 +124,11 @@ Estimate Staircase::estimate() const {
 }
 
 Staircases::Staircases(const std::vector<StaircaseSpec>& specs, Pcg32 random) : random_(random) {
-    if (specs.empty()) {
-        throw std::invalid_argument("there is no staircase: give at least one");
-    }
+    refuse_if(specs.empty(), "there is no staircase: give at least one");
     for (const StaircaseSpec& spec : specs) {
         for (const Staircase& other : tracks_) {
-            if (other.spec().name == spec.name) {
-                throw std::invalid_argument(
-                    fmt::format("two staircases are called {}: give each its own name", spec.name));
-            }
+            refuse_if(other.spec().name == spec.name,
+                      "two staircases are called {}: give each its own name", spec.name);
         }
         tracks_.emplace_back(spec);
     }
@@ -156,19 +150,12 @@ void Staircases::draw() {
 }
 
 void Staircases::update(std::span<const double> shown, std::size_t outcome) {
-    if (shown.size() != 1 || !std::isfinite(shown[0])) {
-        throw std::invalid_argument("the stimulus of a staircase is one finite number: give that");
-    }
-    if (!(shown[0] > 0.0) && tracks_[track_].spec().scale != StepScale::linear) {
-        throw std::invalid_argument(
-            fmt::format("the stimulus is {}: on a scale of factors give one above 0", shown[0]));
-    }
-    if (outcome > 1) {
-        throw std::invalid_argument(fmt::format("the response is {}: give 0 or 1", outcome));
-    }
-    if (finished()) {
-        throw std::invalid_argument("every staircase has ended: give no more responses");
-    }
+    refuse_if(shown.size() != 1 || !std::isfinite(shown[0]),
+              "the stimulus of a staircase is one finite number: give that");
+    refuse_if(!(shown[0] > 0.0) && tracks_[track_].spec().scale != StepScale::linear,
+              "the stimulus is {}: on a scale of factors give one above 0", shown[0]);
+    refuse_if(outcome > 1, "the response is {}: give 0 or 1", outcome);
+    refuse_if(finished(), "every staircase has ended: give no more responses");
     tracks_[track_].update(shown[0], outcome == 1);
     ++trials_;
     draw();

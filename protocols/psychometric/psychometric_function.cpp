@@ -2,10 +2,8 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
-#include <fmt/format.h>
-
+#include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
@@ -99,10 +97,8 @@ double probability(const PsychometricFunction& f, double x) noexcept {
 double stimulus_at(const PsychometricFunction& f, double p) {
     const double low = bottom(f);
     const double high = top(f);
-    if (!(p > low && p < high)) {
-        throw std::invalid_argument(fmt::format(
-            "the probability {} is never reached: give one above {} and below {}", p, low, high));
-    }
+    refuse_if(!(p > low && p < high),
+              "the probability {} is never reached: give one above {} and below {}", p, low, high);
     return core_inverse(f.family, (p - low) / (high - low), f.threshold, f.slope);
 }
 
@@ -110,25 +106,17 @@ void check(const PsychometricFunction& f) {
     const auto share = [](double value) {
         return value >= 0.0 && value < 1.0;
     };
-    if (!std::isfinite(f.threshold) || (f.family == Family::weibull && f.threshold <= 0.0)) {
-        throw std::invalid_argument(
-            fmt::format("the threshold is {}: give a finite number{}", f.threshold,
-                        f.family == Family::weibull ? " above 0 on a linear Weibull axis" : ""));
-    }
-    if (!std::isfinite(f.slope) || f.slope <= 0.0) {
-        throw std::invalid_argument(
-            fmt::format("the slope is {}: give a finite number above 0", f.slope));
-    }
-    if (!share(f.guess) || !share(f.lapse)) {
-        throw std::invalid_argument(
-            fmt::format("the guess rate is {} and the lapse rate {}: give shares from 0 to below 1",
-                        f.guess, f.lapse));
-    }
-    if (bottom(f) >= top(f)) {
-        throw std::invalid_argument(
-            fmt::format("guesses and lapses leave nothing between {} and {}: give smaller rates",
-                        bottom(f), top(f)));
-    }
+    refuse_if(!std::isfinite(f.threshold) || (f.family == Family::weibull && f.threshold <= 0.0),
+              "the threshold is {}: give a finite number{}", f.threshold,
+              f.family == Family::weibull ? " above 0 on a linear Weibull axis" : "");
+    refuse_if(!std::isfinite(f.slope) || f.slope <= 0.0,
+              "the slope is {}: give a finite number above 0", f.slope);
+    refuse_if(!share(f.guess) || !share(f.lapse),
+              "the guess rate is {} and the lapse rate {}: give shares from 0 to below 1", f.guess,
+              f.lapse);
+    refuse_if(bottom(f) >= top(f),
+              "guesses and lapses leave nothing between {} and {}: give smaller rates", bottom(f),
+              top(f));
 }
 
 }  // namespace palpate::protocols

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/observer.hpp"
 
@@ -44,9 +44,7 @@ std::string_view to_string(EventKind kind) noexcept {
 
 EventKind event_kind(std::string_view word) {
     const auto found = std::find(kEventWords.begin(), kEventWords.end(), word);
-    if (found == kEventWords.end()) {
-        throw std::invalid_argument("no kind of event: " + std::string(word));
-    }
+    refuse_if(found == kEventWords.end(), "no kind of event: {}", word);
     return static_cast<EventKind>(found - kEventWords.begin());
 }
 

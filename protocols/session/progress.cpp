@@ -4,8 +4,7 @@
 #include <set>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
+#include "engine/base/refuse.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 
 namespace palpate::protocols {
@@ -22,9 +21,7 @@ AdaptiveRuns::AdaptiveRuns(const Protocol& protocol, const StreamKey& session) {
 
 double AdaptiveRuns::next(std::size_t run) const {
     const Procedure& procedure = procedures_.at(run);
-    if (procedure.finished()) {
-        throw std::logic_error(fmt::format("run {} has ended", run));
-    }
+    refuse_if<std::logic_error>(procedure.finished(), "run {} has ended", run);
     return procedure.next().front();
 }
 

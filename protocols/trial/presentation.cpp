@@ -1,7 +1,6 @@
 #include "protocols/trial/presentation.hpp"
 
-#include <stdexcept>
-
+#include "engine/base/refuse.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 
 namespace palpate::protocols {
@@ -51,10 +50,9 @@ double varied_value(const AdaptiveSpec& spec, const Presentation& felt) {
 std::vector<Presentation> presentations_of(const Protocol& protocol,
                                            const PlannedTrial& planned,
                                            std::optional<double> stimulus) {
-    if (planned.adaptive.has_value() != stimulus.has_value()) {
-        throw std::invalid_argument(stimulus ? "a stimulus for a trial without a rule"
-                                             : "no stimulus for a trial of a rule");
-    }
+    refuse_if(
+        planned.adaptive.has_value() != stimulus.has_value(), "{}",
+        stimulus ? "a stimulus for a trial without a rule" : "no stimulus for a trial of a rule");
     if (!planned.adaptive) {
         return {{.interval = 1,
                  .object = protocol.objects.at(planned.condition.object),

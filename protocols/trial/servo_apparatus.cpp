@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/math/elementary.hpp"
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/adaptive_plan.hpp"
@@ -158,14 +158,9 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
       intervals_(intervals_of(protocol)),
       source_(std::move(source)),
       servo_(device_, servo_spec(protocol, device_), pace) {
-    if (recordings_.empty()) {
-        throw std::invalid_argument(source_ + " holds no recorded trial to replay");
-    }
+    refuse_if(recordings_.empty(), "{} holds no recorded trial to replay", source_);
     for (const Recording& recording : recordings_) {
-        if (recording.empty()) {
-            throw std::invalid_argument(source_ +
-                                        " holds a trial without ticks: name another trial");
-        }
+        refuse_if(recording.empty(), "{} holds a trial without ticks: name another trial", source_);
     }
 }
 

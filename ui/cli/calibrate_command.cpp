@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/homing.hpp"
 #include "engine/device/pantograph.hpp"
@@ -44,17 +45,14 @@ std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibr
     }
     const engine::Pantograph machine(preset.pantograph);
     for (const Vec2& mark : marks) {
-        if (!machine.reach(mark)) {
-            throw std::invalid_argument(
-                fmt::format("the mark ({}, {}) mm is out of the reach of {}: give a mark within it",
-                            mark.x * 1e3, mark.y * 1e3, preset.pantograph.name));
-        }
+        refuse_if(!machine.reach(mark),
+                  "the mark ({}, {}) mm is out of the reach of {}: give a mark within it",
+                  mark.x * 1e3, mark.y * 1e3, preset.pantograph.name);
     }
-    if (options.scale && marks.size() < 3) {
-        throw std::invalid_argument(fmt::format(
-            "--scale needs three marks that do not lie in line, {} given: give --mark three times",
-            marks.size()));
-    }
+    refuse_if(
+        options.scale && marks.size() < 3,
+        "--scale needs three marks that do not lie in line, {} given: give --mark three times",
+        marks.size());
     return marks;
 }
 
@@ -143,12 +141,10 @@ std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& devic
 
 int run(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
-    if (calibration.gantry) {
-        throw std::invalid_argument(fmt::format(
-            "--preset {}: straight axes have no zeros to be found: write home_mm of each axis into "
-            "the file by a rule, then palpate commission proves it",
-            options.preset));
-    }
+    refuse_if(calibration.gantry.has_value(),
+              "--preset {}: straight axes have no zeros to be found: write home_mm of each axis "
+              "into the file by a rule, then palpate commission proves it",
+              options.preset);
     const std::vector<Vec2> marks = marks_of(options, calibration);
     require_writable(options.output,
                      protocols::to_toml(calibration));  // before anybody brings a handle

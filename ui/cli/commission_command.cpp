@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/place_proof.hpp"
@@ -137,10 +138,8 @@ std::vector<Vec3> places_of(const CommissionOptions& options, const engine::Cali
     if (options.marks.empty()) {
         return engine::places_to_commission(machine, Vec2(home));
     }
-    if (machine.gantry) {
-        throw std::invalid_argument(
-            "--mark: the marks of three axes lie along them and are chosen: leave it out");
-    }
+    refuse_if(machine.gantry.has_value(),
+              "--mark: the marks of three axes lie along them and are chosen: leave it out");
     std::vector<Vec3> places{home};
     for (const std::string& text : options.marks) {
         places.emplace_back(parse_place(text, "--mark"), 0.0);
@@ -156,31 +155,24 @@ Vec3 mass_of(const CommissionOptions& options, const engine::Calibration& machin
     constexpr double kMaxG = 20000.0;
     constexpr double kHandleG = 60.0;
     if (!machine.gantry) {
-        if (!options.moved_g.empty()) {
-            throw std::invalid_argument(
-                fmt::format("--moved-g {} is of three axes: give --handle-g for the pantograph {}",
-                            options.moved_g, machine.name()));
-        }
+        refuse_if(!options.moved_g.empty(),
+                  "--moved-g {} is of three axes: give --handle-g for the pantograph {}",
+                  options.moved_g, machine.name());
         return Vec3(1e-3 * (options.handle_g > 0.0 ? options.handle_g : kHandleG));
     }
     const std::string wanted = fmt::format(
         "give --moved-g, what the motors of the axes x, y and z move, the handle and all that "
         "comes along, 1 to {:g} g each, as in --moved-g 480,300,120: strength is known by it",
         kMaxG);
-    if (options.handle_g > 0.0) {
-        throw std::invalid_argument(
-            fmt::format("--handle-g {:g} is of a linkage, and {} has three axes: {}",
-                        options.handle_g, machine.name(), wanted));
-    }
+    refuse_if(options.handle_g > 0.0, "--handle-g {:g} is of a linkage, and {} has three axes: {}",
+              options.handle_g, machine.name(), wanted);
     const auto grams = three_numbers(options.moved_g);
     const auto weighs = [](double g) {
         return g >= 1.0 && g <= kMaxG;
     };
-    if (!grams || !weighs(grams->x) || !weighs(grams->y) || !weighs(grams->z)) {
-        throw std::invalid_argument(
-            options.moved_g.empty() ? fmt::format("{} has three axes: {}", machine.name(), wanted)
-                                    : fmt::format("--moved-g {}: {}", options.moved_g, wanted));
-    }
+    refuse_if(!grams || !weighs(grams->x) || !weighs(grams->y) || !weighs(grams->z), "{}",
+              options.moved_g.empty() ? fmt::format("{} has three axes: {}", machine.name(), wanted)
+                                      : fmt::format("--moved-g {}: {}", options.moved_g, wanted));
     return 1e-3 * *grams;
 }
 
@@ -263,10 +255,8 @@ int run(const CommissionOptions& options) {
                                    interrupted() ? "stopped" : "standard input ended"));
         return kExitStopped;
     }
-    if (!done.refused.empty()) {
-        throw std::runtime_error(
-            fmt::format("{}. The motors are off and nothing was written", done.refused));
-    }
+    refuse_if<std::runtime_error>(!done.refused.empty(),
+                                  "{}. The motors are off and nothing was written", done.refused);
     write_rig(options, machine, done.record);
     return 0;
 }

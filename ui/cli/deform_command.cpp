@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "protocols/file/deformation_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -42,12 +43,10 @@ std::vector<double> times_of(const std::string& text, double step) {
                             "before, as 0.1,0.2",
                             text.substr(from, to - from)));
         }
-        if (time / step > kMaxSteps) {
-            throw std::invalid_argument(
-                fmt::format("--times has {} s, which are more than {:g} steps of {} s: give less, "
-                            "or a larger dt_s",
-                            time, kMaxSteps, step));
-        }
+        refuse_if(
+            time / step > kMaxSteps,
+            "--times has {} s, which are more than {:g} steps of {} s: give less, or a larger dt_s",
+            time, kMaxSteps, step);
         times.push_back(time);
         from = to + 1;
     }
@@ -130,12 +129,10 @@ void warn_of_step(const DeformOptions& options, const protocols::DeformationCase
 
 int deform(const DeformOptions& options) {
     const protocols::DeformationCase c = protocols::load_deformation(options.file);
-    if (c.at_rest != options.times.empty()) {
-        throw std::invalid_argument(
-            c.at_rest ? "--times is given, but the case is static: leave out one of them"
-                      : "the case is a motion: give --times 0.1,0.2 in seconds, or static = true "
-                        "in the case");
-    }
+    refuse_if(c.at_rest != options.times.empty(), "{}",
+              c.at_rest ? "--times is given, but the case is static: leave out one of them"
+                        : "the case is a motion: give --times 0.1,0.2 in seconds, or static = true "
+                          "in the case");
     if (!c.at_rest) {
         warn_of_step(options, c);
     }

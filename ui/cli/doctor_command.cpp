@@ -1,11 +1,11 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/device/replay_device.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
@@ -62,10 +62,7 @@ std::shared_ptr<engine::Device> open_device(const DoctorSpec& plan) {
     switch (plan.device.kind) {
         case DeviceChoice::Kind::replay: {
             auto recordings = load_recordings(plan.device);
-            if (recordings.empty()) {
-                throw std::invalid_argument(plan.device.file +
-                                            " holds no recorded trial to replay");
-            }
+            refuse_if(recordings.empty(), "{} holds no recorded trial to replay", plan.device.file);
             auto device = std::make_unique<engine::ReplayDevice>();
             device->begin(std::move(recordings.front()));
             return device;

@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
@@ -147,10 +148,8 @@ std::optional<double> number_after(const std::string& line,
         return std::nullopt;
     }
     const auto number = parsed<double>(std::string_view(line).substr(word.size()));
-    if (!number || !(*number >= least && *number <= max)) {
-        throw std::invalid_argument(
-            fmt::format("{}: give a number from {:g} to {:g}, as in {}2", line, least, max, word));
-    }
+    refuse_if(!number || !(*number >= least && *number <= max),
+              "{}: give a number from {:g} to {:g}, as in {}2", line, least, max, word);
     return number;
 }
 
@@ -319,13 +318,12 @@ bool obey_gantry(engine::GantryHand& hand, const std::string& line) {
 /// A machine of three straight axes, held or free.
 void live_in_space(const EmulatorOptions& options, const engine::Calibration& machine) {
     const EmulatorOptions plain;
-    if (options.handle_g != plain.handle_g || options.handle_damping != plain.handle_damping ||
-        options.handle_friction != plain.handle_friction || !options.start.empty()) {
-        throw std::invalid_argument(
-            fmt::format("--start, --handle-g, --handle-damping and --handle-friction are of a "
-                        "linkage, and {} has three axes: type friction N and weight N to it",
-                        machine.name()));
-    }
+    refuse_if(options.handle_g != plain.handle_g ||
+                  options.handle_damping != plain.handle_damping ||
+                  options.handle_friction != plain.handle_friction || !options.start.empty(),
+              "--start, --handle-g, --handle-damping and --handle-friction are of a linkage, and "
+              "{} has three axes: type friction N and weight N to it",
+              machine.name());
     engine::GantryHand hand(machine, !options.free);
     if (!options.at.empty()) {
         hand.bring(parse_place<3>(options.at, "--at"));

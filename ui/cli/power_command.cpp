@@ -2,13 +2,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/observer_file.hpp"
@@ -98,18 +98,14 @@ std::vector<std::size_t> numbers_of(const std::string& text) {
     std::istringstream parts(text);
     for (std::string part; std::getline(parts, part, ',');) {
         const std::size_t number = parsed<std::size_t>(part).value_or(0);
-        if (number < 2 || number > kMax) {
-            throw std::invalid_argument(fmt::format(
-                "--participants {}: give numbers from 2 to {} with commas between, as 8,12,16,24",
-                text, kMax));
-        }
+        refuse_if(number < 2 || number > kMax,
+                  "--participants {}: give numbers from 2 to {} with commas between, as 8,12,16,24",
+                  text, kMax);
         numbers.push_back(number);
     }
     std::ranges::sort(numbers);
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    if (numbers.empty()) {
-        throw std::invalid_argument("--participants is empty: give numbers, as 8,12,16,24");
-    }
+    refuse_if(numbers.empty(), "--participants is empty: give numbers, as 8,12,16,24");
     return numbers;
 }
 
@@ -120,11 +116,9 @@ std::optional<protocols::LogitEffect> effect_of(const PowerOptions& options) {
     }
     char* end = nullptr;
     const double mean = std::strtod(options.effect.c_str(), &end);
-    if (options.effect.empty() || *end != '\0' || !(std::fabs(mean) <= 10.0)) {
-        throw std::invalid_argument(
-            fmt::format("--effect {}: give a number of logits from -10 to 10, as -0.5, or observer",
-                        options.effect));
-    }
+    refuse_if(options.effect.empty() || *end != '\0' || !(std::fabs(mean) <= 10.0),
+              "--effect {}: give a number of logits from -10 to 10, as -0.5, or observer",
+              options.effect);
     return protocols::LogitEffect{.mean = mean, .sd = options.effect_sd};
 }
 
@@ -141,16 +135,11 @@ protocols::FrictionPair pair_of(const protocols::Protocol& protocol, const std::
                                  .with = place(std::ranges::max_element(all, by_mu))};
     if (!name.empty()) {
         const auto found = std::ranges::find(all, name, &protocols::FrictionSpec::name);
-        if (found == all.end()) {
-            throw std::invalid_argument(
-                fmt::format("--friction {}: {} has none of that name", name, protocol.id));
-        }
+        refuse_if(found == all.end(), "--friction {}: {} has none of that name", name, protocol.id);
         pair.with = place(found);
     }
-    if (pair.with == pair.without) {
-        throw std::invalid_argument(fmt::format(
-            "{}: two frictions are needed, one to compare with the other", protocol.id));
-    }
+    refuse_if(pair.with == pair.without,
+              "{}: two frictions are needed, one to compare with the other", protocol.id);
     return pair;
 }
 

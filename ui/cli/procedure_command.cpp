@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "ui/command/command.hpp"
@@ -92,10 +93,10 @@ std::size_t outcome_of(const Procedure& procedure,
                        const std::string& file) {
     const double response = table.at(row, 0);
     const auto last = static_cast<double>(procedure.outcomes() - 1);
-    if (!(response >= 0.0 && response <= last) || response != std::floor(response)) {
-        throw data::CsvError(fmt::format("{}:{}: response is {}: give a whole number from 0 to {}",
-                                         file, table.lines[row], response, last));
-    }
+    refuse_if<data::CsvError>(
+        !(response >= 0.0 && response <= last) || response != std::floor(response),
+        "{}:{}: response is {}: give a whole number from 0 to {}", file, table.lines[row], response,
+        last);
     return static_cast<std::size_t>(response);
 }
 

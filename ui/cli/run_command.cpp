@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/keys.hpp"
 #include "data/store/people.hpp"
@@ -58,13 +59,11 @@ data::RunKind kind_by_hand(const RunOptions& options,
     const bool forceless =
         !gives_force(device.kind) && protocol.apparatus.device != protocols::DeviceClass::mouse;
     if (!forceless || !options.kind.empty()) {
-        if (forceless && options.kind == "real" &&
-            protocol.apparatus.device == protocols::DeviceClass::any) {
-            throw std::invalid_argument(fmt::format(
-                "--device {} gives no force, and this protocol does not ask for it by device = "
-                "\"mouse\" in [apparatus]: use a device with force, or run it with --kind pilot",
-                options.device));
-        }
+        refuse_if(forceless && options.kind == "real" &&
+                      protocol.apparatus.device == protocols::DeviceClass::any,
+                  "--device {} gives no force, and this protocol does not ask for it by device = "
+                  "\"mouse\" in [apparatus]: use a device with force, or run it with --kind pilot",
+                  options.device);
         return options.kind == "pilot" ? data::RunKind::pilot : data::RunKind::real;
     }
     warn("--device {} gives no force: the session is recorded as pilot, not real", options.device);
@@ -75,12 +74,10 @@ data::RunKind kind_of(const RunOptions& options,
                       const DeviceChoice& device,
                       const protocols::Protocol& protocol) {
     const bool person = wants_window(options.screen);
-    if (held_by_a_person(device.kind) && !person) {
-        throw std::invalid_argument(
-            fmt::format("--device {} needs a display and a window: set DISPLAY and leave "
-                        "--headless out, or use --device sim",
-                        options.device));
-    }
+    refuse_if(held_by_a_person(device.kind) && !person,
+              "--device {} needs a display and a window: set DISPLAY and leave --headless out, or "
+              "use --device sim",
+              options.device);
     if (!held_by_a_person(device.kind)) {
         if (!options.kind.empty()) {
             warn("the hand is simulated: the session is recorded as simulated, not {}",
@@ -96,23 +93,19 @@ data::RunKind kind_of(const RunOptions& options,
             options.device, *board.emulator);
         return data::RunKind::simulated;
     }
-    if (board.unseen) {
-        throw std::invalid_argument(
-            fmt::format("behind --device {} is a program that this user cannot see, and it may be "
-                        "an emulator: give --kind real if it leads to a board, else --kind pilot",
-                        options.device));
-    }
+    refuse_if(board.unseen,
+              "behind --device {} is a program that this user cannot see, and it may be an "
+              "emulator: give --kind real if it leads to a board, else --kind pilot",
+              options.device);
     return kind_by_hand(options, device, protocol);
 }
 
 void check_device(const RunOptions& options, const RigSpec& spec) {
     const protocols::DeviceClass asked = spec.study.protocol.apparatus.device;
-    if (spec.kind == data::RunKind::real && !fits(asked, spec.device.kind)) {
-        throw std::invalid_argument(
-            fmt::format("this protocol asks for the device \"{}\", and --device is {}: use that "
-                        "device, or run it with --kind pilot",
-                        protocols::word_of(asked), options.device));
-    }
+    refuse_if(spec.kind == data::RunKind::real && !fits(asked, spec.device.kind),
+              "this protocol asks for the device \"{}\", and --device is {}: use that device, or "
+              "run it with --kind pilot",
+              protocols::word_of(asked), options.device);
 }
 
 /// What is noted of the participant; none: nobody of that code is known.
@@ -136,9 +129,7 @@ void check_consent(const Person& person, const RunOptions& options, const RigSpe
     const std::string text = fmt::format(
         "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
         options.participant, options.database, person ? "" : " --new");
-    if (spec.study.protocol.consent_required) {
-        throw std::invalid_argument(text + ", and this protocol demands it");
-    }
+    refuse_if(spec.study.protocol.consent_required, "{}, and this protocol demands it", text);
     warn("{}", text);
 }
 
@@ -160,13 +151,11 @@ void check_handedness(const Person& person, const RunOptions& options, const Rig
     }
     const std::int64_t score = *person->notes.handedness;
     const std::int64_t towards = asked == protocols::Handedness::right ? score : -score;
-    if (towards < 0) {
-        throw std::invalid_argument(
-            fmt::format("this protocol asks for handedness \"{}\", and {} has a score of {} (-100 "
-                        "left to 100 right): ask somebody else, correct the score by palpate "
-                        "participant, or run it with --kind pilot",
-                        word, options.participant, score));
-    }
+    refuse_if(towards < 0,
+              "this protocol asks for handedness \"{}\", and {} has a score of {} (-100 left to "
+              "100 right): ask somebody else, correct the score by palpate participant, or run it "
+              "with --kind pilot",
+              word, options.participant, score);
     if (towards < kClearly) {
         warn(
             "this protocol asks for handedness \"{}\", and {} has a score of {}, which is neither "
@@ -187,14 +176,12 @@ void check_number(const RunOptions& options, const std::string& study) {
         const auto state = data::latest_session(there, study, options.participant);
         last = state ? state->number : 0;
     }
-    if (*options.session > last + 1) {
-        throw std::invalid_argument(
-            fmt::format("{}: {} has {} of {} so far, and --session is {}: give --session {}, or "
-                        "--elsewhere as well if the sessions before are in another file",
-                        options.database, options.participant,
-                        last == 0 ? "no session" : fmt::format("sessions up to {}", last), study,
-                        *options.session, last + 1));
-    }
+    refuse_if(*options.session > last + 1,
+              "{}: {} has {} of {} so far, and --session is {}: give --session {}, or --elsewhere "
+              "as well if the sessions before are in another file",
+              options.database, options.participant,
+              last == 0 ? "no session" : fmt::format("sessions up to {}", last), study,
+              *options.session, last + 1);
 }
 
 void declare(CommandWords& words, RunOptions& options) {

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/surface/surface_scene.hpp"
 #include "ui/cli/trajectory.hpp"
 #include "ui/command/command.hpp"
@@ -157,11 +158,10 @@ Feel surface_feel(const SceneFile& file, double period) {
 
 void check_even(const Trajectory& path) {
     for (Trajectory::Rows rows(path); rows.next();) {
-        if (rows.tick().period != path.first_period()) {
-            throw data::CsvError(fmt::format(
-                "{}:{}: a tick of {} s among ticks of {} s: the thesis' renderer needs even ticks",
-                path.name(), rows.line(), rows.tick().period, path.first_period()));
-        }
+        refuse_if<data::CsvError>(
+            rows.tick().period != path.first_period(),
+            "{}:{}: a tick of {} s among ticks of {} s: the thesis' renderer needs even ticks",
+            path.name(), rows.line(), rows.tick().period, path.first_period());
     }
 }
 
@@ -177,11 +177,9 @@ Feel feel_of(const SceneFile& scene, double period, MakePlaneFeel thesis) {
     if (!scene.surfaces.empty()) {
         return surface_feel(scene, period);
     }
-    if (scene.curves.empty()) {
-        throw std::invalid_argument(
-            "curves in space cannot be felt, only asked for the closest point: give plane curves "
-            "or [[surface]] tables");
-    }
+    refuse_if(scene.curves.empty(),
+              "curves in space cannot be felt, only asked for the closest point: give plane curves "
+              "or [[surface]] tables");
     const MakePlaneFeel make = by_thesis(scene) ? thesis : plane_feel;
     return [feel = make(scene, period)](Lines& lines, const Trajectory::Tick& tick) {
         add_row(lines, tick.t, feel({tick.hip.x, tick.hip.y}, tick.period));

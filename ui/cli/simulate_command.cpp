@@ -8,6 +8,7 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "data/store/secret.hpp"
@@ -108,9 +109,8 @@ SimulationSpec spec_of(const SimulateOptions& options) {
                      ? static_cast<std::size_t>(options.threads)
                      : std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
     spec.scratch = options.scratch;
-    if (options.database.empty() == options.folder.empty()) {
-        throw std::invalid_argument("give --db FILE, or -o FOLDER, for what is simulated");
-    }
+    refuse_if(options.database.empty() == options.folder.empty(),
+              "give --db FILE, or -o FOLDER, for what is simulated");
     spec.file = options.folder.empty() ? fs::path(options.database)
                                        : fs::path(options.folder) / shard_name(spec.shard);
     return spec;
@@ -137,10 +137,8 @@ std::string shard_words(const SimulateOptions& options) {
 /// submitted again.
 std::string slurm_script(const SimulateOptions& options) {
     const std::size_t shards = static_cast<std::size_t>(options.slurm);
-    if (shards > static_cast<std::size_t>(options.participants)) {
-        throw std::invalid_argument(fmt::format(
-            "--slurm {}: no more shards than --participants, {}", shards, options.participants));
-    }
+    refuse_if(shards > static_cast<std::size_t>(options.participants),
+              "--slurm {}: no more shards than --participants, {}", shards, options.participants);
     std::error_code unknown;
     const fs::path self = fs::read_symlink("/proc/self/exe", unknown);
     const std::string program = shell_word(unknown ? "palpate" : self.string());

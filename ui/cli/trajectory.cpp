@@ -5,8 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include <fmt/format.h>
-
+#include "engine/base/refuse.hpp"
 #include "protocols/file/scene_file.hpp"
 
 namespace palpate::ui {
@@ -29,11 +28,9 @@ void check_reach(const std::string& file,
                  std::size_t line,
                  std::string_view column,
                  double metres) {
-    if (std::fabs(metres) > protocols::kFarthest) {
-        throw data::CsvError(fmt::format("{}:{}: {} is {}: give metres from {} to {}", file, line,
-                                         column, metres, -protocols::kFarthest,
-                                         protocols::kFarthest));
-    }
+    refuse_if<data::CsvError>(std::fabs(metres) > protocols::kFarthest,
+                              "{}:{}: {} is {}: give metres from {} to {}", file, line, column,
+                              metres, -protocols::kFarthest, protocols::kFarthest);
 }
 
 }  // namespace
@@ -77,15 +74,12 @@ bool Trajectory::Rows::next() {
         return true;
     }
     const double period = tick_.t - before;
-    if (period > kLongestPeriod) {
-        throw data::CsvError(fmt::format("{}:{}: t_s is {} after {}: give ticks of at most {} s",
-                                         file, rows_.line(), tick_.t, before, kLongestPeriod));
-    }
-    if (!(period > 0.0)) {
-        throw data::CsvError(
-            fmt::format("{}:{}: t_s is {} after {}: time has to grow from row to row", file,
-                        rows_.line(), tick_.t, before));
-    }
+    refuse_if<data::CsvError>(period > kLongestPeriod,
+                              "{}:{}: t_s is {} after {}: give ticks of at most {} s", file,
+                              rows_.line(), tick_.t, before, kLongestPeriod);
+    refuse_if<data::CsvError>(!(period > 0.0),
+                              "{}:{}: t_s is {} after {}: time has to grow from row to row", file,
+                              rows_.line(), tick_.t, before);
     tick_.period = path_.evened(period);
     return true;
 }

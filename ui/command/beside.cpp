@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include <fmt/format.h>
+#include "engine/base/refuse.hpp"
 
 namespace palpate::ui {
 
@@ -13,10 +13,9 @@ std::filesystem::path beside_program(std::string_view name, std::string_view tar
     if (!std::filesystem::exists(file)) {
         file = folder.parent_path() / "lib" / "palpate" / name;
     }
-    if (unknown || !std::filesystem::exists(file)) {
-        throw std::runtime_error(fmt::format(
-            "{} is not there, nor beside the program: build the target {}", file.string(), target));
-    }
+    refuse_if<std::runtime_error>(unknown || !std::filesystem::exists(file),
+                                  "{} is not there, nor beside the program: build the target {}",
+                                  file.string(), target);
     return file;
 }
 

@@ -8,6 +8,7 @@
 #include <sched.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/session_stream.hpp"
 #include "ui/rig/control_line.hpp"
@@ -48,11 +49,9 @@ void declare(CommandWords& words, ConsoleOptions& options) {
 
 RunningSession the_session(const std::optional<std::string>& of) {
     std::vector<RunningSession> all = running_sessions(of);
-    if (all.empty()) {
-        throw std::invalid_argument(
-            of ? fmt::format("{}: no session of yours runs on it, and none has that uuid", *of)
-               : std::string("no session of yours runs: begin one with palpate run"));
-    }
+    refuse_if(all.empty(), "{}",
+              of ? fmt::format("{}: no session of yours runs on it, and none has that uuid", *of)
+                 : std::string("no session of yours runs: begin one with palpate run"));
     if (all.size() > 1) {
         std::string text = "several sessions run; name one of these:";
         for (const RunningSession& one : all) {
@@ -105,9 +104,8 @@ int run(const ConsoleOptions& options) {
     catch_signals();
     const sched_param usual{};
     sched_setscheduler(0, SCHED_BATCH, &usual);  // whoever wakes goes first: the session
-    if (!options.tls.empty() && options.tls.size() != 2) {
-        throw std::invalid_argument("--tls takes two files: --tls CERT KEY");
-    }
+    refuse_if(!options.tls.empty() && options.tls.size() != 2,
+              "--tls takes two files: --tls CERT KEY");
     PageServerSpec spec;
     const bool acts = options.listen.empty() || options.act;
     if (!options.listen.empty()) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/trial/trial_scene.hpp"
@@ -168,11 +169,9 @@ void FeltStimuli::open() {
     if (opened_) {
         return;
     }
-    if (rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind)) {
-        throw std::invalid_argument(
-            "the protocol asks for a dead-man key, which the window of a session has: palpate run "
-            "with --kind pilot lets one feel it");
-    }
+    refuse_if(rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind),
+              "the protocol asks for a dead-man key, which the window of a session has: palpate "
+              "run with --kind pilot lets one feel it");
     take_record(rig_, device_);
     opened_ = open_and_check(rig_);
 }

@@ -18,6 +18,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/uuid.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/json_line.hpp"
@@ -318,15 +319,12 @@ PageServer::PageServer(PageServerSpec spec)
     const std::string no_address =
         fmt::format("{} is no address of this machine, such as 192.168.1.5; hostname -I lists them",
                     spec_.address);
-    if (inet_pton(AF_INET, spec_.address.c_str(), &where.sin_addr) != 1 ||
-        where.sin_addr.s_addr == INADDR_ANY) {
-        throw std::invalid_argument(no_address);
-    }
+    refuse_if(inet_pton(AF_INET, spec_.address.c_str(), &where.sin_addr) != 1 ||
+                  where.sin_addr.s_addr == INADDR_ANY,
+              "{}", no_address);
     const bool tls = !spec_.certificate.empty();
-    if (!tls && spec_.address != PageServerSpec::kHere) {
-        throw std::invalid_argument(spec_.address +
-                                    ": only by TLS, with a certificate and its key");
-    }
+    refuse_if(!tls && spec_.address != PageServerSpec::kHere,
+              "{}: only by TLS, with a certificate and its key", spec_.address);
     // Without ITC its end would shut the listening socket down for every server of the session.
     const unsigned flags = MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD |
                            MHD_USE_POLL | MHD_USE_ITC | (tls ? unsigned{MHD_USE_TLS} : 0U);

@@ -1,13 +1,13 @@
 #include <cmath>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/choice/identification.hpp"
 #include "data/fit/fit_report.hpp"
@@ -41,11 +41,9 @@ struct FitWords : AnswerWords {
 double number_of(const std::string& option, std::string_view text, std::string_view words = "") {
     const auto one = [&](std::string_view part) {
         const auto value = parsed<double>(part);
-        if (!value || !std::isfinite(*value)) {
-            throw std::invalid_argument(
-                fmt::format("{} is \"{}\": give a number, as 0.5 or 1/3{}{}", option, text,
-                            words.empty() ? "" : ", or ", words));
-        }
+        refuse_if(!value || !std::isfinite(*value),
+                  "{} is \"{}\": give a number, as 0.5 or 1/3{}{}", option, text,
+                  words.empty() ? "" : ", or ", words);
         return *value;
     };
     const std::size_t slash = text.find('/');
@@ -64,27 +62,21 @@ void set_prior(data::CurveSpec& spec, const std::string& text) {
                                        : name == "guess"     ? &spec.guess_prior
                                        : name == "lapse"     ? &spec.lapse_prior
                                                              : nullptr;
-    if (target == nullptr || comma == std::string::npos) {
-        throw std::invalid_argument(fmt::format(
-            "--prior is \"{}\": give threshold=MEAN,SD (weibull: MEDIAN,SD of the logarithm), "
-            "slope=MEDIAN,SD of the logarithm, guess=A,B or lapse=A,B of a beta density",
-            text));
-    }
+    refuse_if(target == nullptr || comma == std::string::npos,
+              "--prior is \"{}\": give threshold=MEAN,SD (weibull: MEDIAN,SD of the logarithm), "
+              "slope=MEDIAN,SD of the logarithm, guess=A,B or lapse=A,B of a beta density",
+              text);
     *target = data::Prior{number_of("--prior " + name, text.substr(equals + 1, comma - equals - 1)),
                           number_of("--prior " + name, text.substr(comma + 1))};
 }
 
 void check_priors(const data::CurveSpec& spec) {
-    if (spec.guess_prior && !spec.guess_free) {
-        throw std::invalid_argument(
-            "--prior guess says what is believed of a rate that is given: give --guess free, or no "
-            "such prior");
-    }
-    if (spec.lapse_prior && !spec.lapse_free) {
-        throw std::invalid_argument(
-            "--prior lapse says what is believed of a rate that is given: give --lapse free, or no "
-            "such prior");
-    }
+    refuse_if(spec.guess_prior && !spec.guess_free,
+              "--prior guess says what is believed of a rate that is given: give --guess free, or "
+              "no such prior");
+    refuse_if(spec.lapse_prior && !spec.lapse_free,
+              "--prior lapse says what is believed of a rate that is given: give --lapse free, or "
+              "no such prior");
 }
 
 data::CurveSpec spec_of(const FitWords& words, bool database) {
@@ -99,10 +91,8 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
     spec.guess_shared = guess == "shared";
     spec.guess_free = spec.guess_shared || guess == "free";
     spec.lapse_shared = words.lapse == "shared";
-    if (spec.guess_shared && spec.lapse_shared) {
-        throw std::invalid_argument(
-            "--guess and --lapse are both shared: give one of them as free or as a number");
-    }
+    refuse_if(spec.guess_shared && spec.lapse_shared,
+              "--guess and --lapse are both shared: give one of them as free or as a number");
     spec.lapse_free = spec.lapse_shared || words.lapse == "free";
     spec.lapse = spec.lapse_free ? 0.0 : number_of("--lapse", words.lapse, "free or shared");
     spec.guess = spec.two_sided  ? spec.lapse
@@ -184,15 +174,11 @@ int fit_identifications(const FitWords& words, bool database) {
     }
     for (const std::string& item : words.items) {
         const std::size_t equals = item.rfind('=');
-        if (equals == std::string::npos || equals == 0) {
-            throw std::invalid_argument(
-                fmt::format("--item is \"{}\": give NAME=VALUE, as flat=0", item));
-        }
+        refuse_if(equals == std::string::npos || equals == 0,
+                  "--item is \"{}\": give NAME=VALUE, as flat=0", item);
         const std::string name = item.substr(0, equals);
-        if (!options.given.insert(name).second) {
-            throw std::invalid_argument(
-                fmt::format("--item {} is there twice: give one value for each item", name));
-        }
+        refuse_if(!options.given.insert(name).second,
+                  "--item {} is there twice: give one value for each item", name);
         options.items[name] = number_of("--item " + name, item.substr(equals + 1));
     }
     const data::IdentificationReport report = data::identification_of(std::move(table), options);
@@ -206,12 +192,10 @@ void refuse_words_of_curves(const FitWords& words) {
                         words.lapse == "free" || words.lapse == "shared" ||
                         words.function != "normal" || words.seed ||
                         words.bootstrap != FitWords{}.bootstrap;
-    if (curves) {
-        throw std::invalid_argument(fmt::format(
-            "{} holds identifications: --function, --guess, --prior, --at, --bootstrap, --seed, "
-            "--svg and --lapse free are for psychometric functions",
-            words.file));
-    }
+    refuse_if(curves,
+              "{} holds identifications: --function, --guess, --prior, --at, --bootstrap, --seed, "
+              "--svg and --lapse free are for psychometric functions",
+              words.file);
 }
 
 /// The order of the conditions, with what they are compared with first.
@@ -224,10 +208,8 @@ std::vector<std::string> order_of(const data::StoredAnswers& answers, const std:
     for (const data::Answers& one : answers.all) {
         known.insert(one.condition);
     }
-    if (!known.contains(baseline)) {
-        throw std::invalid_argument(
-            fmt::format("--baseline is {}: give one of {}", baseline, fmt::join(known, ", ")));
-    }
+    refuse_if(!known.contains(baseline), "--baseline is {}: give one of {}", baseline,
+              fmt::join(known, ", "));
     std::erase(order, baseline);
     order.insert(order.begin(), baseline);
     return order;
@@ -245,10 +227,8 @@ data::FitOptions options_of(const FitWords& words, bool database) {
                              .seed = words.seed.value_or(1)};
     if (words.at) {
         options.at = number_of("--at", *words.at);
-        if (!(*options.at > 0.0 && *options.at < 1.0)) {
-            throw std::invalid_argument(
-                fmt::format("--at is {}: give a share between 0 and 1", *words.at));
-        }
+        refuse_if(!(*options.at > 0.0 && *options.at < 1.0),
+                  "--at is {}: give a share between 0 and 1", *words.at);
     }
     return options;
 }
@@ -268,11 +248,9 @@ int run(const FitWords& words) {
         refuse_words_of_curves(words);
         return fit_identifications(words, database);
     }
-    if (!words.items.empty()) {
-        throw std::invalid_argument(fmt::format(
-            "{} holds no identifications: --item is for answers that name one of several items",
-            words.file));
-    }
+    refuse_if(!words.items.empty(),
+              "{} holds no identifications: --item is for answers that name one of several items",
+              words.file);
     data::FitOptions options = options_of(words, database);
     const data::StoredAnswers answers = answers_of(words, database);
     options.conditions = order_of(answers, words.baseline);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/store/session_store.hpp"
 #include "data/sync/merge.hpp"
@@ -116,17 +117,13 @@ void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
             names.push_back(*file);
         }
     }
-    if (!missing.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{} of {} missing, and nothing was merged: simulate {} first, with Slurm "
-                        "by sbatch --array={}",
-                        missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"),
-                        shards, missing.size() == 1 ? "it" : "them", fmt::join(missing, ",")));
-    }
-    if (files.size() != shards) {
-        throw std::invalid_argument(fmt::format("--expect {}: {} were given: nothing was merged",
-                                                shards, counted(files.size(), "file")));
-    }
+    refuse_if(!missing.empty(),
+              "{} of {} missing, and nothing was merged: simulate {} first, with Slurm by sbatch "
+              "--array={}",
+              missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"), shards,
+              missing.size() == 1 ? "it" : "them", fmt::join(missing, ","));
+    refuse_if(files.size() != shards, "--expect {}: {} were given: nothing was merged", shards,
+              counted(files.size(), "file"));
     Shards all(shards);
     for (std::size_t i = 0; i < shards; ++i) {
         all.read(names[i], i);
@@ -138,11 +135,9 @@ int run(const MergeOptions& options) {
     if (options.expect > 0) {
         expect_shards(options.inputs, static_cast<std::size_t>(options.expect));
     }
-    if (!options.prefer.empty() && options.prefer != options.database &&
-        std::ranges::find(options.inputs, options.prefer) == options.inputs.end()) {
-        throw std::invalid_argument(fmt::format(
-            "--prefer {}: it is none of the files that are brought together", options.prefer));
-    }
+    refuse_if(!options.prefer.empty() && options.prefer != options.database &&
+                  std::ranges::find(options.inputs, options.prefer) == options.inputs.end(),
+              "--prefer {}: it is none of the files that are brought together", options.prefer);
     const data::MergeReport done =
         data::merge_files(options.database, options.inputs, options.prefer);
     say("{}: {} new, {} went on, {} as before.\n", options.database, counted(done.added, "session"),

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/people.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -35,9 +36,8 @@ data::Database open_there(const std::string& file) {
 }
 
 void require_text(const std::string& text, std::string_view what) {
-    if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
-        throw std::invalid_argument(fmt::format("{} is empty: say it in a few words", what));
-    }
+    refuse_if(text.find_first_not_of(" \t\r\n") == std::string::npos,
+              "{} is empty: say it in a few words", what);
 }
 
 /// The session meant: the last one begun, of the only study in question.
@@ -96,9 +96,8 @@ void declare_mark(CommandWords& words, MarkOptions& options) {
 }
 
 int mark(const MarkOptions& options) {
-    if (options.reason.empty() == options.undo.empty()) {
-        throw std::invalid_argument("give --invalid REASON, or --undo REASON to take a mark back");
-    }
+    refuse_if(options.reason.empty() == options.undo.empty(),
+              "give --invalid REASON, or --undo REASON to take a mark back");
     const bool undo = !options.undo.empty();
     require_text(undo ? options.undo : options.reason,
                  undo ? "the reason of --undo" : "the reason of --invalid");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/people.hpp"
@@ -35,16 +36,12 @@ std::pair<std::string, std::string> detail_of(const std::string& word) {
     constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
     const auto equals = word.find('=');
     const std::string key = word.substr(0, equals);
-    if (equals == std::string::npos || key.empty() || key.size() > 64 ||
-        key.find_first_not_of(kAllowed) != std::string::npos) {
-        throw std::invalid_argument(
-            fmt::format("--set \"{}\": give KEY=VALUE, KEY of letters a-z, digits and _", word));
-    }
-    if (key == "handedness" || key == "consent") {
-        throw std::invalid_argument(
-            fmt::format("--set \"{0}\": that is no detail: give --{1} instead", word,
-                        key == "consent" ? "consent yes or --consent no" : "handedness SCORE"));
-    }
+    refuse_if(equals == std::string::npos || key.empty() || key.size() > 64 ||
+                  key.find_first_not_of(kAllowed) != std::string::npos,
+              "--set \"{}\": give KEY=VALUE, KEY of letters a-z, digits and _", word);
+    refuse_if(key == "handedness" || key == "consent",
+              "--set \"{0}\": that is no detail: give --{1} instead", word,
+              key == "consent" ? "consent yes or --consent no" : "handedness SCORE");
     return {key, word.substr(equals + 1)};
 }
 
@@ -103,15 +100,11 @@ void declare(CommandWords& words, ParticipantOptions& options) {
 /// The sessions that were run under a wrong code become another's.
 int give_away(data::Database& database, const ParticipantOptions& options) {
     check_participant(options.really, "--is-really");
-    if (options.reason.empty()) {
-        throw std::invalid_argument("--is-really: give --reason TEXT as well: it is kept");
-    }
+    refuse_if(options.reason.empty(), "--is-really: give --reason TEXT as well: it is kept");
     auto sessions =
         data::sessions_of(database, options.participant, options.session, options.study);
-    if (sessions.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: {} has no such session", options.database, options.participant));
-    }
+    refuse_if(sessions.empty(), "{}: {} has no such session", options.database,
+              options.participant);
     for (auto session = sessions.rbegin(); session != sessions.rend(); ++session) {
         const data::MovedSession moved = data::move_session(
             database, session->id, options.really, {options.reason, options.operator_name});
@@ -130,10 +123,7 @@ int give_away(data::Database& database, const ParticipantOptions& options) {
 
 int destroy(data::Database& database, const ParticipantOptions& options) {
     const auto person = data::find_participant(database, options.participant);
-    if (!person) {
-        throw std::invalid_argument(
-            fmt::format("{}: nobody is called {}", options.database, options.participant));
-    }
+    refuse_if(!person, "{}: nobody is called {}", options.database, options.participant);
     const bool everything = options.destroy == "everything";
     if (!options.yes &&
         typed_after(fmt::format(
@@ -174,12 +164,10 @@ bool takes_notes(const ParticipantOptions& options) {
 
 /// Who is in the file, a line each.
 int list(const ParticipantOptions& options) {
-    if (takes_notes(options) || !options.really.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: nobody is named: give the code of whom it is noted as well, as in "
-                        "palpate participant FILE P01 ...",
-                        options.database));
-    }
+    refuse_if(takes_notes(options) || !options.really.empty(),
+              "{}: nobody is named: give the code of whom it is noted as well, as in palpate "
+              "participant FILE P01 ...",
+              options.database);
     data::Database database(options.database, data::Access::read);
     data::Statement row = database.prepare(
         "SELECT participant_code, count(session_id), CASE consent WHEN 1 THEN 'yes' WHEN 0 THEN "
@@ -220,14 +208,12 @@ int run(const ParticipantOptions& options) {
     if (!known) {
         check_known(database, options.participant, options.registers && options.another);
     }
-    if (known == options.registers) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {}", options.database,
-            known ? fmt::format("{} is there already: give somebody new another pseudonym, or "
+    refuse_if(known == options.registers, "{}: {}", options.database,
+              known
+                  ? fmt::format("{} is there already: give somebody new another pseudonym, or "
                                 "leave --new out",
                                 options.participant)
-                  : fmt::format("nobody is called {}: --new registers them", options.participant)));
-    }
+                  : fmt::format("nobody is called {}: --new registers them", options.participant));
     if (takes_notes(options)) {
         data::note_participant(database, options.participant, notes, options.operator_name);
         const auto sessions = data::sessions_of(database, options.participant, {}, {});

@@ -1,7 +1,7 @@
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/sync/push.hpp"
 #include "ui/command/command.hpp"
@@ -32,9 +32,8 @@ int run(const PushOptions& options) {
         say("{}", data::push_setup());
         return 0;
     }
-    if (options.database.empty() || options.url.empty()) {
-        throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
-    }
+    refuse_if(options.database.empty() || options.url.empty(),
+              "push needs FILE and --to postgresql://..., or --roles");
     const data::PushReport done = data::push_file(options.database, options.url, options.choice);
     say("{}: {}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
         counted(done.rows, "row"));

@@ -1,7 +1,7 @@
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/people.hpp"
 #include "data/store/repairs.hpp"
 #include "ui/command/command.hpp"
@@ -36,21 +36,16 @@ void declare(CommandWords& words, SessionOptions& options) {
 data::SessionRow session_of(data::Database& database, const SessionOptions& options) {
     auto all = data::sessions_of(database, options.participant,
                                  static_cast<std::size_t>(options.number), options.study);
-    if (all.size() != 1) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {} has {} session {}{}", options.database, options.participant,
-            all.empty() ? "no" : fmt::format("{} times a", all.size()), options.number,
-            all.empty() ? ": palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
-                        : ": give --study"));
-    }
+    refuse_if(all.size() != 1, "{}: {} has {} session {}{}", options.database, options.participant,
+              all.empty() ? "no" : fmt::format("{} times a", all.size()), options.number,
+              all.empty() ? ": palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
+                          : ": give --study");
     return all.front();
 }
 
 int run(const SessionOptions& options) {
-    if (options.withdraw.empty() == options.undo.empty()) {
-        throw std::invalid_argument(
-            "give --withdraw REASON, or --undo REASON to take a withdrawal back");
-    }
+    refuse_if(options.withdraw.empty() == options.undo.empty(),
+              "give --withdraw REASON, or --undo REASON to take a withdrawal back");
     { const data::Database there(options.database, data::Access::read); }
     data::Database database(options.database, data::Access::write);
     const data::SessionRow session = session_of(database, options);

@@ -1,11 +1,11 @@
 #include <cstdio>
 #include <iostream>
-#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/analysis/left_out.hpp"
 #include "data/shell/sql_shell.hpp"
 #include "ui/command/beside.hpp"
@@ -100,9 +100,7 @@ void declare(CommandWords& words, SqlOptions& options) {
 }
 
 int run(const SqlOptions& options) {
-    if (options.steps < 1) {
-        throw std::invalid_argument("--steps: give a number of steps, 1 or more");
-    }
+    refuse_if(options.steps < 1, "--steps: give a number of steps, 1 or more");
     warn_of_unblinding(options.database);
     data::Database database(options.database, data::Access::inspect);
     if (!options.versions.empty()) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/control_line.hpp"
@@ -31,12 +32,10 @@ int run(const StopOptions& options) {
     if (stopped.sessions > 0) {
         say("No force any more in {}:\n{}", counted(stopped.sessions, "session"), stopped.labels);
     }
-    if (stopped.silent > 0) {
-        throw std::runtime_error(
-            fmt::format("{} did not answer in 2 s, which hangs or is stopped: use the switch of "
-                        "its motors. It gives no force when it goes on",
-                        counted(stopped.silent, "session")));
-    }
+    refuse_if<std::runtime_error>(stopped.silent > 0,
+                                  "{} did not answer in 2 s, which hangs or is stopped: use the "
+                                  "switch of its motors. It gives no force when it goes on",
+                                  counted(stopped.silent, "session"));
     if (stopped.sessions > 0) {
         return 0;
     }

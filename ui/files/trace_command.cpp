@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
 #include "ui/command/command.hpp"
@@ -51,12 +51,10 @@ int run(const TraceOptions& options) {
     data::Database database(options.database, data::Access::read);
     const data::Snapshot now(database);
     const auto intervals = data::intervals_of(database, options.trial);
-    if (!intervals.empty() &&
-        std::find(intervals.begin(), intervals.end(), options.interval) == intervals.end()) {
-        throw std::invalid_argument(fmt::format("{}: trial {} has no interval {}: give {}",
-                                                options.database, options.trial, options.interval,
-                                                fmt::join(intervals, " or ")));
-    }
+    refuse_if(!intervals.empty() && std::find(intervals.begin(), intervals.end(),
+                                              options.interval) == intervals.end(),
+              "{}: trial {} has no interval {}: give {}", options.database, options.trial,
+              options.interval, fmt::join(intervals, " or "));
     data::require_shown(database, options.trial);
     const std::string why = why_left_out(database, options.trial);
     data::TraceReader reader(database);

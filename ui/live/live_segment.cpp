@@ -9,13 +9,13 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "ui/rig/json_line.hpp"
 
 namespace palpate::ui {
@@ -146,10 +146,9 @@ LiveReader::LiveReader(int descriptor) {
     if (at != MAP_FAILED) {
         memory_ = static_cast<const LiveMemory*>(at);
     }
-    if (memory_ == nullptr || memory_->magic != kMagic) {
-        throw std::runtime_error(
-            "the session shows nothing that this palpate reads: use the one that runs it");
-    }
+    refuse_if<std::runtime_error>(
+        memory_ == nullptr || memory_->magic != kMagic,
+        "the session shows nothing that this palpate reads: use the one that runs it");
 }
 
 LiveReader::~LiveReader() {

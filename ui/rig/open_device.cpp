@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/device/drivers/comedi_card.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/pointer_device.hpp"
@@ -27,12 +28,10 @@ engine::Calibration calibration_of(const DeviceChoice& choice, const std::string
                 calibration.gantry->damping.reset();
             }
         }
-        if (calibration.gantry && choice.kind != Kind::board && choice.kind != Kind::replay) {
-            throw std::invalid_argument(fmt::format(
-                "--calibration {}: {} has three axes, which an open board alone drives: give "
-                "--device board:PORT, or the calibration of a pantograph",
-                name_or_file, calibration.name()));
-        }
+        refuse_if(calibration.gantry && choice.kind != Kind::board && choice.kind != Kind::replay,
+                  "--calibration {}: {} has three axes, which an open board alone drives: give "
+                  "--device board:PORT, or the calibration of a pantograph",
+                  name_or_file, calibration.name());
         return std::move(calibration);
     }
     const bool small = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator ||
@@ -142,11 +141,9 @@ template <int kAxes>
 engine::Vec<kAxes> parse_place(const std::string& text, const std::string& word) {
     constexpr double kFar = 1000.0;
     const auto mm = numbers_of<kAxes>(text);
-    if (!mm || !(glm::length(*mm) <= kFar)) {
-        throw std::invalid_argument(
-            fmt::format("{0} {1}: give its place in the object's frame in mm, as in {0} {2}", word,
-                        text, kAxes > 2 ? "0,40,20" : "0,40"));
-    }
+    refuse_if(!mm || !(glm::length(*mm) <= kFar),
+              "{0} {1}: give its place in the object's frame in mm, as in {0} {2}", word, text,
+              kAxes > 2 ? "0,40,20" : "0,40");
     return *mm / 1000.0;
 }
 template engine::Vec2 parse_place<2>(const std::string& text, const std::string& word);

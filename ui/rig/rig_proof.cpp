@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "engine/realtime/realtime_rights.hpp"
@@ -77,24 +78,21 @@ std::optional<std::string> typed_line() {
 /// The handle did not move since the device took its pose for home.
 void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibration) {
     const engine::Rest rest = runner.watch(kRest);
-    if (!std::isfinite(rest.place.x)) {
-        throw std::runtime_error("the device said nothing new for a second: check its cable");
-    }
-    if (rest.span.x > engine::kStillCounts || rest.span.y > engine::kStillCounts ||
-        rest.span.z > engine::kStillCounts) {
-        throw std::runtime_error(
-            "the handle moves: let it rest, free, at home, and run the same command again");
-    }
+    refuse_if<std::runtime_error>(!std::isfinite(rest.place.x),
+                                  "the device said nothing new for a second: check its cable");
+    refuse_if<std::runtime_error>(
+        rest.span.x > engine::kStillCounts || rest.span.y > engine::kStillCounts ||
+            rest.span.z > engine::kStillCounts,
+        "the handle moves: let it rest, free, at home, and run the same command again");
     if (!engine::starts_at_home(calibration)) {
         return;  // its counts are its own: where it rests is known by them alone
     }
     const engine::Machine::Counts home = engine::Machine(calibration).home();
     const engine::Vec3 off = glm::abs(rest.counts - engine::Vec3(home[0], home[1], home[2]));
-    if (off.x > kOffHome || off.y > kOffHome || off.z > kOffHome) {
-        throw std::runtime_error(
-            "the handle moved while the device was opened, so that its home is lost: let it rest, "
-            "free, at home, and run the same command again");
-    }
+    refuse_if<std::runtime_error>(
+        off.x > kOffHome || off.y > kOffHome || off.z > kOffHome,
+        "the handle moved while the device was opened, so that its home is lost: let it rest, "
+        "free, at home, and run the same command again");
 }
 
 OpeningFact prove_mark(engine::PulseRunner& runner,
@@ -109,13 +107,12 @@ OpeningFact prove_mark(engine::PulseRunner& runner,
                             "gives your word instead");
     }
     const engine::Sight seen = engine::look_for(runner, calibration, mark);
-    if (!seen.there()) {
-        throw std::runtime_error(fmt::format(
-            "the handle is at the second mark {}, and the encoders say {}: it did not rest at home "
-            "{} when the device was opened. Put it there and run the same command again",
-            aim, seen.text(calibration.axes()),
-            engine::place_text(engine::home_of(calibration), calibration.axes())));
-    }
+    refuse_if<std::runtime_error>(
+        !seen.there(),
+        "the handle is at the second mark {}, and the encoders say {}: it did not rest at home {} "
+        "when the device was opened. Put it there and run the same command again",
+        aim, seen.text(calibration.axes()),
+        engine::place_text(engine::home_of(calibration), calibration.axes()));
     return {
         .key = std::string(protocols::kStartPose),
         .value = fmt::format("second mark met to {:.1f} mm", 1e3 * seen.off),

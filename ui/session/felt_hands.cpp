@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/side_by_side.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/session.hpp"
@@ -88,11 +89,10 @@ std::vector<FeltTrial> felt_by(const SimulatedStudy& study, std::size_t index) {
                                                  .cues = observer.cues()});
                              }
                          }});
-    if (end.why != SessionEnd::Why::finished) {
-        throw std::runtime_error(end.why == SessionEnd::Why::aborted
-                                     ? std::string("it was interrupted: nothing was computed")
-                                     : end.fault);
-    }
+    refuse_if<std::runtime_error>(end.why != SessionEnd::Why::finished, "{}",
+                                  end.why == SessionEnd::Why::aborted
+                                      ? std::string("it was interrupted: nothing was computed")
+                                      : end.fault);
     return felt;
 }
 

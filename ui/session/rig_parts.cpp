@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/session/trouble.hpp"
@@ -28,21 +29,16 @@ void require_monitor(const std::vector<std::string>& monitors, std::size_t numbe
     for (std::size_t i = 0; i < monitors.size(); ++i) {
         all += fmt::format("{}{}: {}", i == 0 ? "" : "; ", i + 1, monitors[i]);
     }
-    if (number > monitors.size()) {
-        throw std::invalid_argument(fmt::format("--monitor {}: there {} {} ({}): give one of them",
-                                                number, monitors.size() == 1 ? "is" : "are",
-                                                monitors.size(), all));
-    }
+    refuse_if(number > monitors.size(), "--monitor {}: there {} {} ({}): give one of them", number,
+              monitors.size() == 1 ? "is" : "are", monitors.size(), all);
     const auto place = [&](std::size_t i) {
         return monitors[i].substr(monitors[i].rfind(" at "));
     };
     for (std::size_t i = 0; i + 1 < number; ++i) {
-        if (place(i) == place(number - 1)) {
-            throw std::invalid_argument(fmt::format(
-                "--monitor {}: monitor {} is at the same place ({}): leave it out if they show the "
-                "same, or name a screen of its own by DISPLAY, as :0.1",
-                number, i + 1, all));
-        }
+        refuse_if(place(i) == place(number - 1),
+                  "--monitor {}: monitor {} is at the same place ({}): leave it out if they show "
+                  "the same, or name a screen of its own by DISPLAY, as :0.1",
+                  number, i + 1, all);
     }
 }
 
@@ -73,9 +69,7 @@ bool wants_window(const ScreenOptions& screen) {
         return false;
     }
     const FoundDisplay found = find_display();
-    if (found.state == FoundDisplay::State::broken) {
-        throw std::invalid_argument(found.trouble);
-    }
+    refuse_if(found.state == FoundDisplay::State::broken, "{}", found.trouble);
     if (found.state == FoundDisplay::State::ready && screen.monitor > 0) {
         require_monitor(found.monitors, static_cast<std::size_t>(screen.monitor));
     }
@@ -233,12 +227,10 @@ OpenedMasking open_masking(const RigSpec& spec) {
     }
     opened.note = opened.player->name();
     if (!opened.player->audible()) {
-        if (opened.required) {
-            throw std::runtime_error(
-                fmt::format("masking noise ({}) would reach nobody: leave SDL_AUDIODRIVER unset, "
-                            "or give --no-sound",
-                            opened.note));
-        }
+        refuse_if<std::runtime_error>(opened.required,
+                                      "masking noise ({}) would reach nobody: leave "
+                                      "SDL_AUDIODRIVER unset, or give --no-sound",
+                                      opened.note);
         warn("the masking noise ({}) reaches nobody", opened.note);
     }
     return opened;

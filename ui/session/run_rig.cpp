@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/realtime/servo.hpp"
 #include "protocols/design/adaptive_plan.hpp"
@@ -163,9 +164,7 @@ std::vector<protocols::Event> opening_events(const std::vector<OpeningFact>& fac
 /// @throws std::invalid_argument for what nobody should hold
 void check_findings(const OpenedApparatus& felt) {
     for (const protocols::Finding& finding : felt.findings) {
-        if (finding.verdict == protocols::Verdict::refuse) {
-            throw std::invalid_argument(finding.text);
-        }
+        refuse_if(finding.verdict == protocols::Verdict::refuse, "{}", finding.text);
         warn("{}", finding.text);
     }
     for (const std::string& line : felt.refused) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
@@ -16,13 +17,11 @@ namespace palpate::ui {
 void check_participant(const std::string& id, std::string_view word) {
     constexpr std::string_view kAllowed =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-    if (id.empty() || id.size() > 64 || id.front() == '-' || id.front() == '_' ||
-        id.find_first_not_of(kAllowed) != std::string::npos) {
-        throw std::invalid_argument(
-            fmt::format("{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _, the first "
-                        "a letter or digit",
-                        word, id));
-    }
+    refuse_if(id.empty() || id.size() > 64 || id.front() == '-' || id.front() == '_' ||
+                  id.find_first_not_of(kAllowed) != std::string::npos,
+              "{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _, the first a letter "
+              "or digit",
+              word, id);
 }
 
 void check_known(data::Database& database, const std::string& id, bool insists) {
@@ -92,9 +91,8 @@ void check_goes_on(data::Database& database, data::SessionSpec& session) {
         }
         const auto typed = typed_after(
             fmt::format("{}. If that is meant, type the participant's code: ", other.what()));
-        if (typed != session.key.participant) {
-            throw std::runtime_error("nothing was run: the session goes on with its own device");
-        }
+        refuse_if<std::runtime_error>(typed != session.key.participant,
+                                      "nothing was run: the session goes on with its own device");
         session.other_device = true;
     }
 }

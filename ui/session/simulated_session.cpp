@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/observer_file.hpp"
@@ -87,9 +88,7 @@ SimulatedSession::SimulatedSession(const SimulatedStudy& of, std::size_t index)
     rig.screen.headless = true;
     OpenedApparatus opened = open_apparatus(rig);
     for (const protocols::Finding& finding : opened.findings) {
-        if (finding.verdict == protocols::Verdict::refuse) {
-            throw std::invalid_argument(finding.text);
-        }
+        refuse_if(finding.verdict == protocols::Verdict::refuse, "{}", finding.text);
         findings_.push_back(finding.text);
     }
     apparatus_ = std::move(opened.port);

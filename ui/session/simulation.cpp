@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/observer_file.hpp"
@@ -294,12 +295,10 @@ std::size_t grown(const SimulationSpec& spec, data::Database& partial) {
     const std::set<std::string> codes = codes_in(partial, spec);
     const std::vector<std::size_t> indices = indices_of(spec);
     for (std::size_t i = 0; i < codes.size(); ++i) {
-        if (i >= indices.size() || !codes.contains(simulated_code(indices[i]))) {
-            throw std::invalid_argument(
-                fmt::format("{}: it holds other participants than those asked for: give the same "
-                            "--participants and --shard, or move it away",
-                            partial.file()));
-        }
+        refuse_if(i >= indices.size() || !codes.contains(simulated_code(indices[i])),
+                  "{}: it holds other participants than those asked for: give the same "
+                  "--participants and --shard, or move it away",
+                  partial.file());
     }
     return codes.size();
 }
@@ -313,11 +312,9 @@ Shard parse_shard(const std::string& text) {
     const auto number = std::from_chars(text.data(), end, shard.number);
     const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
     const auto of = slash ? std::from_chars(number.ptr + 1, end, shard.of) : number;
-    if (!slash || of.ec != std::errc() || of.ptr != end || shard.number >= shard.of ||
-        shard.of > kMax) {
-        throw std::invalid_argument(fmt::format(
-            "--shard {}: give K/N, a number from 0 to N - 1 of at most {}, as 0/8", text, kMax));
-    }
+    refuse_if(!slash || of.ec != std::errc() || of.ptr != end || shard.number >= shard.of ||
+                  shard.of > kMax,
+              "--shard {}: give K/N, a number from 0 to N - 1 of at most {}, as 0/8", text, kMax);
     return shard;
 }
 

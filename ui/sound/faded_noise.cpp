@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
-#include <fmt/format.h>
+#include "engine/base/refuse.hpp"
 
 namespace palpate::ui {
 
@@ -44,10 +43,8 @@ double corner(double hz, double rate_hz) {
 }  // namespace
 
 PinkNoise::PinkNoise(Pcg32 random, double rate_hz) : random_(random) {
-    if (!(rate_hz >= 16000.0 && rate_hz <= 192000.0)) {
-        throw std::invalid_argument(
-            fmt::format("noise at {} samples a second: give 16000 to 192000", rate_hz));
-    }
+    refuse_if(!(rate_hz >= 16000.0 && rate_hz <= 192000.0),
+              "noise at {} samples a second: give 16000 to 192000", rate_hz);
     const double up = std::sqrt(kStep);
     for (double pole = kLowestPole; pole * up < kHighestZero * rate_hz; pole *= kStep) {
         sections_.push_back({.zero = corner(pole * up, rate_hz), .pole = corner(pole, rate_hz)});

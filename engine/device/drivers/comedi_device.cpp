@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "engine/base/refuse.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -13,20 +15,15 @@ namespace {
 constexpr std::uint32_t kMinCounter = 0xFFFF;
 
 ComediWiring comedi_wiring(const Calibration& calibration) {
-    if (!calibration.comedi) {
-        throw std::invalid_argument("the calibration " + calibration.pantograph.name +
-                                    " says nothing of a DAQ card: add its table [comedi]");
-    }
+    refuse_if(!calibration.comedi,
+              "the calibration {} says nothing of a DAQ card: add its table [comedi]",
+              calibration.pantograph.name);
     for (const double gain : calibration.comedi->volts_per_newton_metre) {
-        if (!(std::fabs(gain) > 0.0) || !std::isfinite(gain)) {
-            throw std::invalid_argument("volts_per_newton_metre is " + std::to_string(gain) +
-                                        ": give a number other than 0");
-        }
+        refuse_if(!(std::fabs(gain) > 0.0) || !std::isfinite(gain),
+                  "volts_per_newton_metre is {:f}: give a number other than 0", gain);
     }
-    if (calibration.home && !Pantograph(calibration.pantograph).reach(*calibration.home)) {
-        throw std::invalid_argument("the home of " + calibration.pantograph.name +
-                                    " is out of its reach: calibrate again");
-    }
+    refuse_if(calibration.home && !Pantograph(calibration.pantograph).reach(*calibration.home),
+              "the home of {} is out of its reach: calibrate again", calibration.pantograph.name);
     return *calibration.comedi;
 }
 

@@ -19,6 +19,7 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -145,9 +146,8 @@ bool send_message(int socket, const GuardMessage& message, int port) noexcept {
 GuardProcess::GuardProcess(const GuardTiming& timing) : timing_(timing), number_(++guards) {
     void* memory = mmap(nullptr, sizeof(GuardShared), PROT_READ | PROT_WRITE,
                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) {
-        throw std::runtime_error("no memory to share with the guard process: end some programs");
-    }
+    refuse_if<std::runtime_error>(memory == MAP_FAILED,
+                                  "no memory to share with the guard process: end some programs");
     shared_ = new (memory) GuardShared{};
     make_robust(shared_->life);
     static_cast<void>(start());

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -34,10 +35,9 @@ HaplyLine::HaplyLine(ByteLink& link, const HaplyWiring& wiring, const Pantograph
       reply_size_(reply_size(setup_.sensor_pin.has_value())) {}
 
 std::unique_ptr<BoardLine> haply_line(ByteLink& link, const Calibration& calibration) {
-    if (!calibration.haply) {
-        throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
-                                    " does not say how a Haply board is wired: add [haply]");
-    }
+    refuse_if(!calibration.haply,
+              "the calibration of {} does not say how a Haply board is wired: add [haply]",
+              calibration.pantograph.name);
     return std::make_unique<HaplyLine>(link, *calibration.haply, calibration.pantograph);
 }
 

@@ -2,9 +2,9 @@
 
 #include <bit>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
@@ -36,18 +36,14 @@ void add_port_pair(HaplyPacket& packet, const std::array<bool, 2>& clockwise) no
 }
 
 void refuse_id_0(std::uint8_t id) {
-    if (id == 0) {
-        throw std::invalid_argument(
-            "the Haply device id is 0, which the board takes for every port that was not set up: "
-            "give 1 to 255 (5 for a 2DIY, 3 for a Haplet)");
-    }
+    refuse_if(id == 0,
+              "the Haply device id is 0, which the board takes for every port that was not set up: "
+              "give 1 to 255 (5 for a 2DIY, 3 for a Haplet)");
 }
 
 void refuse_pin(const std::optional<std::uint8_t>& pin) {
-    if (pin && (*pin < kFirstPin || *pin > kLastPin)) {
-        throw std::invalid_argument("the Haply grip pin is " + std::to_string(*pin) +
-                                    ": give 54 to 65, which are A0 to A11");
-    }
+    refuse_if(pin && (*pin < kFirstPin || *pin > kLastPin),
+              "the Haply grip pin is {}: give 54 to 65, which are A0 to A11", pin.value_or(0));
 }
 
 }  // namespace
@@ -73,20 +69,16 @@ HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantogra
     refuse_id_0(wiring.id);
     refuse_pin(wiring.grip_pin);
     const auto [one, two] = wiring.port;
-    if (!((one == 1 && two == 2) || (one == 2 && two == 1))) {
-        throw std::invalid_argument(
-            "the Haply ports of pivots 1 and 2 are " + std::to_string(one) + " and " +
-            std::to_string(two) +
-            ": use 1 and 2 in either order, since the board mixes up the directions of others");
-    }
+    refuse_if(!((one == 1 && two == 2) || (one == 2 && two == 1)),
+              "the Haply ports of pivots 1 and 2 are {} and {}: use 1 and 2 in either order, since "
+              "the board mixes up the directions of others",
+              one, two);
     HaplySetup setup{.id = wiring.id, .sensor_pin = wiring.grip_pin};
     for (std::size_t pivot = 0; pivot < 2; ++pivot) {
         const Axis& axis = pantograph.axes[pivot];
-        if (!(axis.torque_limit <= kHaplyTorque)) {
-            throw std::invalid_argument("the torque limit of pivot " + std::to_string(pivot + 1) +
-                                        " is " + number_text(axis.torque_limit) +
-                                        " N m: a Haply board gives 0.123 at most");
-        }
+        refuse_if(!(axis.torque_limit <= kHaplyTorque),
+                  "the torque limit of pivot {} is {:.9g} N m: a Haply board gives 0.123 at most",
+                  pivot + 1, axis.torque_limit);
         const std::size_t slot = wiring.port[pivot] - 1U;
         setup.motor_clockwise[slot] = wiring.motor_clockwise[pivot];
         setup.encoder_clockwise[slot] = wiring.encoder_clockwise[pivot];
@@ -110,12 +102,10 @@ HaplyPacket setup_packet(const HaplySetup& setup) {
     add(packet, std::uint8_t{0});  // no PWM pins
     for (std::size_t i = 0; i < 2; ++i) {
         const double resolution = setup.counts_per_turn[i];
-        if (!std::isfinite(setup.offset_deg[i]) || !(resolution > 0.0 && resolution < 1e9)) {
-            throw std::invalid_argument("the encoder at port " + std::to_string(i + 1) + " has " +
-                                        number_text(resolution) + " counts a turn from " +
-                                        number_text(setup.offset_deg[i]) +
-                                        " degrees: give finite numbers, counts above 0");
-        }
+        refuse_if(!std::isfinite(setup.offset_deg[i]) || !(resolution > 0.0 && resolution < 1e9),
+                  "the encoder at port {} has {:.9g} counts a turn from {:.9g} degrees: give "
+                  "finite numbers, counts above 0",
+                  i + 1, resolution, setup.offset_deg[i]);
         add(packet, setup.offset_deg[i]);
         add(packet, resolution);
     }

@@ -4,12 +4,12 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
-#include <stdexcept>
 
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
@@ -31,11 +31,10 @@ UdpAddress udp_address(std::string_view text) {
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
         host = host.substr(1, host.size() - 2);
     }
-    if (host.empty() || number < 1 || number > 65535) {
-        throw std::invalid_argument(std::string(text) +
-                                    ": give the machine and the port at which the device's program "
-                                    "listens, as in udp:127.0.0.1:5000");
-    }
+    refuse_if(host.empty() || number < 1 || number > 65535,
+              "{}: give the machine and the port at which the device's program listens, as in "
+              "udp:127.0.0.1:5000",
+              text);
     return {.host = std::string(host), .port = std::to_string(number)};
 }
 

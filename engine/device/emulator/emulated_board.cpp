@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/refuse.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/drivers/udp_link.hpp"
@@ -137,16 +138,12 @@ void run_like_a_board() noexcept {
 }
 
 std::unique_ptr<PortBoard> make_haply_board(BoardPlant& plant, const Calibration& machine) {
-    if (!machine.haply) {
-        throw std::invalid_argument("the emulated machine has no Haply board");
-    }
+    refuse_if(!machine.haply, "the emulated machine has no Haply board");
     return std::make_unique<HaplyBoard>(plant, machine.pantograph, *machine.haply);
 }
 
 std::unique_ptr<PortBoard> make_open_board(BoardPlant& plant, const Calibration& machine) {
-    if (!machine.board) {
-        throw std::invalid_argument("the emulated machine has no open board");
-    }
+    refuse_if(!machine.board, "the emulated machine has no open board");
     return std::make_unique<OpenBoard>(plant, machine, *machine.board);
 }
 
@@ -156,9 +153,8 @@ EmulatedBoard::EmulatedBoard(const Calibration& machine,
                              MakeBoard make_board) {
     void* memory =
         mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) {
-        throw std::runtime_error("no memory to share with the emulator: end some programs");
-    }
+    refuse_if<std::runtime_error>(memory == MAP_FAILED,
+                                  "no memory to share with the emulator: end some programs");
     shared_ = new (memory) Shared{};
     const pid_t owner = getpid();
     pid_ = fork();
@@ -172,11 +168,10 @@ EmulatedBoard::EmulatedBoard(const Calibration& machine,
     }
     try {
         await([&] { return shared_->life.load() != Shared::Life::starting; }, "start");
-        if (shared_->life.load() == Shared::Life::failed) {
-            throw std::runtime_error("the board emulator found no pseudo-terminal, cannot make " +
-                                     (link.empty() ? "one" : link) +
-                                     ", or the machine has no such board");
-        }
+        refuse_if<std::runtime_error>(shared_->life.load() == Shared::Life::failed,
+                                      "the board emulator found no pseudo-terminal, cannot make "
+                                      "{}, or the machine has no such board",
+                                      link.empty() ? "one" : link);
     } catch (...) {
         end();
         throw;
@@ -203,9 +198,8 @@ void EmulatedBoard::end() noexcept {
 
 void EmulatedBoard::await(const std::function<bool()>& done, const char* what) const {
     for (int waited = 0; !done(); ++waited) {
-        if (pid_ < 0 || waited == kPatienceMs || kill(pid_, 0) != 0) {
-            throw std::runtime_error(std::string("the board emulator did not ") + what);
-        }
+        refuse_if<std::runtime_error>(pid_ < 0 || waited == kPatienceMs || kill(pid_, 0) != 0,
+                                      "the board emulator did not {}", what);
         poll(nullptr, 0, 1);
     }
 }
@@ -241,10 +235,9 @@ void EmulatedBoard::begin(const Exploration& plan) {
     const unsigned order = shared_->ordered.load() + 1;
     shared_->ordered.store(order);
     await([&] { return shared_->begun.load() == order; }, "begin to explore");
-    if (shared_->refused.load()) {
-        throw std::invalid_argument(
-            "the emulated device cannot reach the start pose: move the start closer to the object");
-    }
+    refuse_if(
+        shared_->refused.load(),
+        "the emulated device cannot reach the start pose: move the start closer to the object");
 }
 
 bool EmulatedBoard::hand_is_done() const noexcept {

@@ -1,8 +1,8 @@
 #include "engine/device/emulator/hands.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/machine.hpp"
 
@@ -32,11 +32,10 @@ DeskHand::DeskHand(const Calibration& machine, const Exploration& plan)
     const auto home =
         machine.home ? pantograph_.reach(*machine.home) : std::optional(pantograph_.angles({0, 0}));
     const auto start = pantograph_.reach(plan.start);
-    if (!home || !pantograph_.locate(*home) || !start) {
-        throw std::invalid_argument("the linkage of " + machine.pantograph.name +
-                                    " cannot be at its home pose or at the start: correct home, "
-                                    "zero_deg or the origin");
-    }
+    refuse_if(!home || !pantograph_.locate(*home) || !start,
+              "the linkage of {} cannot be at its home pose or at the start: correct home, "
+              "zero_deg or the origin",
+              machine.pantograph.name);
     home_ = angles_ = *home;
     start_ = *start;
 }
@@ -177,9 +176,7 @@ void FreeHandle::advance(double seconds) noexcept {
 namespace {
 
 GantrySpec gantry_of(const Calibration& machine) {
-    if (!machine.gantry) {
-        throw std::invalid_argument("the machine " + machine.name() + " has no three axes");
-    }
+    refuse_if(!machine.gantry, "the machine {} has no three axes", machine.name());
     return *machine.gantry;
 }
 
@@ -205,12 +202,9 @@ GantryHand::GantryHand(const Calibration& machine, bool held)
 }
 
 void GantryHand::bring(const Vec3& place) {
-    if (!Gantry(machine_).weakest_force(place)) {
-        throw std::invalid_argument("(" + number_text(1e3 * place.x) + ", " +
-                                    number_text(1e3 * place.y) + ", " + number_text(1e3 * place.z) +
-                                    ") mm is outside the workspace of " + machine_.name +
-                                    ": give a place within it");
-    }
+    refuse_if(!Gantry(machine_).weakest_force(place),
+              "({:.9g}, {:.9g}, {:.9g}) mm is outside the workspace of {}: give a place within it",
+              1e3 * place.x, 1e3 * place.y, 1e3 * place.z, machine_.name);
     plant_.begin({.start = place, .tremor = 0.0});
     plant_.set_force(force_);
     keeps_ = held_;

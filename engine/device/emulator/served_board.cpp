@@ -13,6 +13,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -74,10 +76,8 @@ void PtyBoard::open() {
         if (symlink(terminal_.c_str(), link_.c_str()) != 0) {
             const bool taken = errno == EEXIST;
             close();
-            if (taken) {
-                throw std::runtime_error(
-                    link_ + " is there already and is no link: give a name that is free");
-            }
+            refuse_if<std::runtime_error>(
+                taken, "{} is there already and is no link: give a name that is free", link_);
             throw std::runtime_error("the link " + link_ +
                                      " cannot be made: name a file in a folder that you may write");
         }

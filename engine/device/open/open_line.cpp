@@ -1,7 +1,8 @@
 #include "engine/device/open/open_line.hpp"
 
 #include <cmath>
-#include <stdexcept>
+
+#include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -39,10 +40,9 @@ OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const Calibration& 
 }
 
 std::unique_ptr<BoardLine> open_line(ByteLink& link, const Calibration& calibration) {
-    if (!calibration.board) {
-        throw std::invalid_argument("the calibration of " + calibration.name() +
-                                    " does not say how an open board is wired: add [board]");
-    }
+    refuse_if(!calibration.board,
+              "the calibration of {} does not say how an open board is wired: add [board]",
+              calibration.name());
     return std::make_unique<OpenLine>(link, *calibration.board, calibration);
 }
 
