@@ -115,35 +115,6 @@ void apply(const ExclusionSpec& rules, Judgement& one) {
     }
 }
 
-}  // namespace
-
-Exclusions judge(Database& database, std::string_view study, std::string_view kind) {
-    Exclusions found;
-    for (const Statement& row : database.prepare(
-             "SELECT study_id, protocol_toml FROM study WHERE study_name = ?1", study)) {
-        Protocol protocol;
-        try {
-            protocol = protocols::stored_protocol(row.text(1));
-        } catch (const protocols::ProtocolError&) {
-            continue;  // palpate verify says it
-        }
-        People people;
-        count_answers(database, row.integer(0), kind, people);
-        count_catches(database, row.integer(0), kind, protocol, people);
-        found.rules = found.rules || protocol.exclusion != ExclusionSpec{};
-        for (auto& [code, one] : people) {
-            apply(protocol.exclusion, one);
-            found.all.push_back(std::move(one));
-        }
-    }
-    std::stable_sort(
-        found.all.begin(), found.all.end(),
-        [](const Judgement& a, const Judgement& b) { return a.participant < b.participant; });
-    return found;
-}
-
-namespace {
-
 /// A row a session, those that analyses do not see too.
 constexpr std::string_view kSessions = R"sql(
 SELECT participant_code, printf('sub-%010d', subject), consent IS 0, session_number, withdrawn_reason,
@@ -229,6 +200,31 @@ std::string parts_text(const std::vector<std::pair<std::int64_t, std::string>>& 
 }
 
 }  // namespace
+
+Exclusions judge(Database& database, std::string_view study, std::string_view kind) {
+    Exclusions found;
+    for (const Statement& row : database.prepare(
+             "SELECT study_id, protocol_toml FROM study WHERE study_name = ?1", study)) {
+        Protocol protocol;
+        try {
+            protocol = protocols::stored_protocol(row.text(1));
+        } catch (const protocols::ProtocolError&) {
+            continue;  // palpate verify says it
+        }
+        People people;
+        count_answers(database, row.integer(0), kind, people);
+        count_catches(database, row.integer(0), kind, protocol, people);
+        found.rules = found.rules || protocol.exclusion != ExclusionSpec{};
+        for (auto& [code, one] : people) {
+            apply(protocol.exclusion, one);
+            found.all.push_back(std::move(one));
+        }
+    }
+    std::stable_sort(
+        found.all.begin(), found.all.end(),
+        [](const Judgement& a, const Judgement& b) { return a.participant < b.participant; });
+    return found;
+}
 
 bool LeftOut::leaves_out(std::string_view person) const {
     return std::ranges::find(broken, person, &Reason::person) != broken.end();

@@ -95,37 +95,6 @@ Table conditions_table(const IdentificationReport& report, const IdentifiedPerso
     return table;
 }
 
-}  // namespace
-
-std::string identification_text(const IdentificationReport& report) {
-    std::string out = fmt::format("{}: {}, {}\n", report.table.source,
-                                  counted(report.people.size(), "person", "people"),
-                                  counted(report.names.size(), "item"));
-    out += report.table.left_out ? left_out_text(*report.table.left_out) : std::string();
-    out += "Items:";
-    for (std::size_t i = 0; i < report.names.size(); ++i) {
-        out += fmt::format("{} {} ({:g})", i > 0 ? "," : "", report.names[i], report.values[i]);
-    }
-    out += fmt::format(
-        "\nThurstone: sigma in the unit of the items, one a friction; criteria the same in all; "
-        "lapses {:g}.\n"
-        "Similarity choice: 0 never confused, 1 alike; biases of the answers sum to 1.\n"
-        "Intervals: 95 %, by profile likelihood; inf: no end that the answers bound. Changes are "
-        "against {}.\n",
-        report.options.lapse, report.table.frictions.front());
-    for (const IdentifiedPerson& person : report.people) {
-        out += table_text(conditions_table(report, person));
-    }
-    out += table_text(over_people_table("over_people/-", report.over_people));
-    for (const std::string& who : report.left_out) {
-        out += fmt::format("\nLeft out: {}\n", who);
-    }
-    const std::string versions = versions_text(report.table.versions);
-    return versions.empty() ? out : out + '\n' + versions;
-}
-
-namespace {
-
 /// Of a condition, what is no number: tables of items by items.
 void add_matrices(const IdentificationReport& report,
                   const IdentifiedPerson& person,
@@ -174,6 +143,33 @@ Json person_json(const IdentificationReport& report, const IdentifiedPerson& per
 }
 
 }  // namespace
+
+std::string identification_text(const IdentificationReport& report) {
+    std::string out = fmt::format("{}: {}, {}\n", report.table.source,
+                                  counted(report.people.size(), "person", "people"),
+                                  counted(report.names.size(), "item"));
+    out += report.table.left_out ? left_out_text(*report.table.left_out) : std::string();
+    out += "Items:";
+    for (std::size_t i = 0; i < report.names.size(); ++i) {
+        out += fmt::format("{} {} ({:g})", i > 0 ? "," : "", report.names[i], report.values[i]);
+    }
+    out += fmt::format(
+        "\nThurstone: sigma in the unit of the items, one a friction; criteria the same in all; "
+        "lapses {:g}.\n"
+        "Similarity choice: 0 never confused, 1 alike; biases of the answers sum to 1.\n"
+        "Intervals: 95 %, by profile likelihood; inf: no end that the answers bound. Changes are "
+        "against {}.\n",
+        report.options.lapse, report.table.frictions.front());
+    for (const IdentifiedPerson& person : report.people) {
+        out += table_text(conditions_table(report, person));
+    }
+    out += table_text(over_people_table("over_people/-", report.over_people));
+    for (const std::string& who : report.left_out) {
+        out += fmt::format("\nLeft out: {}\n", who);
+    }
+    const std::string versions = versions_text(report.table.versions);
+    return versions.empty() ? out : out + '\n' + versions;
+}
 
 std::string identification_json(const IdentificationReport& report) {
     Json all = {{"source", report.table.source},

@@ -27,28 +27,6 @@ std::string no_formula(std::string_view text) {
     return (is_formula(text) && !is_number(text) ? "'" : "") + std::string(text);
 }
 
-}  // namespace
-
-std::string csv_field(std::string_view text) {
-    const std::string field = no_formula(text);
-    return field.empty() || field.find_first_of(",\"\r\n") != std::string::npos ? in_quotes(field)
-                                                                                : field;
-}
-
-std::string_view without_mark(std::string_view field) {
-    return field.starts_with('\'') && is_formula(field) ? field.substr(1) : field;
-}
-
-std::string tsv_field(std::string_view text) {
-    std::string field = no_formula(text);
-    std::replace_if(
-        field.begin(), field.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; },
-        ' ');
-    return field.empty() ? "n/a" : field.find('"') == std::string::npos ? field : in_quotes(field);
-}
-
-namespace {
-
 /// Where the field at the start of `line` ends: at a comma outside of quotes, or with the line.
 std::size_t end_of_field(std::string_view line) {
     const std::size_t first = line.find_first_not_of(" \t");
@@ -73,6 +51,24 @@ std::string_view unquoted(std::string_view name) {
 }
 
 }  // namespace
+
+std::string csv_field(std::string_view text) {
+    const std::string field = no_formula(text);
+    return field.empty() || field.find_first_of(",\"\r\n") != std::string::npos ? in_quotes(field)
+                                                                                : field;
+}
+
+std::string_view without_mark(std::string_view field) {
+    return field.starts_with('\'') && is_formula(field) ? field.substr(1) : field;
+}
+
+std::string tsv_field(std::string_view text) {
+    std::string field = no_formula(text);
+    std::replace_if(
+        field.begin(), field.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; },
+        ' ');
+    return field.empty() ? "n/a" : field.find('"') == std::string::npos ? field : in_quotes(field);
+}
 
 std::vector<Field> fields_of(std::string_view line) {
     std::vector<Field> fields;

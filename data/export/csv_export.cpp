@@ -43,6 +43,66 @@ double read_by_r(std::string_view text) {
     return text.starts_with('-') ? -size : size;
 }
 
+constexpr std::size_t kPending = std::size_t{1} << 16U;
+
+void describe(const ExportOptions& options, const std::filesystem::path& path) {
+    DelimitedFile file(path, TableStyle::csv);
+    const auto row = [&file](std::initializer_list<std::string_view> words) {
+        for (const std::string_view word : words) {
+            word.empty() ? file.none() : file.text(word);
+        }
+        file.end_row();
+    };
+    row({"table", "column", "type", "unit", "meaning", "levels"});
+    for (const ExportTable& table : export_tables()) {
+        if (table.detail && !options.details) {
+            continue;
+        }
+        row({table.name, "", "", "", table.meaning, ""});
+        for (const ExportColumn& column : visible_columns(table, options.details)) {
+            row({table.name, column.name, column.type, column.unit, column.meaning, column.levels});
+        }
+    }
+    if (options.traces) {
+        row({"ticks", "", "", "", "one row a servo tick, in the object's frame", ""});
+        for (const ExportColumn& key : tick_keys()) {
+            row({"ticks", key.name, key.type, key.unit, key.meaning, key.levels});
+        }
+        for (const TraceColumn& column : trace_columns()) {
+            row({"ticks", column.name, column.type, column.unit, column.meaning, ""});
+        }
+    }
+    file.close();
+}
+
+std::string words(const Selection& selection, const ExportOptions& options) {
+    return fmt::format(
+        "Exported by palpate: {}, kind {}.\n"
+        "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
+        "are\n"
+        "subject, study_label, session_number, trial_number. Text is UTF-8; an empty field: not "
+        "known or not so. Numbers read\n"
+        "back to the same bits in C, Python and R (pandas: float_precision='round_trip'). A text "
+        "that a spreadsheet would take for a formula has\n"
+        "' in front.\n{}",
+        counted(selection.sessions().size(), "session"), options.kind,
+        options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
+                          "not know them.\n"
+                        : "De-identified: codes, operators, wall clock, notes and details of "
+                          "participants left out.\n");
+}
+
+void write_rows(Statement row,
+                const std::vector<ExportColumn>& columns,
+                const std::filesystem::path& path) {
+    DelimitedFile file(path, TableStyle::csv);
+    for (const ExportColumn& column : columns) {
+        file.text(column.name);
+    }
+    file.end_row();
+    write_rows(std::move(row), file);
+}
+
 }  // namespace
 
 std::string number_text(double value) {
@@ -52,12 +112,6 @@ std::string number_text(double value) {
     }
     return fmt::format("{:.17e}", value);
 }
-
-namespace {
-
-constexpr std::size_t kPending = std::size_t{1} << 16U;
-
-}  // namespace
 
 DelimitedFile::DelimitedFile(std::filesystem::path path, TableStyle style)
     : path_(std::move(path)), style_(style) {
@@ -156,68 +210,6 @@ void write_rows(Statement row, DelimitedFile& file) {
     }
     file.close();
 }
-
-namespace {
-
-void describe(const ExportOptions& options, const std::filesystem::path& path) {
-    DelimitedFile file(path, TableStyle::csv);
-    const auto row = [&file](std::initializer_list<std::string_view> words) {
-        for (const std::string_view word : words) {
-            word.empty() ? file.none() : file.text(word);
-        }
-        file.end_row();
-    };
-    row({"table", "column", "type", "unit", "meaning", "levels"});
-    for (const ExportTable& table : export_tables()) {
-        if (table.detail && !options.details) {
-            continue;
-        }
-        row({table.name, "", "", "", table.meaning, ""});
-        for (const ExportColumn& column : visible_columns(table, options.details)) {
-            row({table.name, column.name, column.type, column.unit, column.meaning, column.levels});
-        }
-    }
-    if (options.traces) {
-        row({"ticks", "", "", "", "one row a servo tick, in the object's frame", ""});
-        for (const ExportColumn& key : tick_keys()) {
-            row({"ticks", key.name, key.type, key.unit, key.meaning, key.levels});
-        }
-        for (const TraceColumn& column : trace_columns()) {
-            row({"ticks", column.name, column.type, column.unit, column.meaning, ""});
-        }
-    }
-    file.close();
-}
-
-std::string words(const Selection& selection, const ExportOptions& options) {
-    return fmt::format(
-        "Exported by palpate: {}, kind {}.\n"
-        "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
-        "are\n"
-        "subject, study_label, session_number, trial_number. Text is UTF-8; an empty field: not "
-        "known or not so. Numbers read\n"
-        "back to the same bits in C, Python and R (pandas: float_precision='round_trip'). A text "
-        "that a spreadsheet would take for a formula has\n"
-        "' in front.\n{}",
-        counted(selection.sessions().size(), "session"), options.kind,
-        options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
-                          "not know them.\n"
-                        : "De-identified: codes, operators, wall clock, notes and details of "
-                          "participants left out.\n");
-}
-
-void write_rows(Statement row,
-                const std::vector<ExportColumn>& columns,
-                const std::filesystem::path& path) {
-    DelimitedFile file(path, TableStyle::csv);
-    for (const ExportColumn& column : columns) {
-        file.text(column.name);
-    }
-    file.end_row();
-    write_rows(std::move(row), file);
-}
-
-}  // namespace
 
 std::string trial_name(const ChosenSession& session, std::int64_t trial) {
     return fmt::format("{}_{}_ses-{:02}_trial-{:04}", session.subject, session.label,

@@ -46,6 +46,20 @@ void write_words(DelimitedFile& file, std::initializer_list<std::string_view> wo
     file.end_row();
 }
 
+constexpr std::string_view kPsignifitText =
+    "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
+    "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
+    "import numpy, psignifit\n"
+    "data = numpy.loadtxt(FILE, delimiter=',', ndmin=2)\n"
+    "psignifit.psignifit(data, experiment_type='equal asymptote')\n";
+
+constexpr std::string_view kPsychopyText =
+    "A file a session, with the columns of PsychoPy's wide CSV: a row an answer, in the "
+    "order given.\n"
+    "trials.thisN counts them from 0; trials.thisIndex is the place in the plan; "
+    "trials.thisRepN says how often\nthat place was tried before. For analysis take "
+    "phase main and counts 1. Times are in s.\n";
+
 }  // namespace
 
 void export_quickpsy(const Exporting& to) {
@@ -70,17 +84,6 @@ void export_quickpsy(const Exporting& to) {
                 "'condition'))\n\n"
                 "(up to 0.1.5: grouping = .(participant, study, kind, condition)).\n");
 }
-
-namespace {
-
-constexpr std::string_view kPsignifitText =
-    "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
-    "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
-    "import numpy, psignifit\n"
-    "data = numpy.loadtxt(FILE, delimiter=',', ndmin=2)\n"
-    "psignifit.psignifit(data, experiment_type='equal asymptote')\n";
-
-}  // namespace
 
 void export_psignifit(const Exporting& to) {
     const auto& [database, selection, options, folder] = to;
@@ -111,17 +114,6 @@ void export_psignifit(const Exporting& to) {
     index.close();
     write_whole(folder / "README.txt", kPsignifitText);
 }
-
-namespace {
-
-constexpr std::string_view kPsychopyText =
-    "A file a session, with the columns of PsychoPy's wide CSV: a row an answer, in the "
-    "order given.\n"
-    "trials.thisN counts them from 0; trials.thisIndex is the place in the plan; "
-    "trials.thisRepN says how often\nthat place was tried before. For analysis take "
-    "phase main and counts 1. Times are in s.\n";
-
-}  // namespace
 
 void export_psychopy(const Exporting& to) {
     const auto& [database, selection, options, folder] = to;

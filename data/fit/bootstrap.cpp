@@ -89,10 +89,6 @@ double endless(
     return quantity == Quantity::weber && !logarithmic ? kInfinity : value;
 }
 
-}  // namespace
-
-namespace {
-
 /// No slope is too steep: the steepest curve is as good, at its place or with one level on its
 /// rise.
 bool is_steep(const CurveModel& model, const CurvePoint& at) {

@@ -23,6 +23,32 @@ std::string quantity_text(const FitOptions& options, Quantity quantity) {
                                           : std::string(word_of(quantity));
 }
 
+using protocols::exponential;
+using protocols::Family;
+
+bool logarithmic(Family family) {
+    return family == Family::weibull_log10 || family == Family::weibull_db;
+}
+
+/// The u of F = 1/4, 1/2 and 3/4, asked for with every sample.
+const std::array<double, 3>& quartiles(Family family) {
+    static const auto kAll = [] {
+        std::array<std::array<double, 3>, protocols::kFamilyWords.size()> all{};
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            for (std::size_t q = 0; q < 3; ++q) {
+                all.at(i).at(q) =
+                    core_quantile(static_cast<Family>(i), 0.25 * static_cast<double>(q + 1));
+            }
+        }
+        return all;
+    }();
+    return kAll.at(static_cast<std::size_t>(family));
+}
+
+double jnd_in_slopes(Family family) {
+    return 0.5 * (quartiles(family)[2] - quartiles(family)[0]);
+}
+
 }  // namespace
 
 Table estimates_table(const FitReport& report, const FittedCurve& curve) {
@@ -67,36 +93,6 @@ Table differences_table(const FitReport& report) {
     }
     return table;
 }
-
-namespace {
-
-using protocols::exponential;
-using protocols::Family;
-
-bool logarithmic(Family family) {
-    return family == Family::weibull_log10 || family == Family::weibull_db;
-}
-
-/// The u of F = 1/4, 1/2 and 3/4, asked for with every sample.
-const std::array<double, 3>& quartiles(Family family) {
-    static const auto kAll = [] {
-        std::array<std::array<double, 3>, protocols::kFamilyWords.size()> all{};
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            for (std::size_t q = 0; q < 3; ++q) {
-                all.at(i).at(q) =
-                    core_quantile(static_cast<Family>(i), 0.25 * static_cast<double>(q + 1));
-            }
-        }
-        return all;
-    }();
-    return kAll.at(static_cast<std::size_t>(family));
-}
-
-double jnd_in_slopes(Family family) {
-    return 0.5 * (quartiles(family)[2] - quartiles(family)[0]);
-}
-
-}  // namespace
 
 double quantity_of(const CurveSpec& spec,
                    const CurvePoint& point,

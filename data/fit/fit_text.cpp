@@ -72,6 +72,31 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
     return text;
 }
 
+Json curve_json(const FitReport& report, const FittedCurve& curve) {
+    Json one = {{"participant", curve.answers.participant},
+                {"condition", curve.answers.condition},
+                {"levels", curve.model.levels()},
+                {"answers", answers_of(curve)}};
+    put_table(one, estimates_table(report, curve));
+    one["deviance"] = curve.fit.deviance;
+    one["parameters"] = curve.fit.parameters;
+    one["deviance_p"] = curve.samples.at.empty() || single_answers(curve)
+                          ? Json(nullptr)
+                          : Json(curve.samples.deviance_p);
+    one["deviance_why"] = single_answers(curve) ? Json(kNoGoodness) : Json(nullptr);
+    one["log_likelihood"] = curve.fit.value;
+    one["log_likelihood_nelder_mead"] = curve.fit.second;
+    one["optimisers_agree"] = curve.fit.agree;
+    for (const protocols::Estimate& believed : curve.answers.believed) {
+        one["posterior"].push_back({{"name", believed.name},
+                                    {"mean", believed.mean.value_or(std::nan(""))},
+                                    {"low_95", believed.low.value_or(std::nan(""))},
+                                    {"high_95", believed.high.value_or(std::nan(""))}});
+    }
+    one["warnings"] = warnings_of(report, curve);
+    return one;
+}
+
 }  // namespace
 
 std::string name_of(const std::string& participant, const std::string& condition) {
@@ -204,35 +229,6 @@ std::string fit_text(const FitReport& report) {
     const std::string versions = versions_text(report.versions);
     return versions.empty() ? text : text + '\n' + versions;
 }
-
-namespace {
-
-Json curve_json(const FitReport& report, const FittedCurve& curve) {
-    Json one = {{"participant", curve.answers.participant},
-                {"condition", curve.answers.condition},
-                {"levels", curve.model.levels()},
-                {"answers", answers_of(curve)}};
-    put_table(one, estimates_table(report, curve));
-    one["deviance"] = curve.fit.deviance;
-    one["parameters"] = curve.fit.parameters;
-    one["deviance_p"] = curve.samples.at.empty() || single_answers(curve)
-                          ? Json(nullptr)
-                          : Json(curve.samples.deviance_p);
-    one["deviance_why"] = single_answers(curve) ? Json(kNoGoodness) : Json(nullptr);
-    one["log_likelihood"] = curve.fit.value;
-    one["log_likelihood_nelder_mead"] = curve.fit.second;
-    one["optimisers_agree"] = curve.fit.agree;
-    for (const protocols::Estimate& believed : curve.answers.believed) {
-        one["posterior"].push_back({{"name", believed.name},
-                                    {"mean", believed.mean.value_or(std::nan(""))},
-                                    {"low_95", believed.low.value_or(std::nan(""))},
-                                    {"high_95", believed.high.value_or(std::nan(""))}});
-    }
-    one["warnings"] = warnings_of(report, curve);
-    return one;
-}
-
-}  // namespace
 
 std::string fit_json(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;

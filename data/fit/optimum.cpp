@@ -165,6 +165,32 @@ std::vector<Start> tops_of(const std::vector<Start>& here) {
     return tops;
 }
 
+/// The least value between two places, by golden section, as far as numbers lie between them.
+double bottom(const std::function<double(double)>& value, double low, double high) {
+    constexpr double kGolden = 0.6180339887498949;
+    const double end = 1e-5 * (high - low);
+    double a = high - kGolden * (high - low);
+    double b = low + kGolden * (high - low);
+    double at_a = value(a);
+    double at_b = value(b);
+    while (high - low > end && low < a && a < b && b < high) {
+        if (at_a < at_b) {
+            high = b;
+            b = a;
+            at_b = at_a;
+            a = high - kGolden * (high - low);
+            at_a = value(a);
+        } else {
+            low = a;
+            a = b;
+            at_a = at_b;
+            b = low + kGolden * (high - low);
+            at_b = value(b);
+        }
+    }
+    return std::min(at_a, at_b);
+}
+
 }  // namespace
 
 Highest highest(const CurveModel& model,
@@ -326,36 +352,6 @@ Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const Curv
         [&](std::span<const double> moving) { return model.value(point_of(moving)); }, from, edge);
     return {point_of(top.at), top.value, top.settled};
 }
-
-namespace {
-
-/// The least value between two places, by golden section, as far as numbers lie between them.
-double bottom(const std::function<double(double)>& value, double low, double high) {
-    constexpr double kGolden = 0.6180339887498949;
-    const double end = 1e-5 * (high - low);
-    double a = high - kGolden * (high - low);
-    double b = low + kGolden * (high - low);
-    double at_a = value(a);
-    double at_b = value(b);
-    while (high - low > end && low < a && a < b && b < high) {
-        if (at_a < at_b) {
-            high = b;
-            b = a;
-            at_b = at_a;
-            a = high - kGolden * (high - low);
-            at_a = value(a);
-        } else {
-            low = a;
-            a = b;
-            at_a = at_b;
-            b = low + kGolden * (high - low);
-            at_b = value(b);
-        }
-    }
-    return std::min(at_a, at_b);
-}
-
-}  // namespace
 
 double least_between(const std::function<double(double)>& loss, double one, double other) {
     constexpr int kSteps = 16;

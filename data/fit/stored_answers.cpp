@@ -72,6 +72,8 @@ std::vector<std::string> conditions_of(Database& database, const AnswerChoice& c
         choice.study, choice.kind));
 }
 
+constexpr double kMaxAnswers = 1e6;
+
 }  // namespace
 
 bool answers_are_names(Database& database, const AnswerChoice& choice) {
@@ -131,12 +133,6 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     }
     return stored;
 }
-
-namespace {
-
-constexpr double kMaxAnswers = 1e6;
-
-}  // namespace
 
 std::vector<Answers> read_answers(const std::filesystem::path& file) {
     constexpr std::array<std::string_view, 3> kWanted{"stimulus", "n", "k"};

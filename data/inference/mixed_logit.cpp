@@ -128,47 +128,6 @@ double log_integral(PersonIntegral of, const Nodes& nodes) {
     return top - std::log(peak.l00 * peak.l11) + std::log(sum / std::numbers::pi);
 }
 
-}  // namespace
-
-Nodes gauss_hermite(int count) {
-    const auto n = static_cast<std::size_t>(count);
-    std::vector<double> jacobi(n * n);
-    for (std::size_t i = 1; i < n; ++i) {
-        jacobi[i * n + i - 1] = std::sqrt(0.5 * static_cast<double>(i));
-        jacobi[(i - 1) * n + i] = jacobi[i * n + i - 1];
-    }
-    Spectrum parts = spectrum_of(jacobi);
-    Nodes nodes{.at = std::move(parts.values)};
-    for (const double first : parts.first) {
-        nodes.weight.push_back(std::sqrt(std::numbers::pi) * first * first);
-    }
-    return nodes;
-}
-
-double mixed_deviance(std::span<const TwoCounts> people,
-                      double b0,
-                      double b1,
-                      const std::array<double, 3>& l,
-                      const Nodes& nodes) {
-    const std::array<double, 2> fixed{b0, b0 + b1};
-    std::array<Decay, 2> decay;  // where the search begins for everybody
-    for (std::size_t c = 0; c < 2; ++c) {
-        decay[c].log_of(std::fabs(fixed[c]));
-        decay[c].of(fixed[c]);
-    }
-    double sum = 0.0;
-    for (const TwoCounts& one : people) {
-        sum += log_integral({.person = one,
-                             .fixed = fixed,
-                             .along = {{{l[0], 0.0}, {l[0] + l[1], l[2]}}},
-                             .decay = decay},
-                            nodes);
-    }
-    return -2.0 * sum;
-}
-
-namespace {
-
 /// A function of the parameters that are fitted, in the order b0, b1, l11, l21, l22.
 class Objective {
 public:
@@ -292,6 +251,43 @@ std::vector<TwoCounts> drawn(std::span<const TwoCounts> people,
 }
 
 }  // namespace
+
+Nodes gauss_hermite(int count) {
+    const auto n = static_cast<std::size_t>(count);
+    std::vector<double> jacobi(n * n);
+    for (std::size_t i = 1; i < n; ++i) {
+        jacobi[i * n + i - 1] = std::sqrt(0.5 * static_cast<double>(i));
+        jacobi[(i - 1) * n + i] = jacobi[i * n + i - 1];
+    }
+    Spectrum parts = spectrum_of(jacobi);
+    Nodes nodes{.at = std::move(parts.values)};
+    for (const double first : parts.first) {
+        nodes.weight.push_back(std::sqrt(std::numbers::pi) * first * first);
+    }
+    return nodes;
+}
+
+double mixed_deviance(std::span<const TwoCounts> people,
+                      double b0,
+                      double b1,
+                      const std::array<double, 3>& l,
+                      const Nodes& nodes) {
+    const std::array<double, 2> fixed{b0, b0 + b1};
+    std::array<Decay, 2> decay;  // where the search begins for everybody
+    for (std::size_t c = 0; c < 2; ++c) {
+        decay[c].log_of(std::fabs(fixed[c]));
+        decay[c].of(fixed[c]);
+    }
+    double sum = 0.0;
+    for (const TwoCounts& one : people) {
+        sum += log_integral({.person = one,
+                             .fixed = fixed,
+                             .along = {{{l[0], 0.0}, {l[0] + l[1], l[2]}}},
+                             .decay = decay},
+                            nodes);
+    }
+    return -2.0 * sum;
+}
 
 MixedFit fit_mixed(std::span<const TwoCounts> people, const MixedSpec& spec, const MixedFit* from) {
     const Objective f(people, spec);

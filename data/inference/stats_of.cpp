@@ -64,48 +64,6 @@ std::vector<ExcludedTrials> excluded_of(const TrialTable& table) {
     return all;
 }
 
-}  // namespace
-
-PeopleTest test_of(std::vector<double> values, double nothing, double prior_scale) {
-    PeopleTest made{.mean = mean_over_people(values)};
-    std::vector<double> differences = values;
-    for (double& one : differences) {
-        one -= nothing;
-    }
-    made.values = std::move(values);
-    made.t = paired_t(differences);
-    made.flip = sign_flip(differences);
-    made.rank = signed_rank(differences);
-    if (made.t) {
-        made.bayes = jzs_bayes_factor(made.t->t, differences.size(), prior_scale);
-    }
-    return made;
-}
-
-StatsReport stats_of(TrialTable table, const StatsOptions& options) {
-    check_signals(table, options);
-    check_alternatives(table, options);
-    StatsReport report{.table = std::move(table), .options = options};
-    const TrialTable& all = report.table;
-    report.yes_no = all.alternatives == 0;
-    report.right_known = !report.yes_no || !options.signals.empty();
-    if (options.alternatives > 0) {
-        report.table.alternatives = options.alternatives;
-    }
-    report.probability = is_probability(all);
-    report.excluded = excluded_of(all);
-    report.applied = part_of(report, [](const Trial& one) { return one.excluded.empty(); });
-    refuse_if(report.applied.trials == 0,
-              "{}: all {} trials are excluded: nothing is left to compute", all.source,
-              all.trials.size());
-    if (!report.excluded.empty()) {
-        report.not_applied = part_of(report, [](const Trial&) { return true; });
-    }
-    return report;
-}
-
-namespace {
-
 using Of = std::optional<double> (*)(const PersonCell&);
 
 struct Kind {
@@ -182,6 +140,44 @@ Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind&
 }
 
 }  // namespace
+
+PeopleTest test_of(std::vector<double> values, double nothing, double prior_scale) {
+    PeopleTest made{.mean = mean_over_people(values)};
+    std::vector<double> differences = values;
+    for (double& one : differences) {
+        one -= nothing;
+    }
+    made.values = std::move(values);
+    made.t = paired_t(differences);
+    made.flip = sign_flip(differences);
+    made.rank = signed_rank(differences);
+    if (made.t) {
+        made.bayes = jzs_bayes_factor(made.t->t, differences.size(), prior_scale);
+    }
+    return made;
+}
+
+StatsReport stats_of(TrialTable table, const StatsOptions& options) {
+    check_signals(table, options);
+    check_alternatives(table, options);
+    StatsReport report{.table = std::move(table), .options = options};
+    const TrialTable& all = report.table;
+    report.yes_no = all.alternatives == 0;
+    report.right_known = !report.yes_no || !options.signals.empty();
+    if (options.alternatives > 0) {
+        report.table.alternatives = options.alternatives;
+    }
+    report.probability = is_probability(all);
+    report.excluded = excluded_of(all);
+    report.applied = part_of(report, [](const Trial& one) { return one.excluded.empty(); });
+    refuse_if(report.applied.trials == 0,
+              "{}: all {} trials are excluded: nothing is left to compute", all.source,
+              all.trials.size());
+    if (!report.excluded.empty()) {
+        report.not_applied = part_of(report, [](const Trial&) { return true; });
+    }
+    return report;
+}
 
 std::string share_title(const StatsReport& report) {
     return report.right_known ? "share correct" : "share of yes";

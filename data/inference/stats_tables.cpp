@@ -168,23 +168,6 @@ Table models_table(const StatsReport& report, const StatsPart& part) {
     return table;
 }
 
-}  // namespace
-
-std::vector<Table> stats_tables(const StatsReport& report, const StatsPart& part) {
-    std::vector<Table> all{primary_table(report, part), people_table(report, part),
-                           persons_table(part),         titles_table(part),
-                           means_table(report, part),   effects_table(report, part),
-                           models_table(report, part)};
-    for (const MixedStats& mixed : part.mixed) {
-        all.push_back(mixed_table(report, mixed));
-    }
-    all.push_back(confidence_table(part));
-    all.push_back(within_table(report, part));
-    return all;
-}
-
-namespace {
-
 std::string title_text(const StatsReport& report) {
     const TrialTable& table = report.table;
     std::string text = table.source;
@@ -236,21 +219,6 @@ std::string part_text(const StatsReport& report, const StatsPart& part, const st
     return text;
 }
 
-}  // namespace
-
-std::string stats_text(const StatsReport& report) {
-    std::string text = title_text(report) + excluded_text(report);
-    text += part_text(report, report.applied,
-                      report.not_applied ? "Exclusions applied" : "All answers");
-    if (report.not_applied) {
-        text += part_text(report, *report.not_applied, "Exclusions NOT applied");
-    }
-    const std::string versions = versions_text(report.table.versions);
-    return versions.empty() ? text : text + '\n' + versions;
-}
-
-namespace {
-
 Json part_json(const StatsReport& report, const StatsPart& part) {
     Json one = {{"answers", part.trials},         {"primary", Json::object()},
                 {"people", Json::object()},       {"measures", Json::object()},
@@ -262,7 +230,55 @@ Json part_json(const StatsReport& report, const StatsPart& part) {
     return one;
 }
 
+/// A string of R, in ASCII: read the same in every locale.
+std::string r_string(std::string_view text) {
+    std::string out = "\"";
+    while (!text.empty()) {
+        const Character one = first_character(text);
+        const bool plain =
+            one.code >= U' ' && one.code < 127 && one.code != U'"' && one.code != U'\\';
+        out += plain ? std::string(1, text.front())
+             : one.code == U'"' || one.code == U'\\'
+                 ? fmt::format("\\{}", text.front())
+                 : fmt::format("\\U{{{:x}}}", static_cast<unsigned>(one.code));
+        text.remove_prefix(std::max<std::size_t>(one.length, 1));
+    }
+    return out + '"';
+}
+
+std::string list_of(const std::vector<std::string>& all) {
+    std::string text = "c(";
+    for (const std::string& one : all) {
+        text += (&one == all.data() ? "" : ", ") + r_string(one);
+    }
+    return text + ")";
+}
+
 }  // namespace
+
+std::vector<Table> stats_tables(const StatsReport& report, const StatsPart& part) {
+    std::vector<Table> all{primary_table(report, part), people_table(report, part),
+                           persons_table(part),         titles_table(part),
+                           means_table(report, part),   effects_table(report, part),
+                           models_table(report, part)};
+    for (const MixedStats& mixed : part.mixed) {
+        all.push_back(mixed_table(report, mixed));
+    }
+    all.push_back(confidence_table(part));
+    all.push_back(within_table(report, part));
+    return all;
+}
+
+std::string stats_text(const StatsReport& report) {
+    std::string text = title_text(report) + excluded_text(report);
+    text += part_text(report, report.applied,
+                      report.not_applied ? "Exclusions applied" : "All answers");
+    if (report.not_applied) {
+        text += part_text(report, *report.not_applied, "Exclusions NOT applied");
+    }
+    const std::string versions = versions_text(report.table.versions);
+    return versions.empty() ? text : text + '\n' + versions;
+}
 
 std::string stats_json(const StatsReport& report) {
     const TrialTable& table = report.table;
@@ -295,34 +311,6 @@ std::string stats_json(const StatsReport& report) {
 }
 
 std::string_view stats_script();  // stats.R
-
-namespace {
-
-/// A string of R, in ASCII: read the same in every locale.
-std::string r_string(std::string_view text) {
-    std::string out = "\"";
-    while (!text.empty()) {
-        const Character one = first_character(text);
-        const bool plain =
-            one.code >= U' ' && one.code < 127 && one.code != U'"' && one.code != U'\\';
-        out += plain ? std::string(1, text.front())
-             : one.code == U'"' || one.code == U'\\'
-                 ? fmt::format("\\{}", text.front())
-                 : fmt::format("\\U{{{:x}}}", static_cast<unsigned>(one.code));
-        text.remove_prefix(std::max<std::size_t>(one.length, 1));
-    }
-    return out + '"';
-}
-
-std::string list_of(const std::vector<std::string>& all) {
-    std::string text = "c(";
-    for (const std::string& one : all) {
-        text += (&one == all.data() ? "" : ", ") + r_string(one);
-    }
-    return text + ")";
-}
-
-}  // namespace
 
 std::string stats_r(const StatsReport& report, const std::string& trials) {
     const auto& account = report.table.left_out;

@@ -116,6 +116,74 @@ void check_named(const std::filesystem::path& file, const TrialTable& table) {
     }
 }
 
+/// Answers without a rule: named pictures, or yes and no.
+constexpr std::string_view kAnswered = R"sql(
+SELECT study_name, participant_code, subject, analysis_trial.planned_object, friction,
+       coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')), reaction_s, done_s - first_contact_s, confidence,
+       trials_since_break, iif(counts, '', coalesce(exclusion, 'does not count'))
+FROM analysis_trial JOIN participant USING (participant_code)
+WHERE phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
+      AND (chosen_object IS NOT NULL OR study_name IN
+           (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%'))
+ORDER BY study_name, participant_code, session_number, trial_number)sql";
+
+std::optional<double> above_zero(const Statement& row, int column) {
+    return row.real(column) > 0.0 ? row.real_or_none(column) : std::nullopt;
+}
+
+/// Whom the protocol's rules leave out, and why.
+std::map<std::string, std::string> whys_of(const LeftOut& account) {
+    std::map<std::string, std::string> whys;
+    for (const auto& [person, rule] : account.broken) {
+        std::string& why = whys[person];
+        why += (why.empty() ? "" : "; ") + rule;
+    }
+    return whys;
+}
+
+/// By the least static friction of the conditions' plans, as everywhere.
+std::string least_friction(Database& database, const AnswerChoice& choice) {
+    Statement row = database.first(
+        "SELECT friction FROM plan JOIN session USING (session_id) JOIN study USING (study_id) "
+        "WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY "
+        "min(mu_s), friction LIMIT 1",
+        choice.study, choice.kind);
+    return row.text(0);
+}
+
+/// As the newest version of the protocol says.
+protocols::PrimaryTest primary_of(Database& database, const AnswerChoice& choice) {
+    return protocols::stored_protocol(database
+                                          .first("SELECT protocol_toml FROM study WHERE study_name "
+                                                 "= ?1 ORDER BY study_id DESC LIMIT 1",
+                                                 choice.study)
+                                          .text(0))
+        .analysis.primary;
+}
+
+std::size_t pictures_of(Database& database, const AnswerChoice& choice) {
+    Statement row = database.first(
+        "SELECT coalesce(max(n), 0) FROM (SELECT count(*) AS n FROM picture JOIN session USING "
+        "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND session_kind = ?2 "
+        "GROUP BY session_id)",
+        choice.study, choice.kind);
+    return static_cast<std::size_t>(row.integer(0));
+}
+
+NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
+    NamedTrial one{.subject = codes ? row.text(1) : fmt::format("sub-{:010}", row.integer(2)),
+                   .shape = row.text(3),
+                   .friction = row.text(4),
+                   .response = row.text(5)};
+    one.trial = {.number = number,
+                 .rt_s = above_zero(row, 6),
+                 .explore_s = above_zero(row, 7),
+                 .confidence = row.real_or_none(8),
+                 .since_break = row.real_or_none(9),
+                 .excluded = row.text(10)};
+    return one;
+}
+
 }  // namespace
 
 TrialTable table_of_names(std::vector<NamedTrial> all) {
@@ -226,78 +294,6 @@ void compare_with(TrialTable& table, const std::string& friction) {
         one.friction = one.friction == at ? 0 : one.friction < at ? one.friction + 1 : one.friction;
     }
 }
-
-namespace {
-
-/// Answers without a rule: named pictures, or yes and no.
-constexpr std::string_view kAnswered = R"sql(
-SELECT study_name, participant_code, subject, analysis_trial.planned_object, friction,
-       coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')), reaction_s, done_s - first_contact_s, confidence,
-       trials_since_break, iif(counts, '', coalesce(exclusion, 'does not count'))
-FROM analysis_trial JOIN participant USING (participant_code)
-WHERE phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
-      AND (chosen_object IS NOT NULL OR study_name IN
-           (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%'))
-ORDER BY study_name, participant_code, session_number, trial_number)sql";
-
-std::optional<double> above_zero(const Statement& row, int column) {
-    return row.real(column) > 0.0 ? row.real_or_none(column) : std::nullopt;
-}
-
-/// Whom the protocol's rules leave out, and why.
-std::map<std::string, std::string> whys_of(const LeftOut& account) {
-    std::map<std::string, std::string> whys;
-    for (const auto& [person, rule] : account.broken) {
-        std::string& why = whys[person];
-        why += (why.empty() ? "" : "; ") + rule;
-    }
-    return whys;
-}
-
-/// By the least static friction of the conditions' plans, as everywhere.
-std::string least_friction(Database& database, const AnswerChoice& choice) {
-    Statement row = database.first(
-        "SELECT friction FROM plan JOIN session USING (session_id) JOIN study USING (study_id) "
-        "WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY "
-        "min(mu_s), friction LIMIT 1",
-        choice.study, choice.kind);
-    return row.text(0);
-}
-
-/// As the newest version of the protocol says.
-protocols::PrimaryTest primary_of(Database& database, const AnswerChoice& choice) {
-    return protocols::stored_protocol(database
-                                          .first("SELECT protocol_toml FROM study WHERE study_name "
-                                                 "= ?1 ORDER BY study_id DESC LIMIT 1",
-                                                 choice.study)
-                                          .text(0))
-        .analysis.primary;
-}
-
-std::size_t pictures_of(Database& database, const AnswerChoice& choice) {
-    Statement row = database.first(
-        "SELECT coalesce(max(n), 0) FROM (SELECT count(*) AS n FROM picture JOIN session USING "
-        "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND session_kind = ?2 "
-        "GROUP BY session_id)",
-        choice.study, choice.kind);
-    return static_cast<std::size_t>(row.integer(0));
-}
-
-NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
-    NamedTrial one{.subject = codes ? row.text(1) : fmt::format("sub-{:010}", row.integer(2)),
-                   .shape = row.text(3),
-                   .friction = row.text(4),
-                   .response = row.text(5)};
-    one.trial = {.number = number,
-                 .rt_s = above_zero(row, 6),
-                 .explore_s = above_zero(row, 7),
-                 .confidence = row.real_or_none(8),
-                 .since_break = row.real_or_none(9),
-                 .excluded = row.text(10)};
-    return one;
-}
-
-}  // namespace
 
 TrialTable stored_trials(Database& database, const AnswerChoice& asked) {
     const Snapshot now(database);

@@ -90,6 +90,43 @@ std::string panel_html(const Panel& panel,
     return out;
 }
 
+void put(std::string& bytes, std::uint64_t number) {
+    while (number > 127) {
+        bytes += static_cast<char>(number % 128 + 128);
+        number /= 128;
+    }
+    bytes += static_cast<char>(number);
+}
+
+std::string bytes_of(std::span<const std::int64_t> values, int order) {
+    std::string bytes(1, static_cast<char>(order));
+    std::int64_t last = 0;
+    std::int64_t before = 0;
+    std::uint64_t zeros = 0;
+    const auto end_zeros = [&] {
+        if (zeros > 0) {
+            put(bytes, 0);
+            put(bytes, zeros - 1);
+            zeros = 0;
+        }
+    };
+    for (const std::int64_t value : values) {
+        const std::int64_t guess = order == 0 ? 0 : order == 1 ? last : 2 * last - before;
+        const std::int64_t rest = value - guess;
+        before = last;
+        last = value;
+        if (rest == 0) {
+            ++zeros;
+            continue;
+        }
+        end_zeros();
+        put(bytes, rest < 0 ? 2 * static_cast<std::uint64_t>(-(rest + 1)) + 1
+                            : 2 * static_cast<std::uint64_t>(rest));
+    }
+    end_zeros();
+    return bytes;
+}
+
 }  // namespace
 
 std::string html_text(std::string_view text) {
@@ -295,47 +332,6 @@ std::string PageWriter::page(const PageFrame& frame) const {
     out += frame.script.empty() ? "" : fmt::format("<script>{}</script>\n", frame.script);
     return out + "</body>\n</html>\n";
 }
-
-namespace {
-
-void put(std::string& bytes, std::uint64_t number) {
-    while (number > 127) {
-        bytes += static_cast<char>(number % 128 + 128);
-        number /= 128;
-    }
-    bytes += static_cast<char>(number);
-}
-
-std::string bytes_of(std::span<const std::int64_t> values, int order) {
-    std::string bytes(1, static_cast<char>(order));
-    std::int64_t last = 0;
-    std::int64_t before = 0;
-    std::uint64_t zeros = 0;
-    const auto end_zeros = [&] {
-        if (zeros > 0) {
-            put(bytes, 0);
-            put(bytes, zeros - 1);
-            zeros = 0;
-        }
-    };
-    for (const std::int64_t value : values) {
-        const std::int64_t guess = order == 0 ? 0 : order == 1 ? last : 2 * last - before;
-        const std::int64_t rest = value - guess;
-        before = last;
-        last = value;
-        if (rest == 0) {
-            ++zeros;
-            continue;
-        }
-        end_zeros();
-        put(bytes, rest < 0 ? 2 * static_cast<std::uint64_t>(-(rest + 1)) + 1
-                            : 2 * static_cast<std::uint64_t>(rest));
-    }
-    end_zeros();
-    return bytes;
-}
-
-}  // namespace
 
 std::string base64(std::string_view bytes) {
     constexpr std::string_view kDigits =

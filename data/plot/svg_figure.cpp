@@ -70,6 +70,13 @@ std::vector<PanelPlan> plans_of(const Figure& figure, double cell) {
     return plans;
 }
 
+constexpr double kNearest = 0.15;  // px: a point nearer to the last one drawn changes no pixel
+constexpr double kRing = 8.0;      // px, radius of a marker's label
+
+double distance(double ax, double ay, double bx, double by) {
+    return std::sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by));
+}
+
 }  // namespace
 
 std::string svg(const Figure& figure) {
@@ -121,17 +128,6 @@ std::string svg(const Figure& figure) {
 void write_svg(const std::filesystem::path& path, const Figure& figure) {
     write_whole(path, svg(figure));
 }
-
-namespace {
-
-constexpr double kNearest = 0.15;  // px: a point nearer to the last one drawn changes no pixel
-constexpr double kRing = 8.0;      // px, radius of a marker's label
-
-double distance(double ax, double ay, double bx, double by) {
-    return std::sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by));
-}
-
-}  // namespace
 
 PanelPlan::Point PanelPlan::place(double x, double y, const Rect& plot) const {
     // Far outside of given axes a coordinate may be huge: SVG readers keep few digits.

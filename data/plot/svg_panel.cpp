@@ -76,6 +76,8 @@ std::string axis_label(const Axis& axis, int exponent) {
     return unit.empty() ? axis.label : axis.label.empty() ? unit : axis.label + " (" + unit + ")";
 }
 
+constexpr double kSample = 22.0;  // px of an entry's sample
+
 }  // namespace
 
 std::string_view colour(Ink ink, std::size_t turn) {
@@ -281,12 +283,6 @@ std::string PanelPlan::draw(double cell_x, double top, std::string_view clip_id)
     }
     return out + arrows(plot) + "</g>\n" + labels(plot) + markers(plot) + "</g>\n";
 }
-
-namespace {
-
-constexpr double kSample = 22.0;  // px of an entry's sample
-
-}  // namespace
 
 void PanelPlan::plan_legend() {
     entries_.clear();

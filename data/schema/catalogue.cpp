@@ -12,6 +12,10 @@
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
+
+std::string_view tables_text();  // tables.sql
+std::string_view views_text();   // views.sql
+
 namespace {
 
 enum class Kind { word, symbol, literal, comment, end };
@@ -213,44 +217,6 @@ void say_what_is_repeated(const std::vector<TableManual>& manual, ColumnManual& 
     }
 }
 
-}  // namespace
-
-std::string_view unit_of(std::string_view column) noexcept {
-    struct Ending {
-        std::string_view end;
-        std::string_view unit;
-    };
-    constexpr std::array kEndings{
-        Ending{"_n_per_m", "N/m"}, Ending{"_m_per_s", "m/s"}, Ending{"_per_m", "1/m"},
-        Ending{"_utc", "UTC"},     Ending{"_hz", "Hz"},       Ending{"_us", "us"},
-        Ending{"_ns", "ns"},       Ending{"_s", "s"},         Ending{"_m", "m"},
-        Ending{"_n", "N"},         Ending{"_j", "J"},
-    };
-    if (column.ends_with("mu_s")) {  // static, not seconds
-        return "-";
-    }
-    const auto* const found =
-        std::find_if(kEndings.begin(), kEndings.end(),
-                     [column](const Ending& ending) { return column.ends_with(ending.end); });
-    return found == kEndings.end() ? "-" : found->unit;
-}
-
-std::vector<TableManual> schema_manual(std::string_view sql) {
-    std::vector<TableManual> manual = statements_of(sql);
-    for (TableManual& table : manual) {
-        for (ColumnManual& column : table.columns) {
-            say_what_is_repeated(manual, column);
-            column.seen = std::max(column.seen, taken_mark(column.meaning));
-            column.levels = column.levels.empty() ? taken_levels(column.meaning) : column.levels;
-        }
-    }
-    return manual;
-}
-
-std::string_view tables_text();  // tables.sql
-
-namespace {
-
 std::string sql_type(std::string_view type) {
     return type == "integer" ? "INTEGER" : type == "real" ? "REAL" : "TEXT";
 }
@@ -300,7 +266,66 @@ std::string all_tables() {
     return sql + fault_tick_table();
 }
 
+/// One kind of sessions, whatever a file holds: whoever forgets to ask for one gets the study, not
+/// its trial runs too.
+constexpr std::string_view kMainTrial = R"sql(
+CREATE VIEW main_trial AS
+-- analysis_trial, less what is no answer of the study: its main trials that count, of who consents, of one kind of
+-- sessions: real where the file has such, else pilot, else simulated. Group by study_name: a file can hold several.
+SELECT {}
+FROM analysis_trial
+WHERE counts AND phase = 'main'
+      AND participant_code NOT IN (SELECT participant_code FROM participant WHERE consent = 0)
+      AND session_kind = (SELECT session_kind FROM session JOIN participant USING (participant_id)
+                          WHERE consent IS NOT 0 AND withdrawn_reason IS NULL AND session_id IN
+                                (SELECT session_id FROM trial JOIN response USING (trial_id))
+                          ORDER BY session_kind = 'real' DESC, session_kind = 'pilot' DESC LIMIT 1);
+)sql";
+
+/// The columns of analysis_trial, each by its name, so that the manual has all of them.
+std::string main_trial_sql() {
+    const std::vector<TableManual> views = schema_manual(views_text());
+    std::string columns;
+    for (const ColumnManual& one : views.front().columns) {
+        columns += fmt::format("{}analysis_trial.{} AS {}", columns.empty() ? "" : ",\n       ",
+                               one.name, one.name);
+    }
+    return fmt::format(kMainTrial, columns);
+}
+
 }  // namespace
+
+std::string_view unit_of(std::string_view column) noexcept {
+    struct Ending {
+        std::string_view end;
+        std::string_view unit;
+    };
+    constexpr std::array kEndings{
+        Ending{"_n_per_m", "N/m"}, Ending{"_m_per_s", "m/s"}, Ending{"_per_m", "1/m"},
+        Ending{"_utc", "UTC"},     Ending{"_hz", "Hz"},       Ending{"_us", "us"},
+        Ending{"_ns", "ns"},       Ending{"_s", "s"},         Ending{"_m", "m"},
+        Ending{"_n", "N"},         Ending{"_j", "J"},
+    };
+    if (column.ends_with("mu_s")) {  // static, not seconds
+        return "-";
+    }
+    const auto* const found =
+        std::find_if(kEndings.begin(), kEndings.end(),
+                     [column](const Ending& ending) { return column.ends_with(ending.end); });
+    return found == kEndings.end() ? "-" : found->unit;
+}
+
+std::vector<TableManual> schema_manual(std::string_view sql) {
+    std::vector<TableManual> manual = statements_of(sql);
+    for (TableManual& table : manual) {
+        for (ColumnManual& column : table.columns) {
+            say_what_is_repeated(manual, column);
+            column.seen = std::max(column.seen, taken_mark(column.meaning));
+            column.levels = column.levels.empty() ? taken_levels(column.meaning) : column.levels;
+        }
+    }
+    return manual;
+}
 
 std::string_view schema_sql() {
     static const std::string all = fmt::format("\n{}{}", all_tables(), views_sql());
@@ -331,39 +356,6 @@ const ColumnManual* find_column(std::string_view name) {
     const auto at = std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
     return at == table->columns.end() ? nullptr : &*at;
 }
-
-std::string_view views_text();  // views.sql
-
-namespace {
-
-/// One kind of sessions, whatever a file holds: whoever forgets to ask for one gets the study, not
-/// its trial runs too.
-constexpr std::string_view kMainTrial = R"sql(
-CREATE VIEW main_trial AS
--- analysis_trial, less what is no answer of the study: its main trials that count, of who consents, of one kind of
--- sessions: real where the file has such, else pilot, else simulated. Group by study_name: a file can hold several.
-SELECT {}
-FROM analysis_trial
-WHERE counts AND phase = 'main'
-      AND participant_code NOT IN (SELECT participant_code FROM participant WHERE consent = 0)
-      AND session_kind = (SELECT session_kind FROM session JOIN participant USING (participant_id)
-                          WHERE consent IS NOT 0 AND withdrawn_reason IS NULL AND session_id IN
-                                (SELECT session_id FROM trial JOIN response USING (trial_id))
-                          ORDER BY session_kind = 'real' DESC, session_kind = 'pilot' DESC LIMIT 1);
-)sql";
-
-/// The columns of analysis_trial, each by its name, so that the manual has all of them.
-std::string main_trial_sql() {
-    const std::vector<TableManual> views = schema_manual(views_text());
-    std::string columns;
-    for (const ColumnManual& one : views.front().columns) {
-        columns += fmt::format("{}analysis_trial.{} AS {}", columns.empty() ? "" : ",\n       ",
-                               one.name, one.name);
-    }
-    return fmt::format(kMainTrial, columns);
-}
-
-}  // namespace
 
 std::string_view views_sql() {
     static const std::string all = fmt::format("\n{}{}", views_text(), main_trial_sql());

@@ -12,30 +12,6 @@ namespace {
 
 constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
 
-}  // namespace
-
-double share_correct(double d, std::int64_t m) {
-    constexpr double kStep = 0.0625;
-    constexpr int kReach = 144;  // 9 deviations to each side: phi(9) is 1e-18
-    static const auto kBells = [] {
-        std::array<double, 2 * kReach + 1> bells{};
-        for (int i = -kReach; i <= kReach; ++i) {
-            const double x = kStep * i;
-            bells[static_cast<std::size_t>(i + kReach)] = std::exp(-0.5 * x * x);
-        }
-        return bells;
-    }();
-    double sum = 0.0;
-    double x = -kStep * kReach;  // its sums are exact
-    for (const double bell : kBells) {
-        sum += bell * std::pow(protocols::normal_cdf(x + d), static_cast<double>(m - 1));
-        x += kStep;
-    }
-    return sum * kStep * kInverseSqrtTwoPi;
-}
-
-namespace {
-
 /// A place and what the share of correct answers is there beyond the one looked for.
 struct Beyond {
     double d = 0.0;
@@ -61,7 +37,45 @@ double passed_near(Beyond low, Beyond high, const At& at) {
     return low.by < 0.0 ? high.d : low.d;
 }
 
+struct Entropy {
+    double bits = 0.0;
+    double cells = 0.0;  ///< that occur
+};
+
+template <class Counts>
+Entropy entropy(const Counts& counts, double all) {
+    Entropy entropy;
+    for (const auto& [key, n] : counts) {
+        if (n > 0) {
+            const double share = static_cast<double>(n) / all;
+            entropy.bits -= share * std::log2(share);
+            entropy.cells += 1.0;
+        }
+    }
+    return entropy;
+}
+
 }  // namespace
+
+double share_correct(double d, std::int64_t m) {
+    constexpr double kStep = 0.0625;
+    constexpr int kReach = 144;  // 9 deviations to each side: phi(9) is 1e-18
+    static const auto kBells = [] {
+        std::array<double, 2 * kReach + 1> bells{};
+        for (int i = -kReach; i <= kReach; ++i) {
+            const double x = kStep * i;
+            bells[static_cast<std::size_t>(i + kReach)] = std::exp(-0.5 * x * x);
+        }
+        return bells;
+    }();
+    double sum = 0.0;
+    double x = -kStep * kReach;  // its sums are exact
+    for (const double bell : kBells) {
+        sum += bell * std::pow(protocols::normal_cdf(x + d), static_cast<double>(m - 1));
+        x += kStep;
+    }
+    return sum * kStep * kInverseSqrtTwoPi;
+}
 
 double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m, std::int64_t least) {
     const auto count = static_cast<double>(n);
@@ -107,28 +121,6 @@ YesNo yes_no(std::int64_t hits,
     const double alarm = z(false_alarms, noises, least_noises);
     return {.d_prime = hit - alarm, .criterion = -0.5 * (hit + alarm)};
 }
-
-namespace {
-
-struct Entropy {
-    double bits = 0.0;
-    double cells = 0.0;  ///< that occur
-};
-
-template <class Counts>
-Entropy entropy(const Counts& counts, double all) {
-    Entropy entropy;
-    for (const auto& [key, n] : counts) {
-        if (n > 0) {
-            const double share = static_cast<double>(n) / all;
-            entropy.bits -= share * std::log2(share);
-            entropy.cells += 1.0;
-        }
-    }
-    return entropy;
-}
-
-}  // namespace
 
 Information mutual_information(const ConfusionCounts& counts) {
     std::map<std::string, std::int64_t> stimuli;

@@ -82,6 +82,47 @@ double drawn_share(std::span<const double> differences, double far) {
     return static_cast<double>(reached) / kDrawn;
 }
 
+constexpr std::size_t kMaxRanked = 300;  ///< 90,000 sums
+
+/// Twice the mean rank of each size, so that ties are whole numbers too; in the order of `sizes`.
+std::vector<std::size_t> doubled_ranks(const std::vector<double>& sizes) {
+    std::vector<std::size_t> order(sizes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {}, [&](std::size_t i) { return sizes[i]; });
+    const double slack = sizes.empty() ? 0.0 : 1e-9 * sizes[order.back()];
+    std::vector<std::size_t> ranks(sizes.size());
+    for (std::size_t first = 0; first < order.size();) {
+        std::size_t end = first + 1;
+        while (end < order.size() && sizes[order[end]] - sizes[order[end - 1]] <= slack) {
+            ++end;
+        }
+        for (std::size_t i = first; i < end; ++i) {
+            ranks[order[i]] = first + 1 + end;
+        }
+        first = end;
+    }
+    return ranks;
+}
+
+/// The share of patterns of signs whose sum lies as far from the middle as `sum`.
+double share_as_far(const std::vector<std::size_t>& ranks, std::size_t sum, std::size_t all) {
+    std::vector<double> chance(all + 1);
+    chance[0] = 1.0;
+    std::size_t reached = 0;
+    for (const std::size_t rank : ranks) {
+        reached += rank;
+        for (std::size_t s = reached + 1; s-- > 0;) {
+            chance[s] = 0.5 * (chance[s] + (s >= rank ? chance[s - rank] : 0.0));
+        }
+    }
+    const std::size_t lower = std::min(sum, all - sum);
+    double p = 0.0;
+    for (std::size_t s = 0; s <= all; ++s) {
+        p += std::min(s, all - s) <= lower ? chance[s] : 0.0;
+    }
+    return std::min(p, 1.0);
+}
+
 }  // namespace
 
 PeopleMean mean_over_people(std::span<const double> values) {
@@ -150,51 +191,6 @@ Interval newcombe(std::int64_t k1, std::int64_t n1, std::int64_t k2, std::int64_
     return {p2 - p1 - std::hypot(p2 - two.low, one.high - p1),
             p2 - p1 + std::hypot(two.high - p2, p1 - one.low)};
 }
-
-namespace {
-
-constexpr std::size_t kMaxRanked = 300;  ///< 90,000 sums
-
-/// Twice the mean rank of each size, so that ties are whole numbers too; in the order of `sizes`.
-std::vector<std::size_t> doubled_ranks(const std::vector<double>& sizes) {
-    std::vector<std::size_t> order(sizes.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, [&](std::size_t i) { return sizes[i]; });
-    const double slack = sizes.empty() ? 0.0 : 1e-9 * sizes[order.back()];
-    std::vector<std::size_t> ranks(sizes.size());
-    for (std::size_t first = 0; first < order.size();) {
-        std::size_t end = first + 1;
-        while (end < order.size() && sizes[order[end]] - sizes[order[end - 1]] <= slack) {
-            ++end;
-        }
-        for (std::size_t i = first; i < end; ++i) {
-            ranks[order[i]] = first + 1 + end;
-        }
-        first = end;
-    }
-    return ranks;
-}
-
-/// The share of patterns of signs whose sum lies as far from the middle as `sum`.
-double share_as_far(const std::vector<std::size_t>& ranks, std::size_t sum, std::size_t all) {
-    std::vector<double> chance(all + 1);
-    chance[0] = 1.0;
-    std::size_t reached = 0;
-    for (const std::size_t rank : ranks) {
-        reached += rank;
-        for (std::size_t s = reached + 1; s-- > 0;) {
-            chance[s] = 0.5 * (chance[s] + (s >= rank ? chance[s - rank] : 0.0));
-        }
-    }
-    const std::size_t lower = std::min(sum, all - sum);
-    double p = 0.0;
-    for (std::size_t s = 0; s <= all; ++s) {
-        p += std::min(s, all - s) <= lower ? chance[s] : 0.0;
-    }
-    return std::min(p, 1.0);
-}
-
-}  // namespace
 
 std::optional<PairedT> paired_t(std::span<const double> differences) {
     if (differences.empty()) {

@@ -116,6 +116,14 @@ FirstPage first_page(sqlite3* handle) {
     return application == 0 && pages <= 1 ? FirstPage::blank : FirstPage::theirs;
 }
 
+std::string utc_text(const timespec& now) {
+    tm utc{};
+    gmtime_r(&now.tv_sec, &utc);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
+                       utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
+                       now.tv_nsec / 1'000'000);
+}
+
 }  // namespace
 
 Database::Database(std::string file, Access access) : connection_{.file = std::move(file)} {
@@ -363,18 +371,6 @@ Snapshot::Snapshot(Database& database) : database_(database) {
 Snapshot::~Snapshot() {
     sqlite3_exec(database_.handle(), "RELEASE snapshot", nullptr, nullptr, nullptr);
 }
-
-namespace {
-
-std::string utc_text(const timespec& now) {
-    tm utc{};
-    gmtime_r(&now.tv_sec, &utc);
-    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
-                       utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
-                       now.tv_nsec / 1'000'000);
-}
-
-}  // namespace
 
 std::string utc_now() {
     timespec now{};

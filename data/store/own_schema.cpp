@@ -219,6 +219,51 @@ void compare_references(const Connection& file,
     }
 }
 
+std::int64_t version_of(const Connection& file) {
+    Statement row(file, "PRAGMA user_version");
+    row.step();
+    return row.integer(0);
+}
+
+std::string copied(const Connection& file, std::int64_t version) {
+    std::string copy = fmt::format("{}.schema-{}.sqlite", file.file, version);
+    if (std::filesystem::exists(copy)) {
+        throw StoreError(fmt::format(
+            "{}: a copy is made before its schema changes, and {} is there already; move it away",
+            file.file, copy));
+    }
+    Statement(file, "VACUUM INTO ?1").bind(1, std::string_view(copy)).run();
+    return copy;
+}
+
+/// Views say nothing of their own, and may name what a step changes: they go first.
+void drop_views(const Connection& file) {
+    std::vector<std::string> views;
+    Statement row(file, "SELECT name FROM sqlite_schema WHERE type = 'view'");
+    while (row.step()) {
+        views.push_back(row.text(0));
+    }
+    row.reset();
+    for (const std::string& view : views) {
+        file.execute(("DROP VIEW " + quoted_name(view)).c_str());
+    }
+}
+
+/// All of them, in the caller's transaction.
+void take(const Connection& file, std::span<const MigrationStep> steps) {
+    drop_views(file);
+    for (const MigrationStep& step : steps) {
+        file.execute(std::string(step.sql).c_str());
+        file.execute(fmt::format("PRAGMA user_version = {}", step.to).c_str());
+    }
+    file.execute(std::string(views_sql()).c_str());
+    if (Statement(file, "PRAGMA foreign_key_check").step()) {
+        throw StoreError(fmt::format(
+            "{}: a row would be left without its owner by the new schema; the file is as before",
+            file.file));
+    }
+}
+
 }  // namespace
 
 std::vector<SchemaDifference> schema_differences(const Connection& file) {
@@ -281,55 +326,6 @@ void make_own_views(const Connection& file) {
     }
     file.execute(("PRAGMA temp_store = MEMORY;" + sql).c_str());
 }
-
-namespace {
-
-std::int64_t version_of(const Connection& file) {
-    Statement row(file, "PRAGMA user_version");
-    row.step();
-    return row.integer(0);
-}
-
-std::string copied(const Connection& file, std::int64_t version) {
-    std::string copy = fmt::format("{}.schema-{}.sqlite", file.file, version);
-    if (std::filesystem::exists(copy)) {
-        throw StoreError(fmt::format(
-            "{}: a copy is made before its schema changes, and {} is there already; move it away",
-            file.file, copy));
-    }
-    Statement(file, "VACUUM INTO ?1").bind(1, std::string_view(copy)).run();
-    return copy;
-}
-
-/// Views say nothing of their own, and may name what a step changes: they go first.
-void drop_views(const Connection& file) {
-    std::vector<std::string> views;
-    Statement row(file, "SELECT name FROM sqlite_schema WHERE type = 'view'");
-    while (row.step()) {
-        views.push_back(row.text(0));
-    }
-    row.reset();
-    for (const std::string& view : views) {
-        file.execute(("DROP VIEW " + quoted_name(view)).c_str());
-    }
-}
-
-/// All of them, in the caller's transaction.
-void take(const Connection& file, std::span<const MigrationStep> steps) {
-    drop_views(file);
-    for (const MigrationStep& step : steps) {
-        file.execute(std::string(step.sql).c_str());
-        file.execute(fmt::format("PRAGMA user_version = {}", step.to).c_str());
-    }
-    file.execute(std::string(views_sql()).c_str());
-    if (Statement(file, "PRAGMA foreign_key_check").step()) {
-        throw StoreError(fmt::format(
-            "{}: a row would be left without its owner by the new schema; the file is as before",
-            file.file));
-    }
-}
-
-}  // namespace
 
 std::span<const MigrationStep> migration_steps() noexcept {
     return {};

@@ -29,51 +29,6 @@ std::string heard(std::string_view code) {
     return out;
 }
 
-}  // namespace
-
-std::optional<std::string> similar_participant(Database& database, std::string_view code) {
-    Statement row =
-        database.prepare("SELECT participant_code FROM participant ORDER BY participant_id");
-    std::optional<std::string> found;
-    while (row.step()) {
-        const std::string other = row.text(0);
-        if (other == code) {
-            return std::nullopt;
-        }
-        if (!found && heard(other) == heard(code)) {
-            found = other;
-        }
-    }
-    return found;
-}
-
-std::optional<Participant> find_participant(Database& database, std::string_view code) {
-    Statement row = database.prepare(
-        "SELECT participant_id, handedness, consent, coalesce(consent_utc, ''), (SELECT count(*) "
-        "FROM session WHERE session.participant_id = participant.participant_id), subject, "
-        "coalesce(destroyed_utc, '') FROM participant WHERE participant_code = ?1",
-        code);
-    if (!row.step()) {
-        return std::nullopt;
-    }
-    Participant found{.notes = {.handedness = row.integer_or_none(1)},
-                      .consent_utc = row.text(3),
-                      .destroyed_utc = row.text(6),
-                      .sessions = row.integer(4),
-                      .subject = row.integer(5)};
-    if (!row.null(2)) {
-        found.notes.consent = row.integer(2) != 0;
-    }
-    for (const Statement& detail : database.prepare(
-             "SELECT key, value FROM participant_detail WHERE participant_id = ?1 ORDER BY key",
-             row.integer(0))) {
-        found.notes.details.emplace_back(detail.text(0), detail.text(1));
-    }
-    return found;
-}
-
-namespace {
-
 /// What was noted of a participant; the value of a detail stands nowhere else.
 protocols::Event noted(const std::string& key, const std::string& value = {}) {
     return {.kind = protocols::EventKind::participant,
@@ -122,7 +77,113 @@ void note_details(Database& database,
     }
 }
 
+/// A trial that somebody wants to mark, or not any more.
+struct Markable {
+    std::string outcome;
+    bool answered = false;
+    std::optional<std::string> invalid{};
+    bool finished = false;  ///< its session
+    std::int64_t session = 0;
+};
+
+/// @throws std::invalid_argument if there is none, or while a program runs its session
+Markable markable(Database& database, std::int64_t trial) {
+    Statement row = database.prepare(
+        "SELECT outcome, response.trial_id IS NOT NULL, invalid_reason, finished, "
+        "session.session_id FROM trial JOIN session USING (session_id) LEFT JOIN response USING "
+        "(trial_id) WHERE trial.trial_id = ?1",
+        trial);
+    if (!row.step()) {
+        throw std::invalid_argument(
+            fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
+                        database.file(), trial));
+    }
+    return {.outcome = row.text(0),
+            .answered = row.integer(1) != 0,
+            .invalid = row.text_or_none(2),
+            .finished = row.integer(3) != 0,
+            .session = row.integer(4)};
+}
+
+void refuse_running(Database& database, std::int64_t trial, std::int64_t session) {
+    if (SessionLock::held(database, session)) {
+        throw std::invalid_argument(fmt::format(
+            "{}: the session of trial {} runs now, and would not hear of it; mark its last trial "
+            "at the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
+            database.file(), trial));
+    }
+}
+
+/// What the session did because of a mark and would not have done without it; empty: nothing.
+std::string came_of_mark(Database& database, std::int64_t trial) {
+    Statement row = database.first(
+        "WITH own AS (SELECT session_id, plan_position, iif(phase = 'practice', 0, 1 + block) AS "
+        "part, (SELECT count(*) FROM trial AS t WHERE t.session_id = trial.session_id AND "
+        "t.trial_id <= trial.trial_id) AS number, run_number, (SELECT trials_begun FROM event "
+        "WHERE event.trial_id = trial.trial_id AND event_kind = 'mark' ORDER BY event_id DESC "
+        "LIMIT 1) AS marked FROM trial JOIN plan USING (session_id, plan_position) LEFT JOIN "
+        "adaptive_plan USING (session_id, plan_position) WHERE trial_id = ?1) SELECT (SELECT "
+        "'trial ' || trial_id || ' took its place and counts: mark that one first' FROM trial JOIN "
+        "response USING (trial_id) WHERE trial.session_id = own.session_id AND trial.plan_position "
+        "= own.plan_position AND invalid_reason IS NULL LIMIT 1), (SELECT 'its part of the session "
+        "was run again' FROM event WHERE event.session_id = own.session_id AND event_kind = 'redo' "
+        "AND event.part = own.part AND trials_begun >= number LIMIT 1), (SELECT 'its rule went on "
+        "without it' FROM trial JOIN adaptive_step USING (trial_id) JOIN adaptive_plan USING "
+        "(session_id, plan_position) WHERE trial.session_id = own.session_id AND "
+        "adaptive_plan.run_number = own.run_number AND (SELECT count(*) FROM trial AS t WHERE "
+        "t.session_id = own.session_id AND t.trial_id <= trial.trial_id) > marked LIMIT 1) FROM "
+        "own",
+        trial);
+    for (int column = 0; column < row.columns(); ++column) {
+        if (!row.null(column)) {
+            return row.text(column);
+        }
+    }
+    return {};
+}
+
 }  // namespace
+
+std::optional<std::string> similar_participant(Database& database, std::string_view code) {
+    Statement row =
+        database.prepare("SELECT participant_code FROM participant ORDER BY participant_id");
+    std::optional<std::string> found;
+    while (row.step()) {
+        const std::string other = row.text(0);
+        if (other == code) {
+            return std::nullopt;
+        }
+        if (!found && heard(other) == heard(code)) {
+            found = other;
+        }
+    }
+    return found;
+}
+
+std::optional<Participant> find_participant(Database& database, std::string_view code) {
+    Statement row = database.prepare(
+        "SELECT participant_id, handedness, consent, coalesce(consent_utc, ''), (SELECT count(*) "
+        "FROM session WHERE session.participant_id = participant.participant_id), subject, "
+        "coalesce(destroyed_utc, '') FROM participant WHERE participant_code = ?1",
+        code);
+    if (!row.step()) {
+        return std::nullopt;
+    }
+    Participant found{.notes = {.handedness = row.integer_or_none(1)},
+                      .consent_utc = row.text(3),
+                      .destroyed_utc = row.text(6),
+                      .sessions = row.integer(4),
+                      .subject = row.integer(5)};
+    if (!row.null(2)) {
+        found.notes.consent = row.integer(2) != 0;
+    }
+    for (const Statement& detail : database.prepare(
+             "SELECT key, value FROM participant_detail WHERE participant_id = ?1 ORDER BY key",
+             row.integer(0))) {
+        found.notes.details.emplace_back(detail.text(0), detail.text(1));
+    }
+    return found;
+}
 
 std::string newest_note(Database& database, std::string_view code) {
     return database
@@ -235,75 +296,6 @@ std::string add_note(Database& database,
     all.commit();
     return head;
 }
-
-namespace {
-
-/// A trial that somebody wants to mark, or not any more.
-struct Markable {
-    std::string outcome;
-    bool answered = false;
-    std::optional<std::string> invalid{};
-    bool finished = false;  ///< its session
-    std::int64_t session = 0;
-};
-
-/// @throws std::invalid_argument if there is none, or while a program runs its session
-Markable markable(Database& database, std::int64_t trial) {
-    Statement row = database.prepare(
-        "SELECT outcome, response.trial_id IS NOT NULL, invalid_reason, finished, "
-        "session.session_id FROM trial JOIN session USING (session_id) LEFT JOIN response USING "
-        "(trial_id) WHERE trial.trial_id = ?1",
-        trial);
-    if (!row.step()) {
-        throw std::invalid_argument(
-            fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
-                        database.file(), trial));
-    }
-    return {.outcome = row.text(0),
-            .answered = row.integer(1) != 0,
-            .invalid = row.text_or_none(2),
-            .finished = row.integer(3) != 0,
-            .session = row.integer(4)};
-}
-
-void refuse_running(Database& database, std::int64_t trial, std::int64_t session) {
-    if (SessionLock::held(database, session)) {
-        throw std::invalid_argument(fmt::format(
-            "{}: the session of trial {} runs now, and would not hear of it; mark its last trial "
-            "at the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
-            database.file(), trial));
-    }
-}
-
-/// What the session did because of a mark and would not have done without it; empty: nothing.
-std::string came_of_mark(Database& database, std::int64_t trial) {
-    Statement row = database.first(
-        "WITH own AS (SELECT session_id, plan_position, iif(phase = 'practice', 0, 1 + block) AS "
-        "part, (SELECT count(*) FROM trial AS t WHERE t.session_id = trial.session_id AND "
-        "t.trial_id <= trial.trial_id) AS number, run_number, (SELECT trials_begun FROM event "
-        "WHERE event.trial_id = trial.trial_id AND event_kind = 'mark' ORDER BY event_id DESC "
-        "LIMIT 1) AS marked FROM trial JOIN plan USING (session_id, plan_position) LEFT JOIN "
-        "adaptive_plan USING (session_id, plan_position) WHERE trial_id = ?1) SELECT (SELECT "
-        "'trial ' || trial_id || ' took its place and counts: mark that one first' FROM trial JOIN "
-        "response USING (trial_id) WHERE trial.session_id = own.session_id AND trial.plan_position "
-        "= own.plan_position AND invalid_reason IS NULL LIMIT 1), (SELECT 'its part of the session "
-        "was run again' FROM event WHERE event.session_id = own.session_id AND event_kind = 'redo' "
-        "AND event.part = own.part AND trials_begun >= number LIMIT 1), (SELECT 'its rule went on "
-        "without it' FROM trial JOIN adaptive_step USING (trial_id) JOIN adaptive_plan USING "
-        "(session_id, plan_position) WHERE trial.session_id = own.session_id AND "
-        "adaptive_plan.run_number = own.run_number AND (SELECT count(*) FROM trial AS t WHERE "
-        "t.session_id = own.session_id AND t.trial_id <= trial.trial_id) > marked LIMIT 1) FROM "
-        "own",
-        trial);
-    for (int column = 0; column < row.columns(); ++column) {
-        if (!row.null(column)) {
-            return row.text(column);
-        }
-    }
-    return {};
-}
-
-}  // namespace
 
 MarkResult mark_invalid(Database& database, std::int64_t trial, const Reason& why) {
     Transaction all(database);

@@ -73,6 +73,18 @@ namespace {
     throw TraceError(fmt::format("trial {}: ticks {} to {} are missing", trial, first, last));
 }
 
+constexpr const char* kChunks =
+    "SELECT first_tick, ticks, codec, crc32, data, interval, period_ns, holds, derived FROM "
+    "trace_chunk WHERE trial_id = ?1 AND interval = ?2 ORDER BY first_tick";
+
+/// An interval that was never begun has no presentation, and no chunks.
+constexpr const char* kContext =
+    "SELECT trial.session_id, coalesce(p.felt_object, plan.planned_object), coalesce(p.friction, "
+    "plan.friction), coalesce(p.slip_decay, 0), coalesce(p.heal_decay, 0), p.curvature_per_m, "
+    "p.mu_s, p.mu_d, p.stimulus FROM trial JOIN plan USING (session_id, plan_position) LEFT JOIN "
+    "presentation AS p ON p.trial_id = trial.trial_id AND p.interval = ?2 WHERE trial.trial_id = "
+    "?1";
+
 }  // namespace
 
 Ticks TraceReader::read(std::int64_t trial, std::int64_t interval) {
@@ -103,22 +115,6 @@ Ticks stored_ticks(Database& database, std::int64_t trial) {
 Ticks read_trace(Database& database, std::int64_t trial) {
     return TraceReader(database).read(trial);
 }
-
-namespace {
-
-constexpr const char* kChunks =
-    "SELECT first_tick, ticks, codec, crc32, data, interval, period_ns, holds, derived FROM "
-    "trace_chunk WHERE trial_id = ?1 AND interval = ?2 ORDER BY first_tick";
-
-/// An interval that was never begun has no presentation, and no chunks.
-constexpr const char* kContext =
-    "SELECT trial.session_id, coalesce(p.felt_object, plan.planned_object), coalesce(p.friction, "
-    "plan.friction), coalesce(p.slip_decay, 0), coalesce(p.heal_decay, 0), p.curvature_per_m, "
-    "p.mu_s, p.mu_d, p.stimulus FROM trial JOIN plan USING (session_id, plan_position) LEFT JOIN "
-    "presentation AS p ON p.trial_id = trial.trial_id AND p.interval = ?2 WHERE trial.trial_id = "
-    "?1";
-
-}  // namespace
 
 StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t interval) {
     StoredChunks all;

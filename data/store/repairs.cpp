@@ -98,68 +98,6 @@ void require_movable(Database& database,
     refuse_running(database, session);
 }
 
-}  // namespace
-
-std::string withdraw_session(Database& database, std::int64_t session, const Reason& why) {
-    Transaction all(database);
-    if (const auto before = withdrawal(database, session)) {
-        refuse(database, session, "is withdrawn already: " + *before);
-    }
-    refuse_running(database, session);
-    std::string head = mark_session(database, session, why, {});
-    all.commit();
-    return head;
-}
-
-std::string undo_withdrawal(Database& database, std::int64_t session, const Reason& why) {
-    Transaction all(database);
-    if (is_destroyed(database, session)) {
-        refuse(database, session, "was destroyed: nothing is left that could be analysed");
-    }
-    if (!withdrawal(database, session)) {
-        refuse(database, session, "is not withdrawn: there is nothing to take back");
-    }
-    refuse_running(database, session);
-    std::string head = mark_session(database, session, why, protocols::kUndone);
-    all.commit();
-    return head;
-}
-
-MovedSession move_session(Database& database,
-                          std::int64_t session,
-                          std::string_view code,
-                          const Reason& why) {
-    Transaction all(database);
-    Statement row = database.first(
-        "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
-        "session_number), finished FROM session JOIN participant USING (participant_id) WHERE "
-        "session_id = ?1",
-        session);
-    const std::string run_code = row.text(1);
-    const std::int64_t run_number = row.integer(2);
-    MovedSession moved;
-    moved.finished = row.integer(3) != 0;
-    const std::string whose = row.text(0);
-    row.reset();
-    require_movable(database, session, whose, code);
-    moved.number = free_number(database, session, code, run_number);
-    moved.as_run = run_code == code && run_number == moved.number;
-    give_session(database, session, code, moved.number, {run_code, run_number});
-    add_event(database, session,
-              {.kind = protocols::EventKind::participant,
-               .text = std::string(why.text),
-               .count = moved.number,
-               .key = std::string(kIsReally),
-               .value = std::string(code)},
-              why.operator_name);
-    note_at_beginning(database, session);
-    moved.head = chain_head(database, session);
-    all.commit();
-    return moved;
-}
-
-namespace {
-
 /// The events that noted a score lose it; all later links are made again.
 void destroy_scores(Database& database, std::int64_t session, const Reason& why) {
     const std::string before = chain_head(database, session);
@@ -219,6 +157,64 @@ void destroy_notes(Database& database, std::string_view code, bool consent) {
 }
 
 }  // namespace
+
+std::string withdraw_session(Database& database, std::int64_t session, const Reason& why) {
+    Transaction all(database);
+    if (const auto before = withdrawal(database, session)) {
+        refuse(database, session, "is withdrawn already: " + *before);
+    }
+    refuse_running(database, session);
+    std::string head = mark_session(database, session, why, {});
+    all.commit();
+    return head;
+}
+
+std::string undo_withdrawal(Database& database, std::int64_t session, const Reason& why) {
+    Transaction all(database);
+    if (is_destroyed(database, session)) {
+        refuse(database, session, "was destroyed: nothing is left that could be analysed");
+    }
+    if (!withdrawal(database, session)) {
+        refuse(database, session, "is not withdrawn: there is nothing to take back");
+    }
+    refuse_running(database, session);
+    std::string head = mark_session(database, session, why, protocols::kUndone);
+    all.commit();
+    return head;
+}
+
+MovedSession move_session(Database& database,
+                          std::int64_t session,
+                          std::string_view code,
+                          const Reason& why) {
+    Transaction all(database);
+    Statement row = database.first(
+        "SELECT participant_code, coalesce(run_code, participant_code), coalesce(run_number, "
+        "session_number), finished FROM session JOIN participant USING (participant_id) WHERE "
+        "session_id = ?1",
+        session);
+    const std::string run_code = row.text(1);
+    const std::int64_t run_number = row.integer(2);
+    MovedSession moved;
+    moved.finished = row.integer(3) != 0;
+    const std::string whose = row.text(0);
+    row.reset();
+    require_movable(database, session, whose, code);
+    moved.number = free_number(database, session, code, run_number);
+    moved.as_run = run_code == code && run_number == moved.number;
+    give_session(database, session, code, moved.number, {run_code, run_number});
+    add_event(database, session,
+              {.kind = protocols::EventKind::participant,
+               .text = std::string(why.text),
+               .count = moved.number,
+               .key = std::string(kIsReally),
+               .value = std::string(code)},
+              why.operator_name);
+    note_at_beginning(database, session);
+    moved.head = chain_head(database, session);
+    all.commit();
+    return moved;
+}
 
 void destroy_participant(Database& database,
                          std::string_view code,

@@ -289,6 +289,27 @@ protocols::Plan planned(const SessionSpec& spec, const Rows& rows) {
                      rows.frictions);
 }
 
+std::optional<SessionState> state_of(Statement& row) {
+    if (!row.step()) {
+        return std::nullopt;
+    }
+    return SessionState{static_cast<std::size_t>(row.integer(0)),
+                        std::stoull(row.text(1)),
+                        row.text(2),
+                        row.integer(4) != 0,
+                        row.text(3),
+                        row.text(5)};
+}
+
+/// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or
+/// are of no use.
+constexpr const char* kStates =
+    "SELECT session_number, seed, CASE WHEN withdrawn_reason IS NOT NULL THEN 'was withdrawn' WHEN "
+    "finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another code' ELSE "
+    "'' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
+    "session_kind FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) "
+    "WHERE study_name = ?1 AND participant_code = ?2";
+
 }  // namespace
 
 std::string_view to_string(RunKind kind) noexcept {
@@ -323,31 +344,6 @@ OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
     all.commit();
     return opened;
 }
-
-namespace {
-
-std::optional<SessionState> state_of(Statement& row) {
-    if (!row.step()) {
-        return std::nullopt;
-    }
-    return SessionState{static_cast<std::size_t>(row.integer(0)),
-                        std::stoull(row.text(1)),
-                        row.text(2),
-                        row.integer(4) != 0,
-                        row.text(3),
-                        row.text(5)};
-}
-
-/// What was withdrawn, or run as somebody else, is over: its orders were drawn for another key, or
-/// are of no use.
-constexpr const char* kStates =
-    "SELECT session_number, seed, CASE WHEN withdrawn_reason IS NOT NULL THEN 'was withdrawn' WHEN "
-    "finished THEN 'is finished' WHEN run_code IS NOT NULL THEN 'was run under another code' ELSE "
-    "'' END, secret, EXISTS (SELECT 1 FROM trial WHERE trial.session_id = session.session_id), "
-    "session_kind FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) "
-    "WHERE study_name = ?1 AND participant_code = ?2";
-
-}  // namespace
 
 std::optional<SessionState> latest_session(Database& database,
                                            std::string_view study,

@@ -57,6 +57,43 @@ SessionProgress replayed(const Database& database,
     return progress;
 }
 
+/// What the rules of a session were begun with.
+struct Begun {
+    protocols::Protocol protocol{};
+    protocols::StreamKey key{};
+};
+
+std::optional<Begun> begun(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT protocol_toml, protocol_sha256, coalesce(run_code, participant_code), "
+        "coalesce(run_number, session_number), seed, secret FROM session JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) WHERE session.session_id = ?1",
+        session);
+    if (!row.step()) {
+        return std::nullopt;
+    }
+    return Begun{
+        protocols::stored_protocol(row.text(0)),
+        protocols::session_stream(
+            row.text(1), {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)},
+            std::stoull(row.text(4)))};
+}
+
+std::string responses_of(Database& database, std::int64_t session, std::int64_t run) {
+    std::string text = "stimulus,response\n";
+    Statement step = database.prepare(
+        "SELECT presentation.stimulus, adaptive_step.rule_outcome FROM adaptive_step JOIN trial "
+        "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
+        "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
+        "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
+        "NULL ORDER BY trial.trial_id",
+        session, run);
+    while (step.step()) {
+        text += fmt::format("{},{}\n", step.real(0), step.integer(1));
+    }
+    return text;
+}
+
 }  // namespace
 
 std::vector<StoredEvent> stored_events(Database& database, std::int64_t session) {
@@ -167,47 +204,6 @@ std::string estimates_text(const std::vector<protocols::Estimate>& estimates) {
     }
     return '{' + text + '}';
 }
-
-namespace {
-
-/// What the rules of a session were begun with.
-struct Begun {
-    protocols::Protocol protocol{};
-    protocols::StreamKey key{};
-};
-
-std::optional<Begun> begun(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, coalesce(run_code, participant_code), "
-        "coalesce(run_number, session_number), seed, secret FROM session JOIN study USING "
-        "(study_id) JOIN participant USING (participant_id) WHERE session.session_id = ?1",
-        session);
-    if (!row.step()) {
-        return std::nullopt;
-    }
-    return Begun{
-        protocols::stored_protocol(row.text(0)),
-        protocols::session_stream(
-            row.text(1), {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)},
-            std::stoull(row.text(4)))};
-}
-
-std::string responses_of(Database& database, std::int64_t session, std::int64_t run) {
-    std::string text = "stimulus,response\n";
-    Statement step = database.prepare(
-        "SELECT presentation.stimulus, adaptive_step.rule_outcome FROM adaptive_step JOIN trial "
-        "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
-        "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
-        "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
-        "NULL ORDER BY trial.trial_id",
-        session, run);
-    while (step.step()) {
-        text += fmt::format("{},{}\n", step.real(0), step.integer(1));
-    }
-    return text;
-}
-
-}  // namespace
 
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
     const Begun rules = begun(database, session).value();

@@ -185,6 +185,18 @@ void require_url(const std::string& url) {
               "other than letters and digits as %XX");
 }
 
+template <class Values>
+Parameters parameters_of(const Values& values) {
+    Parameters all;
+    for (const auto& value : values) {
+        all.values.push_back(value.null ? nullptr : value.bytes.data());
+        all.lengths.push_back(static_cast<int>(value.bytes.size()));
+        all.formats.push_back(value.binary ? 1 : 0);
+        all.types.push_back(value.binary ? kBytea : 0);
+    }
+    return all;
+}
+
 }  // namespace
 
 PostgresRow& PostgresRow::none() {
@@ -273,20 +285,6 @@ void Postgres::run(const std::string& sql) {
         fail("a statement", pq().error_message(of(connection_)));
     }
 }
-
-namespace {
-template <class Values>
-Parameters parameters_of(const Values& values) {
-    Parameters all;
-    for (const auto& value : values) {
-        all.values.push_back(value.null ? nullptr : value.bytes.data());
-        all.lengths.push_back(static_cast<int>(value.bytes.size()));
-        all.formats.push_back(value.binary ? 1 : 0);
-        all.types.push_back(value.binary ? kBytea : 0);
-    }
-    return all;
-}
-}  // namespace
 
 std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::string& sql,
                                                                     const PostgresRow& row) {

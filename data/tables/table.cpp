@@ -47,6 +47,69 @@ std::string end_name(const std::string& key, const char* end) {
     return name == "interval" ? end : name + "_" + end;
 }
 
+std::vector<std::string> parts_of(const std::string& place) {
+    std::vector<std::string> parts;
+    for (std::size_t at = 0; at <= place.size();) {
+        const std::size_t end = std::min(place.find('/', at), place.size());
+        parts.push_back(place.substr(at, end - at));
+        at = end + 1;
+    }
+    return parts;
+}
+
+Json json_of(const Cell& cell) {
+    return std::visit(
+        [](const auto& value) -> Json {
+            using Kind = std::decay_t<decltype(value)>;
+            if constexpr (std::is_same_v<Kind, Nothing>) {
+                return nullptr;
+            } else if constexpr (std::is_same_v<Kind, Named>) {
+                return value.key;
+            } else if constexpr (std::is_same_v<Kind, Interval>) {
+                return Json::array({value.low, value.high});
+            } else {
+                return value;
+            }
+        },
+        cell);
+}
+
+/// Which ends are null because nothing bounds them.
+Json open_ends(const Cell& cell) {
+    const auto* ends = std::get_if<Interval>(&cell);
+    const bool low = ends != nullptr && std::isinf(ends->low);
+    const bool high = ends != nullptr && std::isinf(ends->high);
+    return low && high ? Json("both") : low ? Json("low") : high ? Json("high") : Json(nullptr);
+}
+
+std::string key_of(const Cell& cell) {
+    const Json key = json_of(cell);
+    return key.is_string() ? key.get<std::string>() : key.dump();
+}
+
+Json& at_place(Json& row, const std::string& key) {
+    Json* at = &row;
+    for (const std::string& part : parts_of(key)) {
+        at = &(*at)[part];
+    }
+    return *at;
+}
+
+/// Where the row is written.
+Json& row_of(Json& all, const Table& table, const std::vector<Cell>& row) {
+    Json* at = &all;
+    std::size_t star = 0;
+    for (const std::string& part : parts_of(table.place)) {
+        if (part == "-") {
+            at->push_back(Json::object());
+            at = &at->back();
+        } else {
+            at = &(*at)[part == "*" ? key_of(row[star++]) : part];
+        }
+    }
+    return *at;
+}
+
 }  // namespace
 
 std::vector<Column> heads(std::initializer_list<std::string_view> all) {
@@ -160,73 +223,6 @@ Table over_people_table(std::string place, std::span<const OverPeople> all) {
     }
     return table;
 }
-
-namespace {
-
-std::vector<std::string> parts_of(const std::string& place) {
-    std::vector<std::string> parts;
-    for (std::size_t at = 0; at <= place.size();) {
-        const std::size_t end = std::min(place.find('/', at), place.size());
-        parts.push_back(place.substr(at, end - at));
-        at = end + 1;
-    }
-    return parts;
-}
-
-Json json_of(const Cell& cell) {
-    return std::visit(
-        [](const auto& value) -> Json {
-            using Kind = std::decay_t<decltype(value)>;
-            if constexpr (std::is_same_v<Kind, Nothing>) {
-                return nullptr;
-            } else if constexpr (std::is_same_v<Kind, Named>) {
-                return value.key;
-            } else if constexpr (std::is_same_v<Kind, Interval>) {
-                return Json::array({value.low, value.high});
-            } else {
-                return value;
-            }
-        },
-        cell);
-}
-
-/// Which ends are null because nothing bounds them.
-Json open_ends(const Cell& cell) {
-    const auto* ends = std::get_if<Interval>(&cell);
-    const bool low = ends != nullptr && std::isinf(ends->low);
-    const bool high = ends != nullptr && std::isinf(ends->high);
-    return low && high ? Json("both") : low ? Json("low") : high ? Json("high") : Json(nullptr);
-}
-
-std::string key_of(const Cell& cell) {
-    const Json key = json_of(cell);
-    return key.is_string() ? key.get<std::string>() : key.dump();
-}
-
-Json& at_place(Json& row, const std::string& key) {
-    Json* at = &row;
-    for (const std::string& part : parts_of(key)) {
-        at = &(*at)[part];
-    }
-    return *at;
-}
-
-/// Where the row is written.
-Json& row_of(Json& all, const Table& table, const std::vector<Cell>& row) {
-    Json* at = &all;
-    std::size_t star = 0;
-    for (const std::string& part : parts_of(table.place)) {
-        if (part == "-") {
-            at->push_back(Json::object());
-            at = &at->back();
-        } else {
-            at = &(*at)[part == "*" ? key_of(row[star++]) : part];
-        }
-    }
-    return *at;
-}
-
-}  // namespace
 
 void put_table(Json& all, const Table& table) {
     if (table.place.empty()) {

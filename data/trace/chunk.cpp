@@ -35,6 +35,17 @@ void require(bool held, std::string_view column, std::size_t ticks) {
     }
 }
 
+void check_head(const ChunkView& chunk) {
+    if (chunk.codec != kTraceCodec) {
+        throw TraceError(fmt::format("trace codec {} is unknown; update palpate", chunk.codec));
+    }
+    refuse_if<TraceError>(chunk.ticks < 1 || chunk.ticks > kChunkTicks,
+                          "a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, chunk.ticks);
+    if (crc_of(chunk.data) != chunk.crc32) {
+        damaged("its checksum differs");
+    }
+}
+
 }  // namespace
 
 EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
@@ -66,21 +77,6 @@ EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
     chunk.crc32 = crc_of(chunk.data);
     return chunk;
 }
-
-namespace {
-
-void check_head(const ChunkView& chunk) {
-    if (chunk.codec != kTraceCodec) {
-        throw TraceError(fmt::format("trace codec {} is unknown; update palpate", chunk.codec));
-    }
-    refuse_if<TraceError>(chunk.ticks < 1 || chunk.ticks > kChunkTicks,
-                          "a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, chunk.ticks);
-    if (crc_of(chunk.data) != chunk.crc32) {
-        damaged("its checksum differs");
-    }
-}
-
-}  // namespace
 
 ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
     check_head(chunk);

@@ -178,57 +178,6 @@ void unshuffle(std::span<const std::byte> bytes,
     }
 }
 
-}  // namespace
-
-void stored_values(ColumnId column,
-                   std::span<const TickRecord> ticks,
-                   std::span<std::int64_t> values) noexcept {
-    const auto each = [&](const auto& value_of) {
-        std::transform(ticks.begin(), ticks.end(), values.begin(), value_of);
-    };
-    switch (column) {
-        case ColumnId::tick:
-            return each([](const TickRecord& tick) { return tick.tick; });
-        case ColumnId::time_ns:
-            return each([](const TickRecord& tick) { return tick.time_ns; });
-        case ColumnId::count_1:
-            return each([](const TickRecord& tick) { return tick.counts[0]; });
-        case ColumnId::count_2:
-            return each([](const TickRecord& tick) { return tick.counts[1]; });
-        case ColumnId::code_1:
-            return each([](const TickRecord& tick) { return tick.codes[0]; });
-        case ColumnId::code_2:
-            return each([](const TickRecord& tick) { return tick.codes[1]; });
-        case ColumnId::lateness_ns:
-            return each([](const TickRecord& tick) {
-                return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
-            });
-        case ColumnId::flags:
-            return each([](const TickRecord& tick) { return tick.flags; });
-        case ColumnId::hip_x:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); });
-        case ColumnId::hip_y:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); });
-        case ColumnId::command_x:
-            return each(
-                [](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); });
-        case ColumnId::command_y:
-            return each(
-                [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
-        case ColumnId::count_3:
-            return each([](const TickRecord& tick) { return tick.counts[2]; });
-        case ColumnId::code_3:
-            return each([](const TickRecord& tick) { return tick.codes[2]; });
-        case ColumnId::hip_z:
-            return each([](const TickRecord& tick) { return in_steps(tick.hip.z, kHipSteps); });
-        case ColumnId::command_z:
-            return each(
-                [](const TickRecord& tick) { return in_steps(tick.command.z, kCommandSteps); });
-    }
-}
-
-namespace {
-
 /// The stream of a column, block by block; none if all its numbers are 0.
 /// @param numbers_of  puts the numbers of values and their ticks
 /// @param from_zero   numbers are 0 as long as the values are
@@ -308,6 +257,53 @@ private:
 };
 
 }  // namespace
+
+void stored_values(ColumnId column,
+                   std::span<const TickRecord> ticks,
+                   std::span<std::int64_t> values) noexcept {
+    const auto each = [&](const auto& value_of) {
+        std::transform(ticks.begin(), ticks.end(), values.begin(), value_of);
+    };
+    switch (column) {
+        case ColumnId::tick:
+            return each([](const TickRecord& tick) { return tick.tick; });
+        case ColumnId::time_ns:
+            return each([](const TickRecord& tick) { return tick.time_ns; });
+        case ColumnId::count_1:
+            return each([](const TickRecord& tick) { return tick.counts[0]; });
+        case ColumnId::count_2:
+            return each([](const TickRecord& tick) { return tick.counts[1]; });
+        case ColumnId::code_1:
+            return each([](const TickRecord& tick) { return tick.codes[0]; });
+        case ColumnId::code_2:
+            return each([](const TickRecord& tick) { return tick.codes[1]; });
+        case ColumnId::lateness_ns:
+            return each([](const TickRecord& tick) {
+                return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
+            });
+        case ColumnId::flags:
+            return each([](const TickRecord& tick) { return tick.flags; });
+        case ColumnId::hip_x:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); });
+        case ColumnId::hip_y:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); });
+        case ColumnId::command_x:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); });
+        case ColumnId::command_y:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
+        case ColumnId::count_3:
+            return each([](const TickRecord& tick) { return tick.counts[2]; });
+        case ColumnId::code_3:
+            return each([](const TickRecord& tick) { return tick.codes[2]; });
+        case ColumnId::hip_z:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.z, kHipSteps); });
+        case ColumnId::command_z:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.z, kCommandSteps); });
+    }
+}
 
 void pack_column(ColumnId which,
                  std::span<const TickRecord> ticks,

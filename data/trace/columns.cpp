@@ -150,18 +150,6 @@ constexpr std::size_t total_bytes() {
 }
 static_assert(total_bytes() == sizeof(TickRecord), "a field of TickRecord has no column");
 
-}  // namespace
-
-std::span<const TraceColumn> trace_columns() noexcept {
-    return kColumns;
-}
-
-std::size_t bytes_per_tick() noexcept {
-    return total_bytes();
-}
-
-namespace {
-
 using engine::TickRecord;
 
 static_assert(std::endian::native == std::endian::little,
@@ -240,6 +228,14 @@ static_assert(kStored[kStoredColumns - 1].rule != Rule::exact);
 static_assert(kStored[kStoredColumns].rule == Rule::exact);
 
 }  // namespace
+
+std::span<const TraceColumn> trace_columns() noexcept {
+    return kColumns;
+}
+
+std::size_t bytes_per_tick() noexcept {
+    return total_bytes();
+}
 
 std::span<const StoredColumn> stored_columns() noexcept {
     return kStored;

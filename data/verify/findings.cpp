@@ -30,6 +30,19 @@ T as(const Value& value) {
     return found == nullptr ? T{} : *found;
 }
 
+/// Bytes are none: chunks are checked as ticks.
+Value value_of(const Row::Value& made) {
+    return std::visit(
+        [](const auto& value) {
+            if constexpr (std::is_constructible_v<Value, decltype(value)>) {
+                return Value(value);
+            } else {
+                return Value();
+            }
+        },
+        made);
+}
+
 }  // namespace
 
 const Value& StoredRow::at(std::string_view column) const {
@@ -83,23 +96,6 @@ bool same(const Value& stored, const Value& recomputed) noexcept {
     }
     return stored == recomputed;
 }
-
-namespace {
-
-/// Bytes are none: chunks are checked as ticks.
-Value value_of(const Row::Value& made) {
-    return std::visit(
-        [](const auto& value) {
-            if constexpr (std::is_constructible_v<Value, decltype(value)>) {
-                return Value(value);
-            } else {
-                return Value();
-            }
-        },
-        made);
-}
-
-}  // namespace
 
 std::size_t Verification::count(FindingKind kind) const noexcept {
     std::size_t found = 0;

@@ -116,6 +116,103 @@ void read_chunks(Database& database,
     }
 }
 
+using engine::TickRecord;
+
+/// As the flight recorder keeps them.
+constexpr std::size_t kFaultTicks = 100;
+
+/// As the servo counts them.
+std::int64_t ramp_ticks(const protocols::Protocol& protocol) {
+    const double step =
+        engine::ramp_step(protocol.apparatus.force_ramp, 1.0 / protocol.apparatus.rate_hz);
+    return static_cast<std::int64_t>(std::ceil(1.0 / step));
+}
+
+bool trips(const TickRecord& tick) noexcept {
+    return (tick.flags & engine::tick_fault) != 0;
+}
+
+/// Ticks at the end with the force ramping.
+std::int64_t ramped_at_the_end(std::span<const TickRecord> ticks) {
+    const auto first = std::find_if(ticks.rbegin(), ticks.rend(), [](const TickRecord& tick) {
+        return (tick.flags & engine::tick_ramped) == 0;
+    });
+    return first - ticks.rbegin();
+}
+
+/// How many ticks were felt, or what is stored of it where nothing tells.
+std::int64_t felt_ticks(const SessionFrame& frame,
+                        const StoredRow& row,
+                        bool faulted,
+                        const StoredTrace& trace,
+                        Findings& findings) {
+    const auto all = static_cast<std::int64_t>(trace.ticks.size());
+    const std::int64_t stored = row.integer("ticks");
+    const bool tripped = all > 0 && trips(trace.ticks.back());
+    if (faulted && trace.on_virtual_clock) {
+        return all;
+    }
+    if (tripped) {
+        return std::clamp<std::int64_t>(stored, 0, all);
+    }
+    const std::int64_t ramp = ramp_ticks(frame.protocol);
+    if (const std::int64_t found = ramped_at_the_end(trace.ticks); found < ramp) {
+        findings.differs("trace", fmt::format("the last {} ticks ramp the force out", found),
+                         fmt::format("at least {}: ticks are missing at the end", ramp));
+    }
+    const std::int64_t max = std::max<std::int64_t>(0, all - ramp);
+    return trace.on_virtual_clock ? max : std::clamp<std::int64_t>(stored, 0, max);
+}
+
+/// @param pressed  somebody may have said done, also in a trial that was aborted or faulted later
+void check_done(std::string_view table,
+                const StoredRow& row,
+                bool pressed,
+                std::int64_t felt,
+                std::int64_t period_ns,
+                bool exact,
+                Findings& findings) {
+    const auto at_least_0 = [&](std::string_view column) {
+        if (!(row.real(column) >= 0.0)) {
+            findings.differs(fmt::format("{}.{}", table, column), to_text(row.at(column)),
+                             "0 or more");
+        }
+    };
+    if (exact) {
+        findings.expect(table, "done_s", row, static_cast<double>(felt * period_ns) * 1e-9);
+    } else {
+        at_least_0("done_s");
+    }
+    if (exact || !pressed) {
+        findings.expect(table, "done_uncertainty_s", row, 0.0);
+    } else {
+        at_least_0("done_uncertainty_s");
+    }
+}
+
+/// Columns that trial and presentation share.
+void check_shared(std::string_view table,
+                  const StoredRow& row,
+                  const protocols::TrialSummary& sum,
+                  bool force,
+                  Findings& findings) {
+    Row made(table);
+    set_summary(made, sum, force);
+    findings.expect(made, row);
+}
+
+protocols::TrialSummary summary_of(const SessionFrame& frame,
+                                   const CheckedInterval& interval,
+                                   std::int64_t felt) {
+    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness, *interval.scene);
+    meter.add(std::span(interval.trace.ticks).first(static_cast<std::size_t>(felt)));
+    return meter.summary();
+}
+
+bool all_whole(std::span<const CheckedInterval> intervals) {
+    return std::ranges::all_of(intervals, [](const auto& one) { return one.trace.whole; });
+}
+
 }  // namespace
 
 std::vector<CheckedInterval> check_intervals(Database& database,
@@ -223,107 +320,6 @@ void check_step(Database& database,
     findings.expect("adaptive_step", made,
                     rows_of(database, "SELECT * FROM adaptive_step WHERE trial_id = ?1", trial));
 }
-
-namespace {
-
-using engine::TickRecord;
-
-/// As the flight recorder keeps them.
-constexpr std::size_t kFaultTicks = 100;
-
-/// As the servo counts them.
-std::int64_t ramp_ticks(const protocols::Protocol& protocol) {
-    const double step =
-        engine::ramp_step(protocol.apparatus.force_ramp, 1.0 / protocol.apparatus.rate_hz);
-    return static_cast<std::int64_t>(std::ceil(1.0 / step));
-}
-
-bool trips(const TickRecord& tick) noexcept {
-    return (tick.flags & engine::tick_fault) != 0;
-}
-
-/// Ticks at the end with the force ramping.
-std::int64_t ramped_at_the_end(std::span<const TickRecord> ticks) {
-    const auto first = std::find_if(ticks.rbegin(), ticks.rend(), [](const TickRecord& tick) {
-        return (tick.flags & engine::tick_ramped) == 0;
-    });
-    return first - ticks.rbegin();
-}
-
-/// How many ticks were felt, or what is stored of it where nothing tells.
-std::int64_t felt_ticks(const SessionFrame& frame,
-                        const StoredRow& row,
-                        bool faulted,
-                        const StoredTrace& trace,
-                        Findings& findings) {
-    const auto all = static_cast<std::int64_t>(trace.ticks.size());
-    const std::int64_t stored = row.integer("ticks");
-    const bool tripped = all > 0 && trips(trace.ticks.back());
-    if (faulted && trace.on_virtual_clock) {
-        return all;
-    }
-    if (tripped) {
-        return std::clamp<std::int64_t>(stored, 0, all);
-    }
-    const std::int64_t ramp = ramp_ticks(frame.protocol);
-    if (const std::int64_t found = ramped_at_the_end(trace.ticks); found < ramp) {
-        findings.differs("trace", fmt::format("the last {} ticks ramp the force out", found),
-                         fmt::format("at least {}: ticks are missing at the end", ramp));
-    }
-    const std::int64_t max = std::max<std::int64_t>(0, all - ramp);
-    return trace.on_virtual_clock ? max : std::clamp<std::int64_t>(stored, 0, max);
-}
-
-/// @param pressed  somebody may have said done, also in a trial that was aborted or faulted later
-void check_done(std::string_view table,
-                const StoredRow& row,
-                bool pressed,
-                std::int64_t felt,
-                std::int64_t period_ns,
-                bool exact,
-                Findings& findings) {
-    const auto at_least_0 = [&](std::string_view column) {
-        if (!(row.real(column) >= 0.0)) {
-            findings.differs(fmt::format("{}.{}", table, column), to_text(row.at(column)),
-                             "0 or more");
-        }
-    };
-    if (exact) {
-        findings.expect(table, "done_s", row, static_cast<double>(felt * period_ns) * 1e-9);
-    } else {
-        at_least_0("done_s");
-    }
-    if (exact || !pressed) {
-        findings.expect(table, "done_uncertainty_s", row, 0.0);
-    } else {
-        at_least_0("done_uncertainty_s");
-    }
-}
-
-/// Columns that trial and presentation share.
-void check_shared(std::string_view table,
-                  const StoredRow& row,
-                  const protocols::TrialSummary& sum,
-                  bool force,
-                  Findings& findings) {
-    Row made(table);
-    set_summary(made, sum, force);
-    findings.expect(made, row);
-}
-
-protocols::TrialSummary summary_of(const SessionFrame& frame,
-                                   const CheckedInterval& interval,
-                                   std::int64_t felt) {
-    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness, *interval.scene);
-    meter.add(std::span(interval.trace.ticks).first(static_cast<std::size_t>(felt)));
-    return meter.summary();
-}
-
-bool all_whole(std::span<const CheckedInterval> intervals) {
-    return std::ranges::all_of(intervals, [](const auto& one) { return one.trace.whole; });
-}
-
-}  // namespace
 
 std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
                                                    const StoredRow& trial,

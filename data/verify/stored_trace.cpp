@@ -182,19 +182,6 @@ private:
     std::array<std::vector<std::int32_t>, kInPlane.size()> columns_;
 };
 
-}  // namespace
-
-StoredTrace check_trace(std::span<const ChunkView> chunks,
-                        const engine::SceneView& scene,
-                        const std::optional<engine::PantographSpec>& machine,
-                        std::int64_t period_ns,
-                        Findings& findings,
-                        Ticks room) {
-    return TraceCheck(chunks, scene, machine, period_ns, findings, std::move(room)).run();
-}
-
-namespace {
-
 using engine::TickRecord;
 
 template <class T>
@@ -255,6 +242,15 @@ constexpr std::array kColumns{
 };
 
 }  // namespace
+
+StoredTrace check_trace(std::span<const ChunkView> chunks,
+                        const engine::SceneView& scene,
+                        const std::optional<engine::PantographSpec>& machine,
+                        std::int64_t period_ns,
+                        Findings& findings,
+                        Ticks room) {
+    return TraceCheck(chunks, scene, machine, period_ns, findings, std::move(room)).run();
+}
 
 void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Findings& findings) {
     if (!trace.holds_contacts) {

@@ -55,6 +55,25 @@ std::vector<MarkReading> exact_marks(const Pantograph& machine, std::span<const 
     return marks;
 }
 
+/// Of a grid those within reach, far from home and from singular poses, m.
+std::vector<Vec2> clear_places(const PantographSpec& spec, const Vec2& home) {
+    constexpr double kStep = 0.010;
+    constexpr double kClear = 0.008;  // m from singular poses: the force is a force there
+    const Pantograph machine(spec);
+    std::vector<Vec2> within;
+    for (int i = -4; i <= 4; ++i) {
+        for (int k = 0; k <= 6; ++k) {
+            const Vec2 place{i * kStep, k * kStep};
+            const auto angles = machine.reach(place);
+            const auto fix = angles ? machine.locate(*angles) : std::nullopt;
+            if (fix && fix->clearance >= kClear && glm::length(place - home) >= 2.0 * kStep) {
+                within.push_back(place);
+            }
+        }
+    }
+    return within;
+}
+
 }  // namespace
 
 std::vector<Connection> all_connections() {
@@ -120,29 +139,6 @@ double separation(const PantographSpec& spec, std::span<const Vec2> places) {
     }
     return least;
 }
-
-namespace {
-
-/// Of a grid those within reach, far from home and from singular poses, m.
-std::vector<Vec2> clear_places(const PantographSpec& spec, const Vec2& home) {
-    constexpr double kStep = 0.010;
-    constexpr double kClear = 0.008;  // m from singular poses: the force is a force there
-    const Pantograph machine(spec);
-    std::vector<Vec2> within;
-    for (int i = -4; i <= 4; ++i) {
-        for (int k = 0; k <= 6; ++k) {
-            const Vec2 place{i * kStep, k * kStep};
-            const auto angles = machine.reach(place);
-            const auto fix = angles ? machine.locate(*angles) : std::nullopt;
-            if (fix && fix->clearance >= kClear && glm::length(place - home) >= 2.0 * kStep) {
-                within.push_back(place);
-            }
-        }
-    }
-    return within;
-}
-
-}  // namespace
 
 std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& home) {
     const std::vector<Vec2> within = clear_places(spec, home);

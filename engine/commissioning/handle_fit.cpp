@@ -76,46 +76,6 @@ void predict(const Track& track, const Numbers& x, std::vector<double>& counts) 
     }
 }
 
-}  // namespace
-
-Track track_of(
-    const Pantograph& machine, const Pulse& pulse, bool swapped, const Vec2& sign, double delay) {
-    Track track;
-    const auto& samples = pulse.samples;
-    const auto start = samples.front().counts;
-    track.per_count = {machine.spec().axes[0].count_angle(), machine.spec().axes[1].count_angle()};
-    track.period = samples.size() > 1 ? samples[1].time - samples[0].time : 1e-3;
-    for (std::size_t k = 1; k < samples.size(); ++k) {
-        const Vec2 asked(acting_torque(samples, k, delay));
-        const auto before = machine.angles(samples[k - 1].counts);
-        const auto after = machine.angles(samples[k].counts);
-        const FiveBar& linkage = machine.spec().linkage;
-        const auto pose =
-            linkage.forward({0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])});
-        const auto jacobian = pose ? linkage.jacobian(*pose) : std::nullopt;
-        if (!jacobian) {
-            break;
-        }
-        const auto rows = [&](const Jacobian& a) {  // of J^T A
-            const Vec2 c1 = jacobian->transposed(a.column_1());
-            const Vec2 c2 = jacobian->transposed(a.column_2());
-            return std::array<Vec2, 2>{Vec2{c1.x, c2.x}, Vec2{c1.y, c2.y}};
-        };
-        const std::array<Vec2, 2> carry = rows(*jacobian);
-        track.steps.push_back({.torque = sign * (swapped ? Vec2{asked.y, asked.x} : asked),
-                               .turned = {static_cast<double>(samples[k].counts[0] - start[0]),
-                                          static_cast<double>(samples[k].counts[1] - start[1])},
-                               .carry_1 = carry[0],
-                               .carry_2 = carry[1],
-                               .drift_1 = rows(linkage.drift(*pose, *jacobian, {1.0, 0.0})),
-                               .drift_2 = rows(linkage.drift(*pose, *jacobian, {0.0, 1.0})),
-                               .fresh = samples[k].fresh});
-    }
-    return track;
-}
-
-namespace {
-
 /// Counts of both joints at the ticks that are compared.
 std::vector<double> counted(std::span<const Track> tracks) {
     std::vector<double> measured;
@@ -162,6 +122,42 @@ Numbers changed(const HandleDynamics& before, const Numbers& by) {
 }
 
 }  // namespace
+
+Track track_of(
+    const Pantograph& machine, const Pulse& pulse, bool swapped, const Vec2& sign, double delay) {
+    Track track;
+    const auto& samples = pulse.samples;
+    const auto start = samples.front().counts;
+    track.per_count = {machine.spec().axes[0].count_angle(), machine.spec().axes[1].count_angle()};
+    track.period = samples.size() > 1 ? samples[1].time - samples[0].time : 1e-3;
+    for (std::size_t k = 1; k < samples.size(); ++k) {
+        const Vec2 asked(acting_torque(samples, k, delay));
+        const auto before = machine.angles(samples[k - 1].counts);
+        const auto after = machine.angles(samples[k].counts);
+        const FiveBar& linkage = machine.spec().linkage;
+        const auto pose =
+            linkage.forward({0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])});
+        const auto jacobian = pose ? linkage.jacobian(*pose) : std::nullopt;
+        if (!jacobian) {
+            break;
+        }
+        const auto rows = [&](const Jacobian& a) {  // of J^T A
+            const Vec2 c1 = jacobian->transposed(a.column_1());
+            const Vec2 c2 = jacobian->transposed(a.column_2());
+            return std::array<Vec2, 2>{Vec2{c1.x, c2.x}, Vec2{c1.y, c2.y}};
+        };
+        const std::array<Vec2, 2> carry = rows(*jacobian);
+        track.steps.push_back({.torque = sign * (swapped ? Vec2{asked.y, asked.x} : asked),
+                               .turned = {static_cast<double>(samples[k].counts[0] - start[0]),
+                                          static_cast<double>(samples[k].counts[1] - start[1])},
+                               .carry_1 = carry[0],
+                               .carry_2 = carry[1],
+                               .drift_1 = rows(linkage.drift(*pose, *jacobian, {1.0, 0.0})),
+                               .drift_2 = rows(linkage.drift(*pose, *jacobian, {0.0, 1.0})),
+                               .fresh = samples[k].fresh});
+    }
+    return track;
+}
 
 FittedHandle fit_handle(std::span<const Track> tracks,
                         const FittedHandle& start,

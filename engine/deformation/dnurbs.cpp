@@ -144,6 +144,45 @@ std::vector<double> row_by_row(const Matrix& m) {
     return all;
 }
 
+/// B-splines of all degrees up to p on the piece that begins with a knot: of degree d the j-th
+/// belongs to control point knot - d + j.
+std::vector<std::vector<double>> splines_at(const std::vector<double>& t,
+                                            std::size_t knot,
+                                            std::size_t p,
+                                            double u) {
+    std::vector<std::vector<double>> spline{{1.0}};
+    for (std::size_t d = 1; d <= p; ++d) {
+        std::vector<double> next(d + 1);
+        for (std::size_t j = 0; j < d; ++j) {
+            const std::size_t left = knot + 1 + j - d;
+            const double share = (u - t[left]) / (t[left + d] - t[left]);
+            next[j] += (1.0 - share) * spline.back()[j];
+            next[j + 1] += share * spline.back()[j];
+        }
+        spline.push_back(std::move(next));
+    }
+    return spline;
+}
+
+/// By the quotient rule. @param weights  of the control points of r
+void make_rational(std::span<const double> weights, BasisAt& r) {
+    double w = 0.0;
+    double w1 = 0.0;
+    double w2 = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double weight = weights[i];
+        w += r.value[i] *= weight;
+        w1 += r.first_derivative[i] *= weight;
+        w2 += r.second_derivative[i] *= weight;
+    }
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        r.value[i] /= w;
+        r.first_derivative[i] = (r.first_derivative[i] - r.value[i] * w1) / w;
+        r.second_derivative[i] =
+            (r.second_derivative[i] - 2.0 * r.first_derivative[i] * w1 - r.value[i] * w2) / w;
+    }
+}
+
 }  // namespace
 
 Dnurbs::Dnurbs(DnurbsSpec spec)
@@ -193,49 +232,6 @@ void Dnurbs::assemble(std::size_t gauss_points) {
         }
     }
 }
-
-namespace {
-
-/// B-splines of all degrees up to p on the piece that begins with a knot: of degree d the j-th
-/// belongs to control point knot - d + j.
-std::vector<std::vector<double>> splines_at(const std::vector<double>& t,
-                                            std::size_t knot,
-                                            std::size_t p,
-                                            double u) {
-    std::vector<std::vector<double>> spline{{1.0}};
-    for (std::size_t d = 1; d <= p; ++d) {
-        std::vector<double> next(d + 1);
-        for (std::size_t j = 0; j < d; ++j) {
-            const std::size_t left = knot + 1 + j - d;
-            const double share = (u - t[left]) / (t[left + d] - t[left]);
-            next[j] += (1.0 - share) * spline.back()[j];
-            next[j + 1] += share * spline.back()[j];
-        }
-        spline.push_back(std::move(next));
-    }
-    return spline;
-}
-
-/// By the quotient rule. @param weights  of the control points of r
-void make_rational(std::span<const double> weights, BasisAt& r) {
-    double w = 0.0;
-    double w1 = 0.0;
-    double w2 = 0.0;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const double weight = weights[i];
-        w += r.value[i] *= weight;
-        w1 += r.first_derivative[i] *= weight;
-        w2 += r.second_derivative[i] *= weight;
-    }
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        r.value[i] /= w;
-        r.first_derivative[i] = (r.first_derivative[i] - r.value[i] * w1) / w;
-        r.second_derivative[i] =
-            (r.second_derivative[i] - 2.0 * r.first_derivative[i] * w1 - r.value[i] * w2) / w;
-    }
-}
-
-}  // namespace
 
 BasisAt Dnurbs::basis(double u) const {
     const auto p = static_cast<std::size_t>(spec_.degree);

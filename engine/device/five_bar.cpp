@@ -23,6 +23,32 @@ double in_line(double driven, double free, double r) noexcept {
     return std::min(driven + free - r, r - std::fabs(driven - free));
 }
 
+/// Both links at once: a Pair has what is of link 1 and of link 2.
+struct Links {
+    Links(const FiveBar& of, const FiveBar::Pose& pose) noexcept
+        : x(pose.handle.x - Pair{pose.elbow_1.x, pose.elbow_2.x}),
+          y(pose.handle.y - Pair{pose.elbow_1.y, pose.elbow_2.y}),
+          arm_x{pose.elbow_1.x, pose.elbow_2.x - of.base},
+          arm_y{pose.elbow_1.y, pose.elbow_2.y},
+          det(x[0] * y[1] - y[0] * x[1]) {}
+
+    /// Two columns v, each with [u; w] v = right, u and w the free links.
+    /// @param top, low  both columns' right.x, and right.y
+    [[nodiscard]] Jacobian solved(Pair top, Pair low) const noexcept {
+        const double inverse = 1.0 / det;
+        Jacobian columns;
+        put(inverse * (y[1] * top - y[0] * low), columns.row_x);
+        put(inverse * (x[0] * low - x[1] * top), columns.row_y);
+        return columns;
+    }
+
+    Pair x;  ///< of u and w, from the elbows to the handle
+    Pair y;
+    Pair arm_x;  ///< of the driven links A and B
+    Pair arm_y;
+    double det;  ///< u x w
+};
+
 }  // namespace
 
 SingularValues singular_values(const Jacobian& matrix) noexcept {
@@ -90,36 +116,6 @@ Clearance FiveBar::clearance(const Pose& pose) const noexcept {
             .serial_2 = is.elbow_2_left == mode.elbow_2_left ? reach_2 : -reach_2,
             .parallel = is.handle_left == mode.handle_left ? parallel : -parallel};
 }
-
-namespace {
-
-/// Both links at once: a Pair has what is of link 1 and of link 2.
-struct Links {
-    Links(const FiveBar& of, const FiveBar::Pose& pose) noexcept
-        : x(pose.handle.x - Pair{pose.elbow_1.x, pose.elbow_2.x}),
-          y(pose.handle.y - Pair{pose.elbow_1.y, pose.elbow_2.y}),
-          arm_x{pose.elbow_1.x, pose.elbow_2.x - of.base},
-          arm_y{pose.elbow_1.y, pose.elbow_2.y},
-          det(x[0] * y[1] - y[0] * x[1]) {}
-
-    /// Two columns v, each with [u; w] v = right, u and w the free links.
-    /// @param top, low  both columns' right.x, and right.y
-    [[nodiscard]] Jacobian solved(Pair top, Pair low) const noexcept {
-        const double inverse = 1.0 / det;
-        Jacobian columns;
-        put(inverse * (y[1] * top - y[0] * low), columns.row_x);
-        put(inverse * (x[0] * low - x[1] * top), columns.row_y);
-        return columns;
-    }
-
-    Pair x;  ///< of u and w, from the elbows to the handle
-    Pair y;
-    Pair arm_x;  ///< of the driven links A and B
-    Pair arm_y;
-    double det;  ///< u x w
-};
-
-}  // namespace
 
 std::optional<Jacobian> FiveBar::jacobian(const Pose& pose) const noexcept {
     const Links links(*this, pose);

@@ -165,6 +165,17 @@ void measure(Homing& homing, const PantographSpec& spec, std::span<const MarkRea
     }
 }
 
+void check_marks(std::span<const MarkReading> marks, bool scale) {
+    refuse_if<HomingError>(marks.empty(), "there is no mark: give at least one");
+    refuse_if<HomingError>(
+        scale && marks.size() < 3,
+        "counts per turn need three marks, {} were given: give more, or find the zeros alone",
+        marks.size());
+    refuse_if<HomingError>(scale && !(narrowest(marks) >= kNarrow),
+                           "the marks lie in line or too close together to tell counts per turn: "
+                           "spread them over a triangle of 30 mm or more");
+}
+
 }  // namespace
 
 void MarkCounts::add(const Pantograph::Counts& counts) noexcept {
@@ -186,21 +197,6 @@ MarkReading MarkCounts::at(const Vec2& place) const {
     };
     return {.place = place, .counts = {mean(0), mean(1)}, .span = {span(0), span(1)}};
 }
-
-namespace {
-
-void check_marks(std::span<const MarkReading> marks, bool scale) {
-    refuse_if<HomingError>(marks.empty(), "there is no mark: give at least one");
-    refuse_if<HomingError>(
-        scale && marks.size() < 3,
-        "counts per turn need three marks, {} were given: give more, or find the zeros alone",
-        marks.size());
-    refuse_if<HomingError>(scale && !(narrowest(marks) >= kNarrow),
-                           "the marks lie in line or too close together to tell counts per turn: "
-                           "spread them over a triangle of 30 mm or more");
-}
-
-}  // namespace
 
 Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks, bool scale) {
     check_marks(marks, scale);

@@ -10,6 +10,28 @@ namespace {
 
 constexpr double kSteps = 1e7;  ///< of a recorded HIP in a metre
 
+std::variant<Pantograph, Gantry> parts_of(const Calibration& calibration) {
+    if (calibration.gantry) {
+        return Gantry(*calibration.gantry);
+    }
+    return Pantograph(calibration.pantograph);
+}
+
+Machine::Counts home_counts(const Calibration& calibration) {
+    if (calibration.gantry || !calibration.home) {
+        return {};
+    }
+    const Pantograph pantograph(calibration.pantograph);
+    const auto angles = pantograph.reach(*calibration.home);
+    if (!angles || !pantograph.locate(*angles)) {
+        throw std::invalid_argument(
+            "the linkage of " + calibration.pantograph.name + " does not reach its home pose (" +
+            number_text(1e3 * calibration.home->x) + ", " + number_text(1e3 * calibration.home->y) +
+            ") mm: correct home, the link lengths or the origin");
+    }
+    return pantograph.counts(*angles);
+}
+
 }  // namespace
 
 Gantry::Gantry(const GantrySpec& spec) : spec_(spec) {
@@ -77,32 +99,6 @@ std::optional<double> Gantry::reading_error(const Vec3& hip) const noexcept {
 Vec3 Gantry::quantum() const noexcept {
     return quantum_;
 }
-
-namespace {
-
-std::variant<Pantograph, Gantry> parts_of(const Calibration& calibration) {
-    if (calibration.gantry) {
-        return Gantry(*calibration.gantry);
-    }
-    return Pantograph(calibration.pantograph);
-}
-
-Machine::Counts home_counts(const Calibration& calibration) {
-    if (calibration.gantry || !calibration.home) {
-        return {};
-    }
-    const Pantograph pantograph(calibration.pantograph);
-    const auto angles = pantograph.reach(*calibration.home);
-    if (!angles || !pantograph.locate(*angles)) {
-        throw std::invalid_argument(
-            "the linkage of " + calibration.pantograph.name + " does not reach its home pose (" +
-            number_text(1e3 * calibration.home->x) + ", " + number_text(1e3 * calibration.home->y) +
-            ") mm: correct home, the link lengths or the origin");
-    }
-    return pantograph.counts(*angles);
-}
-
-}  // namespace
 
 Machine::Machine(const Calibration& calibration)
     : calibration_(calibration), parts_(parts_of(calibration)), home_(home_counts(calibration)) {}

@@ -40,6 +40,17 @@ TimedWay<3> way_of(const SurfaceExploration& plan) {
     return {std::move(corners), plan.speed};
 }
 
+constexpr double kCountsPerM = 1e6;  ///< HIP is a whole number of them, and of 0.1 um
+constexpr double kCodesPerN = 1e3;
+
+std::int32_t whole_steps(double steps) noexcept {
+    return static_cast<std::int32_t>(std::floor(steps + 0.5));
+}
+
+Vec3 in_space(const std::array<std::int32_t, 3>& steps) noexcept {
+    return {steps[0], steps[1], steps[2]};
+}
+
 }  // namespace
 
 GantryPlant::GantryPlant(const GantryModel& model) : model_(model) {
@@ -101,21 +112,6 @@ void GantryPlant::advance(double seconds) noexcept {
         time_ += h;
     }
 }
-
-namespace {
-
-constexpr double kCountsPerM = 1e6;  ///< HIP is a whole number of them, and of 0.1 um
-constexpr double kCodesPerN = 1e3;
-
-std::int32_t whole_steps(double steps) noexcept {
-    return static_cast<std::int32_t>(std::floor(steps + 0.5));
-}
-
-Vec3 in_space(const std::array<std::int32_t, 3>& steps) noexcept {
-    return {steps[0], steps[1], steps[2]};
-}
-
-}  // namespace
 
 SimulatedGantry::SimulatedGantry(const GantryModel& model, double period)
     : plant_(model), period_(period) {

@@ -87,6 +87,18 @@ Vec2 vec(Pair pair) noexcept {
     return Vec2{pair[0], pair[1]};
 }
 
+/// Code and torque of one motor.
+struct MotorCode {
+    std::int32_t code = 0;
+    double torque = 0.0;  ///< N m
+};
+
+MotorCode coded(const Axis& axis, double torque) noexcept {
+    const double one = axis.torque_limit / axis.codes_full_scale;
+    const double code = std::floor(torque / one + 0.5);
+    return {.code = static_cast<std::int32_t>(code), .torque = code * one};
+}
+
 }  // namespace
 
 PantographPlant::Steps::Steps(double seconds, const PlantModel& model) noexcept
@@ -219,22 +231,6 @@ void PantographPlant::step(const Vec2& torque, const HandPath::Intention& aim) n
     angles_ = {half[0] + by.half * rates.x, half[1] + by.half * rates.y};
     time_ += by.h;
 }
-
-namespace {
-
-/// Code and torque of one motor.
-struct MotorCode {
-    std::int32_t code = 0;
-    double torque = 0.0;  ///< N m
-};
-
-MotorCode coded(const Axis& axis, double torque) noexcept {
-    const double one = axis.torque_limit / axis.codes_full_scale;
-    const double code = std::floor(torque / one + 0.5);
-    return {.code = static_cast<std::int32_t>(code), .torque = code * one};
-}
-
-}  // namespace
 
 double min_handle_damping(const PlantModel& model) {
     constexpr double kStep = 0.005;

@@ -52,39 +52,6 @@ void check_repeats(const std::vector<double>& values, std::size_t p, const std::
     }
 }
 
-}  // namespace
-
-KnotVector::KnotVector(std::vector<double> values,
-                       int degree,
-                       std::size_t points,
-                       std::string_view name)
-    : values_(std::move(values)), degree_(degree) {
-    const std::string label(name);
-    check_degree(degree, points);
-    const auto p = static_cast<std::size_t>(degree);
-    refuse_if(values_.size() != points + p + 1,
-              "{} has {} values: {} control points of degree {} need {}", label, values_.size(),
-              points, degree, points + p + 1);
-    check_values(values_, label);
-    check_clamped(values_, p, label);
-    check_repeats(values_, p, label);
-    for (std::size_t i = p; i < points; ++i) {
-        if (values_[i] < values_[i + 1]) {
-            intervals_.push_back({values_[i], values_[i + 1], i});
-        }
-    }
-}
-
-std::size_t KnotVector::interval_of(double u) const noexcept {
-    const auto after =
-        std::upper_bound(intervals_.begin(), intervals_.end(), u,
-                         [](double value, const Interval& piece) { return value < piece.lo; });
-    return after == intervals_.begin() ? 0
-                                       : static_cast<std::size_t>(after - intervals_.begin()) - 1;
-}
-
-namespace {
-
 /// r of balanced() as a power of two, and what weight i is multiplied by: r^(n-i), shifted so that
 /// those at the ends stay in their range.
 template <int D>
@@ -130,6 +97,35 @@ std::vector<double> all_weights(std::span<const double> weights, std::size_t poi
 }
 
 }  // namespace
+
+KnotVector::KnotVector(std::vector<double> values,
+                       int degree,
+                       std::size_t points,
+                       std::string_view name)
+    : values_(std::move(values)), degree_(degree) {
+    const std::string label(name);
+    check_degree(degree, points);
+    const auto p = static_cast<std::size_t>(degree);
+    refuse_if(values_.size() != points + p + 1,
+              "{} has {} values: {} control points of degree {} need {}", label, values_.size(),
+              points, degree, points + p + 1);
+    check_values(values_, label);
+    check_clamped(values_, p, label);
+    check_repeats(values_, p, label);
+    for (std::size_t i = p; i < points; ++i) {
+        if (values_[i] < values_[i + 1]) {
+            intervals_.push_back({values_[i], values_[i + 1], i});
+        }
+    }
+}
+
+std::size_t KnotVector::interval_of(double u) const noexcept {
+    const auto after =
+        std::upper_bound(intervals_.begin(), intervals_.end(), u,
+                         [](double value, const Interval& piece) { return value < piece.lo; });
+    return after == intervals_.begin() ? 0
+                                       : static_cast<std::size_t>(after - intervals_.begin()) - 1;
+}
 
 template <int D>
 NurbsCurve<D>::NurbsCurve(int degree,

@@ -52,6 +52,45 @@ double atan_unit(double z) noexcept {
     return kAtanEighths[static_cast<std::size_t>(eighths)] + (t - t * s * p);
 }
 
+// ln 2 in two parts: n times part 1 is exact.
+constexpr double kHigh = 0x1.62e42fee00000p-1;
+constexpr double kLow = 0x1.a39ef35793c76p-33;
+constexpr double kPerLn2 = 0x1.71547652b82fep+0;
+
+/// A number as n ln 2 + r.
+struct ReducedArgument {
+    std::int64_t n = 0;
+    double r = 0.0;
+};
+
+ReducedArgument reduced(double x) noexcept {
+    const double n = std::floor(x * kPerLn2 + 0.5);
+    return {static_cast<std::int64_t>(n), (x - n * kHigh) - n * kLow};
+}
+
+/// e^r - 1 for |r| <= ln 2 / 2; the first term left out is below 1e-18 of the result.
+double small(double r) noexcept {
+    double p = 1.0 / 87178291200.0;  // 1/14!
+    p = p * r + 1.0 / 6227020800.0;
+    p = p * r + 1.0 / 479001600.0;
+    p = p * r + 1.0 / 39916800.0;
+    p = p * r + 1.0 / 3628800.0;
+    p = p * r + 1.0 / 362880.0;
+    p = p * r + 1.0 / 40320.0;
+    p = p * r + 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    return r + r * r * p;
+}
+
+/// 2^n for -1022 <= n <= 1023.
+double two_to(std::int64_t n) noexcept {
+    return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52U);
+}
+
 }  // namespace
 
 SinCos sin_cos(double x) noexcept {
@@ -108,49 +147,6 @@ double natural_log(double x) noexcept {
     const double e = static_cast<double>(exponent);
     return e * kLn2Hi + (2.0 * s + (2.0 * s * z * p + e * kLn2Lo));
 }
-
-namespace {
-
-// ln 2 in two parts: n times part 1 is exact.
-constexpr double kHigh = 0x1.62e42fee00000p-1;
-constexpr double kLow = 0x1.a39ef35793c76p-33;
-constexpr double kPerLn2 = 0x1.71547652b82fep+0;
-
-/// A number as n ln 2 + r.
-struct ReducedArgument {
-    std::int64_t n = 0;
-    double r = 0.0;
-};
-
-ReducedArgument reduced(double x) noexcept {
-    const double n = std::floor(x * kPerLn2 + 0.5);
-    return {static_cast<std::int64_t>(n), (x - n * kHigh) - n * kLow};
-}
-
-/// e^r - 1 for |r| <= ln 2 / 2; the first term left out is below 1e-18 of the result.
-double small(double r) noexcept {
-    double p = 1.0 / 87178291200.0;  // 1/14!
-    p = p * r + 1.0 / 6227020800.0;
-    p = p * r + 1.0 / 479001600.0;
-    p = p * r + 1.0 / 39916800.0;
-    p = p * r + 1.0 / 3628800.0;
-    p = p * r + 1.0 / 362880.0;
-    p = p * r + 1.0 / 40320.0;
-    p = p * r + 1.0 / 5040.0;
-    p = p * r + 1.0 / 720.0;
-    p = p * r + 1.0 / 120.0;
-    p = p * r + 1.0 / 24.0;
-    p = p * r + 1.0 / 6.0;
-    p = p * r + 0.5;
-    return r + r * r * p;
-}
-
-/// 2^n for -1022 <= n <= 1023.
-double two_to(std::int64_t n) noexcept {
-    return std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52U);
-}
-
-}  // namespace
 
 double exponential(double x) noexcept {
     if (x < -708.0) {

@@ -30,97 +30,6 @@ std::vector<double> shares(std::size_t p) {
     return table;
 }
 
-}  // namespace
-
-double largest(const std::vector<double>& values) {
-    double largest = 0.0;
-    for (const double v : values) {
-        largest = std::max(largest, std::fabs(v));
-    }
-    return largest;
-}
-
-DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net, const Vec3& c)
-    : n_(2 * static_cast<std::size_t>(degree_u)),
-      m_(2 * static_cast<std::size_t>(degree_v)),
-      centre_(c) {
-    const std::size_t p = n_ / 2;
-    const std::size_t q = m_ / 2;
-    const std::size_t count = (n_ + 1) * (m_ + 1);
-    pp_.assign(count, 0.0);
-    pw_.fill(std::vector<double>(count, 0.0));
-    ww_.assign(count, 0.0);
-    std::vector<Vec3> local;
-    for (const Quad& point : net) {
-        local.push_back(point.xyz() - point.w() * c);
-        reach_ = std::max(reach_, glm::length(local.back()) / point.w());
-    }
-    const std::vector<double> share_u = shares(p);
-    const std::vector<double> share_v = shares(q);
-    for (std::size_t i = 0; i <= p; ++i) {
-        for (std::size_t k = 0; k <= p; ++k) {
-            const double by_u = share_u[i * (p + 1) + k];
-            for (std::size_t j = 0; j <= q; ++j) {
-                for (std::size_t l = 0; l <= q; ++l) {
-                    const double by = by_u * share_v[j * (q + 1) + l];
-                    const std::size_t a = i * (q + 1) + j;
-                    const std::size_t b = k * (q + 1) + l;
-                    const std::size_t at = (i + k) * (m_ + 1) + j + l;
-                    pp_[at] += by * glm::dot(local[a], local[b]);
-                    pw_[0][at] += by * net[b].w() * local[a].x;
-                    pw_[1][at] += by * net[b].w() * local[a].y;
-                    pw_[2][at] += by * net[b].w() * local[a].z;
-                    ww_[at] += by * net[a].w() * net[b].w();
-                }
-            }
-        }
-    }
-    largest_ww_ = largest(ww_);
-    const double least_ww = *std::min_element(ww_.begin(), ww_.end());
-    const auto steepest = [&](std::size_t step, bool in_u) {
-        double max = 0.0;
-        for (std::size_t k = step; k < count; ++k) {
-            const bool beside = in_u || k % (m_ + 1) != 0;
-            max = beside ? std::max(max, std::fabs(ww_[k] - ww_[k - step])) : max;
-        }
-        return max / least_ww;
-    };
-    tilt_u_ = static_cast<double>(n_) * steepest(m_ + 1, true);
-    tilt_v_ = static_cast<double>(m_) * steepest(1, false);
-}
-
-BernsteinNet DistanceForm::net(const Vec3& h, double beta) const noexcept {
-    const Vec3 q = h - centre_;
-    const double x = 2.0 * q.x;
-    const double y = 2.0 * q.y;
-    const double z = 2.0 * q.z;
-    const double rest = glm::dot(q, q) - beta;
-    BernsteinNet g(n_, m_);
-    double* out = g.data();
-    for (std::size_t k = 0; k < pp_.size(); ++k) {
-        out[k] = (pp_[k] - (x * pw_[0][k] + y * pw_[1][k] + z * pw_[2][k])) + rest * ww_[k];
-    }
-    return g;
-}
-
-BernsteinNet DistanceForm::terms(const Vec3& h, double beta) const noexcept {
-    const Vec3 q = h - centre_;
-    const double x = std::fabs(2.0 * q.x);
-    const double y = std::fabs(2.0 * q.y);
-    const double z = std::fabs(2.0 * q.z);
-    const double rest = glm::dot(q, q) + beta;
-    const double lost = 2.0 * glm::length(centre_) * (reach_ + glm::length(q)) * largest_ww_;
-    BernsteinNet sizes(n_, m_);
-    double* out = sizes.data();
-    for (std::size_t k = 0; k < pp_.size(); ++k) {
-        out[k] = std::fabs(pp_[k]) + x * std::fabs(pw_[0][k]) + y * std::fabs(pw_[1][k]) +
-                 z * std::fabs(pw_[2][k]) + rest * ww_[k] + lost;
-    }
-    return sizes;
-}
-
-namespace {
-
 /// The pieces still to be decided, halves of halves.
 class Pieces {
 public:
@@ -291,6 +200,93 @@ private:
 };
 
 }  // namespace
+
+double largest(const std::vector<double>& values) {
+    double largest = 0.0;
+    for (const double v : values) {
+        largest = std::max(largest, std::fabs(v));
+    }
+    return largest;
+}
+
+DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net, const Vec3& c)
+    : n_(2 * static_cast<std::size_t>(degree_u)),
+      m_(2 * static_cast<std::size_t>(degree_v)),
+      centre_(c) {
+    const std::size_t p = n_ / 2;
+    const std::size_t q = m_ / 2;
+    const std::size_t count = (n_ + 1) * (m_ + 1);
+    pp_.assign(count, 0.0);
+    pw_.fill(std::vector<double>(count, 0.0));
+    ww_.assign(count, 0.0);
+    std::vector<Vec3> local;
+    for (const Quad& point : net) {
+        local.push_back(point.xyz() - point.w() * c);
+        reach_ = std::max(reach_, glm::length(local.back()) / point.w());
+    }
+    const std::vector<double> share_u = shares(p);
+    const std::vector<double> share_v = shares(q);
+    for (std::size_t i = 0; i <= p; ++i) {
+        for (std::size_t k = 0; k <= p; ++k) {
+            const double by_u = share_u[i * (p + 1) + k];
+            for (std::size_t j = 0; j <= q; ++j) {
+                for (std::size_t l = 0; l <= q; ++l) {
+                    const double by = by_u * share_v[j * (q + 1) + l];
+                    const std::size_t a = i * (q + 1) + j;
+                    const std::size_t b = k * (q + 1) + l;
+                    const std::size_t at = (i + k) * (m_ + 1) + j + l;
+                    pp_[at] += by * glm::dot(local[a], local[b]);
+                    pw_[0][at] += by * net[b].w() * local[a].x;
+                    pw_[1][at] += by * net[b].w() * local[a].y;
+                    pw_[2][at] += by * net[b].w() * local[a].z;
+                    ww_[at] += by * net[a].w() * net[b].w();
+                }
+            }
+        }
+    }
+    largest_ww_ = largest(ww_);
+    const double least_ww = *std::min_element(ww_.begin(), ww_.end());
+    const auto steepest = [&](std::size_t step, bool in_u) {
+        double max = 0.0;
+        for (std::size_t k = step; k < count; ++k) {
+            const bool beside = in_u || k % (m_ + 1) != 0;
+            max = beside ? std::max(max, std::fabs(ww_[k] - ww_[k - step])) : max;
+        }
+        return max / least_ww;
+    };
+    tilt_u_ = static_cast<double>(n_) * steepest(m_ + 1, true);
+    tilt_v_ = static_cast<double>(m_) * steepest(1, false);
+}
+
+BernsteinNet DistanceForm::net(const Vec3& h, double beta) const noexcept {
+    const Vec3 q = h - centre_;
+    const double x = 2.0 * q.x;
+    const double y = 2.0 * q.y;
+    const double z = 2.0 * q.z;
+    const double rest = glm::dot(q, q) - beta;
+    BernsteinNet g(n_, m_);
+    double* out = g.data();
+    for (std::size_t k = 0; k < pp_.size(); ++k) {
+        out[k] = (pp_[k] - (x * pw_[0][k] + y * pw_[1][k] + z * pw_[2][k])) + rest * ww_[k];
+    }
+    return g;
+}
+
+BernsteinNet DistanceForm::terms(const Vec3& h, double beta) const noexcept {
+    const Vec3 q = h - centre_;
+    const double x = std::fabs(2.0 * q.x);
+    const double y = std::fabs(2.0 * q.y);
+    const double z = std::fabs(2.0 * q.z);
+    const double rest = glm::dot(q, q) + beta;
+    const double lost = 2.0 * glm::length(centre_) * (reach_ + glm::length(q)) * largest_ww_;
+    BernsteinNet sizes(n_, m_);
+    double* out = sizes.data();
+    for (std::size_t k = 0; k < pp_.size(); ++k) {
+        out[k] = std::fabs(pp_[k]) + x * std::fabs(pw_[0][k]) + y * std::fabs(pw_[1][k]) +
+                 z * std::fabs(pw_[2][k]) + rest * ww_[k] + lost;
+    }
+    return sizes;
+}
 
 Verdict any_closer(const SurfaceObject& surface,
                    const DistanceForm& form,

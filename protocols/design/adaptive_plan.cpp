@@ -73,6 +73,17 @@ std::vector<std::size_t> practice_intervals(const Protocol& protocol, Pcg32& ran
     return intervals;
 }
 
+/// @param interval  of the comparison, from 0
+PlannedTrial trial_of(const Protocol& protocol, std::size_t run, std::size_t interval) {
+    const RunSpec& of = protocol.runs.at(run);
+    const std::string& standard = of.standard_friction.empty() ? of.friction : of.standard_friction;
+    return {.condition = {index_of(protocol.objects, protocol.procedure->object),
+                          index_of(protocol.frictions, of.friction)},
+            .adaptive = AdaptiveTrial{.run = run,
+                                      .comparison = interval + 1,
+                                      .standard_friction = index_of(protocol.frictions, standard)}};
+}
+
 }  // namespace
 
 std::size_t answers_of(const Protocol& protocol) {
@@ -92,21 +103,6 @@ double felt_value(const AdaptiveSpec& spec, double stimulus) {
     constexpr double kLnOf10 = 2.302585092994046;
     return spec.stimulus_as == StimulusAs::log10 ? exponential(kLnOf10 * stimulus) : stimulus;
 }
-
-namespace {
-
-/// @param interval  of the comparison, from 0
-PlannedTrial trial_of(const Protocol& protocol, std::size_t run, std::size_t interval) {
-    const RunSpec& of = protocol.runs.at(run);
-    const std::string& standard = of.standard_friction.empty() ? of.friction : of.standard_friction;
-    return {.condition = {index_of(protocol.objects, protocol.procedure->object),
-                          index_of(protocol.frictions, of.friction)},
-            .adaptive = AdaptiveTrial{.run = run,
-                                      .comparison = interval + 1,
-                                      .standard_friction = index_of(protocol.frictions, standard)}};
-}
-
-}  // namespace
 
 std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
                                           const StreamKey& key,

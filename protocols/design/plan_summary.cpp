@@ -20,6 +20,38 @@ std::size_t longest_run(const std::vector<Condition>& order, std::size_t Conditi
     return longest;
 }
 
+/// Of the proposals of one way, how many keep the limits; and what that makes of all shuffles.
+Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {
+    constexpr std::uint64_t kProposals = 100'000;
+    const OrderWay way = sampler.first_way();
+    const auto counted = [&](std::size_t Condition::*factor) {
+        return share_of(sampler.counter_of(factor)->total(),
+                        multinomial(counts_of(trials, factor)));
+    };
+    double known = 1.0;
+    if (way == OrderWay::friction_counted || way == OrderWay::apart) {
+        known *= counted(&Condition::friction);
+    }
+    if (way == OrderWay::object_counted || way == OrderWay::apart) {
+        known *= counted(&Condition::object);
+    }
+    if (way == OrderWay::apart) {  // its pairs have any table of conditions, shuffles the right one
+        const Natural pairs = multinomial(counts_of(trials, &Condition::object)) *
+                              multinomial(counts_of(trials, &Condition::friction));
+        known /= share_of(orders_of(trials), pairs);
+    }
+    Pcg32 random(0, 0);
+    std::uint64_t kept = 0;
+    for (std::uint64_t i = 0; i < kProposals; ++i) {
+        kept += sampler.propose(way, random) ? 1U : 0U;
+    }
+    const double share = static_cast<double>(kept) / static_cast<double>(kProposals);
+    return {.share = known * share,
+            .exact = kept == kProposals,
+            .error = kept > 0 ? std::sqrt((1.0 - share) / static_cast<double>(kept)) : 1.0,
+            .draws = kProposals};
+}
+
 }  // namespace
 
 PlanSummary summarise(const Plan& plan) {
@@ -64,42 +96,6 @@ Duration duration_of(const Plan& plan, const Protocol& protocol) {
             .prompted = trials * (intervals * timing.explore_prompt + around + person) + pause,
             .longest = trials * (intervals * timing.explore_timeout + around + person) + pause};
 }
-
-namespace {
-
-/// Of the proposals of one way, how many keep the limits; and what that makes of all shuffles.
-Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {
-    constexpr std::uint64_t kProposals = 100'000;
-    const OrderWay way = sampler.first_way();
-    const auto counted = [&](std::size_t Condition::*factor) {
-        return share_of(sampler.counter_of(factor)->total(),
-                        multinomial(counts_of(trials, factor)));
-    };
-    double known = 1.0;
-    if (way == OrderWay::friction_counted || way == OrderWay::apart) {
-        known *= counted(&Condition::friction);
-    }
-    if (way == OrderWay::object_counted || way == OrderWay::apart) {
-        known *= counted(&Condition::object);
-    }
-    if (way == OrderWay::apart) {  // its pairs have any table of conditions, shuffles the right one
-        const Natural pairs = multinomial(counts_of(trials, &Condition::object)) *
-                              multinomial(counts_of(trials, &Condition::friction));
-        known /= share_of(orders_of(trials), pairs);
-    }
-    Pcg32 random(0, 0);
-    std::uint64_t kept = 0;
-    for (std::uint64_t i = 0; i < kProposals; ++i) {
-        kept += sampler.propose(way, random) ? 1U : 0U;
-    }
-    const double share = static_cast<double>(kept) / static_cast<double>(kProposals);
-    return {.share = known * share,
-            .exact = kept == kProposals,
-            .error = kept > 0 ? std::sqrt((1.0 - share) / static_cast<double>(kept)) : 1.0,
-            .draws = kProposals};
-}
-
-}  // namespace
 
 std::optional<double> acceptance_of_one(std::span<const Condition> trials,
                                         std::size_t Condition::*factor,

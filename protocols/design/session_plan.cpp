@@ -187,22 +187,6 @@ std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
     return trials;
 }
 
-}  // namespace
-
-std::string_view to_string(Phase phase) noexcept {
-    switch (phase) {
-        case Phase::practice:
-            return "practice";
-        case Phase::main:
-            return "main";
-        case Phase::catch_trial:
-            return "catch";
-    }
-    return "?";
-}
-
-namespace {
-
 /// One of the streams of a session. Session 0: one for all sessions of the participant.
 Pcg32 stream_for(StreamKey key, std::string_view purpose, std::size_t block = 0) {
     key.block = block;
@@ -268,6 +252,18 @@ Plan adaptive_plan(const Protocol& protocol,
 }
 
 }  // namespace
+
+std::string_view to_string(Phase phase) noexcept {
+    switch (phase) {
+        case Phase::practice:
+            return "practice";
+        case Phase::main:
+            return "main";
+        case Phase::catch_trial:
+            return "catch";
+    }
+    return "?";
+}
 
 StreamKey session_stream(std::string_view protocol_hash,
                          const SessionKey& key,

@@ -291,6 +291,13 @@ void set_facts(const RuleFacts& facts, AdaptiveSpec& spec) {
     spec.one_sided = facts.one_sided;
 }
 
+/// What the standard interval has of what the rule varies, in the rule's unit.
+double standard_of(Varies varies, const FrictionSpec& friction, const ObjectSpec& object) {
+    return varies == Varies::mu         ? friction.mu_s
+         : varies == Varies::compliance ? 1e3 * object.compliance
+                                        : object.curvature;
+}
+
 }  // namespace
 
 void read_adaptive(const Entry& entry, Problems& problems, Places& places, Protocol& protocol) {
@@ -326,17 +333,6 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
 void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems) {
     AdaptiveRules(protocol, places, problems).check();
 }
-
-namespace {
-
-/// What the standard interval has of what the rule varies, in the rule's unit.
-double standard_of(Varies varies, const FrictionSpec& friction, const ObjectSpec& object) {
-    return varies == Varies::mu         ? friction.mu_s
-         : varies == Varies::compliance ? 1e3 * object.compliance
-                                        : object.curvature;
-}
-
-}  // namespace
 
 void check_standards(const Protocol& protocol, const Places& places, Problems& problems) {
     const AdaptiveSpec& spec = *protocol.procedure;

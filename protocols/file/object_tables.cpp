@@ -186,48 +186,6 @@ void read_segments(const Entry& entry,
     }
 }
 
-}  // namespace
-
-Keys keys_of_segment(SegmentKind kind) {
-    const Keys all(kSegment);
-    return kind == SegmentKind::nurbs ? all.subspan(1, 4)
-         : kind == SegmentKind::line  ? all.subspan(5, 2)
-                                      : all.subspan(5, 3);
-}
-
-SegmentTable read_segment_table(TableReader& table) {
-    SegmentTable read;
-    table.read(Keys(kSegment).first(1), &read);
-    if (table.broken()) {
-        return read;  // what else it needs depends on its kind
-    }
-    table.read(keys_of_segment(read.kind), &read);
-    table.refuse_unknown();
-    if (read.kind == SegmentKind::nurbs || table.broken()) {
-        return read;
-    }
-    table.attempt([&] {
-        refuse_if(read.to.dimension != read.from.dimension ||
-                      (read.kind == SegmentKind::arc && read.to.dimension != 2),
-                  "from_m and to_m need two coordinates each (three only for lines in space)");
-    });
-    read.points = read.from;
-    read.points.values.push_back(read.to.values.at(0));
-    return read;
-}
-
-stimuli::Segment plane_segment(const SegmentTable& table) {
-    refuse_if(table.points.dimension != 2, "its points have three coordinates: give two each");
-    return {.kind = table.kind,
-            .degree = table.degree,
-            .knots = table.knots,
-            .points = table.points.plane(),
-            .weights = table.weights,
-            .curvature = table.curvature};
-}
-
-namespace {
-
 /// An object for every curvature of the set; what else the table says is said of each.
 void read_set(TableReader& reader,
               const ObjectSpec& object,
@@ -270,6 +228,44 @@ void read_form(TableReader& reader,
 }
 
 }  // namespace
+
+Keys keys_of_segment(SegmentKind kind) {
+    const Keys all(kSegment);
+    return kind == SegmentKind::nurbs ? all.subspan(1, 4)
+         : kind == SegmentKind::line  ? all.subspan(5, 2)
+                                      : all.subspan(5, 3);
+}
+
+SegmentTable read_segment_table(TableReader& table) {
+    SegmentTable read;
+    table.read(Keys(kSegment).first(1), &read);
+    if (table.broken()) {
+        return read;  // what else it needs depends on its kind
+    }
+    table.read(keys_of_segment(read.kind), &read);
+    table.refuse_unknown();
+    if (read.kind == SegmentKind::nurbs || table.broken()) {
+        return read;
+    }
+    table.attempt([&] {
+        refuse_if(read.to.dimension != read.from.dimension ||
+                      (read.kind == SegmentKind::arc && read.to.dimension != 2),
+                  "from_m and to_m need two coordinates each (three only for lines in space)");
+    });
+    read.points = read.from;
+    read.points.values.push_back(read.to.values.at(0));
+    return read;
+}
+
+stimuli::Segment plane_segment(const SegmentTable& table) {
+    refuse_if(table.points.dimension != 2, "its points have three coordinates: give two each");
+    return {.kind = table.kind,
+            .degree = table.degree,
+            .knots = table.knots,
+            .points = table.points.plane(),
+            .weights = table.weights,
+            .curvature = table.curvature};
+}
 
 void read_object(const Table& table,
                  const Position& at,

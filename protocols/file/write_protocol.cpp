@@ -112,30 +112,6 @@ std::string nested_in_protocol(std::string_view procedure_text) {
     return text;
 }
 
-}  // namespace
-
-std::string procedure_text(const Table& file) {
-    std::string text = fmt::format("format = {}\n", kProcedureFormat);
-    for (const std::string_view name : kOrder) {
-        const Entry* entry = find(file, name);
-        if (entry == nullptr) {
-            continue;
-        }
-        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
-            text += fmt::format("\n[{}]\n", name);
-            append_given(text, name, *table);
-        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
-            for (const Value& value : *array) {
-                text += fmt::format("\n[[{}]]\n", name);
-                append_given(text, name, std::get<Table>(value.data));
-            }
-        }
-    }
-    return text;
-}
-
-namespace {
-
 /// What is felt: the outline or surface, the objects and the frictions.
 void append_objects(std::string& text, const Protocol& protocol) {
     if (protocol.surface) {
@@ -155,45 +131,6 @@ void append_objects(std::string& text, const Protocol& protocol) {
         append_friction(text, friction);
     }
 }
-
-}  // namespace
-
-std::string to_toml(const Protocol& protocol) {
-    std::string text = fmt::format("format = {}\n", kFormat);
-    append(text, "[study]", protocol);
-    append(text, "[apparatus]", protocol.apparatus);
-    append_objects(text, protocol);
-    append(text, "[safety]", protocol.safety);
-    append(text, "[invalid]", protocol.invalid);
-    append(text, "[exclusion]", protocol.exclusion);
-    append(text, "[analysis]", protocol.analysis);
-    if (protocol.procedure) {  // which decides all but the breaks
-        text += fmt::format("\n[design]\nbreak_every = {}\n", protocol.design.break_every);
-    } else {
-        append(text, "[design]", protocol.design);
-    }
-    append(text, "[timing]", protocol.timing);
-    append(text, "[response]", protocol.response);
-    if (protocol.procedure) {
-        append(text, "[procedure]", *protocol.procedure);
-        text += nested_in_protocol(protocol.procedure->rule.text);
-        for (const RunSpec& run : protocol.runs) {
-            append(text, "[[run]]", run);
-        }
-    }
-    append(text, "[observer]", protocol.observer);
-    append(text, "[masking]", protocol.masking);
-    for (std::size_t i = 0; i < kLanguageCount; ++i) {
-        append(text, fmt::format("[instructions.{}]", kLanguages[i]), protocol.instructions[i]);
-    }
-    return text;
-}
-
-std::string protocol_hash(const Protocol& protocol) {
-    return sha256_hex(to_toml(protocol));
-}
-
-namespace {
 
 using Entries = std::vector<std::pair<std::string, std::string>>;  // "friction.rough mu_d", "0.4"
 
@@ -248,6 +185,61 @@ Entries entries_of(std::string_view text) {
 }
 
 }  // namespace
+
+std::string procedure_text(const Table& file) {
+    std::string text = fmt::format("format = {}\n", kProcedureFormat);
+    for (const std::string_view name : kOrder) {
+        const Entry* entry = find(file, name);
+        if (entry == nullptr) {
+            continue;
+        }
+        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
+            text += fmt::format("\n[{}]\n", name);
+            append_given(text, name, *table);
+        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
+            for (const Value& value : *array) {
+                text += fmt::format("\n[[{}]]\n", name);
+                append_given(text, name, std::get<Table>(value.data));
+            }
+        }
+    }
+    return text;
+}
+
+std::string to_toml(const Protocol& protocol) {
+    std::string text = fmt::format("format = {}\n", kFormat);
+    append(text, "[study]", protocol);
+    append(text, "[apparatus]", protocol.apparatus);
+    append_objects(text, protocol);
+    append(text, "[safety]", protocol.safety);
+    append(text, "[invalid]", protocol.invalid);
+    append(text, "[exclusion]", protocol.exclusion);
+    append(text, "[analysis]", protocol.analysis);
+    if (protocol.procedure) {  // which decides all but the breaks
+        text += fmt::format("\n[design]\nbreak_every = {}\n", protocol.design.break_every);
+    } else {
+        append(text, "[design]", protocol.design);
+    }
+    append(text, "[timing]", protocol.timing);
+    append(text, "[response]", protocol.response);
+    if (protocol.procedure) {
+        append(text, "[procedure]", *protocol.procedure);
+        text += nested_in_protocol(protocol.procedure->rule.text);
+        for (const RunSpec& run : protocol.runs) {
+            append(text, "[[run]]", run);
+        }
+    }
+    append(text, "[observer]", protocol.observer);
+    append(text, "[masking]", protocol.masking);
+    for (std::size_t i = 0; i < kLanguageCount; ++i) {
+        append(text, fmt::format("[instructions.{}]", kLanguages[i]), protocol.instructions[i]);
+    }
+    return text;
+}
+
+std::string protocol_hash(const Protocol& protocol) {
+    return sha256_hex(to_toml(protocol));
+}
 
 std::vector<std::string> differences(std::string_view there, std::string_view here) {
     const Entries before = entries_of(there);

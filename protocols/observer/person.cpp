@@ -32,6 +32,37 @@ double moved_in_logit(double share, double by) {
     return odds / (1.0 + odds);
 }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Statistics alone are made of it: its last bits may differ from one C library to another.
+double below(double z) noexcept {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+/// Between which percepts, 1/m, an object is the nearest of those pictured.
+std::pair<double, double> bounds_of(const Protocol& protocol,
+                                    const std::vector<std::size_t>& pictured,
+                                    std::size_t object) {
+    const double own = protocol.objects[object].curvature;
+    std::pair<double, double> bounds{-kInfinity, kInfinity};
+    for (const std::size_t other : pictured) {
+        const double middle = 0.5 * (own + protocol.objects[other].curvature);
+        bounds.first = middle < own ? std::max(bounds.first, middle) : bounds.first;
+        bounds.second = middle > own ? std::min(bounds.second, middle) : bounds.second;
+    }
+    return bounds;
+}
+
+/// Of learned() over a session of so many trials.
+double mean_learned(const ObserverModel& model, std::size_t trials) {
+    const Person typical{.spec = model.typical, .learning = model.learning};
+    double mean = 0.0;
+    for (std::size_t i = 0; i < trials; ++i) {
+        mean += learned(typical, i) / static_cast<double>(trials);
+    }
+    return mean;
+}
+
 }  // namespace
 
 Person drawn_person(const ObserverModel& model, StreamKey key) {
@@ -107,17 +138,6 @@ double exponential_draw(Pcg32& random) noexcept {
     return -engine::natural_log(1.0 - uniform_draw(random));  // (0, 1]: never the logarithm of 0
 }
 
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Statistics alone are made of it: its last bits may differ from one C library to another.
-double below(double z) noexcept {
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
-}
-
-}  // namespace
-
 void require_judged(const Protocol& protocol) {
     refuse_if(protocol.procedure || protocol.response.kind != ResponseKind::identification ||
                   !differ_in_curvature_alone(protocol),
@@ -125,34 +145,6 @@ void require_judged(const Protocol& protocol) {
               "these differ in curvature alone and no rule chooses",
               protocol.id);
 }
-
-namespace {
-
-/// Between which percepts, 1/m, an object is the nearest of those pictured.
-std::pair<double, double> bounds_of(const Protocol& protocol,
-                                    const std::vector<std::size_t>& pictured,
-                                    std::size_t object) {
-    const double own = protocol.objects[object].curvature;
-    std::pair<double, double> bounds{-kInfinity, kInfinity};
-    for (const std::size_t other : pictured) {
-        const double middle = 0.5 * (own + protocol.objects[other].curvature);
-        bounds.first = middle < own ? std::max(bounds.first, middle) : bounds.first;
-        bounds.second = middle > own ? std::min(bounds.second, middle) : bounds.second;
-    }
-    return bounds;
-}
-
-/// Of learned() over a session of so many trials.
-double mean_learned(const ObserverModel& model, std::size_t trials) {
-    const Person typical{.spec = model.typical, .learning = model.learning};
-    double mean = 0.0;
-    for (std::size_t i = 0; i < trials; ++i) {
-        mean += learned(typical, i) / static_cast<double>(trials);
-    }
-    return mean;
-}
-
-}  // namespace
 
 JudgedPeople::JudgedPeople(const Protocol& protocol,
                            const ObserverModel& model,

@@ -33,6 +33,64 @@ ScaledNumber scaled(const Natural& n) {
     return result;
 }
 
+/// The different levels of a factor, in order.
+std::vector<std::size_t> levels_of(std::span<const Condition> trials,
+                                   std::size_t Condition::*factor) {
+    std::vector<std::size_t> levels;
+    for (const Condition& condition : trials) {
+        levels.push_back(condition.*factor);
+    }
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    return levels;
+}
+
+std::size_t place_in(const std::vector<std::size_t>& levels, std::size_t level) {
+    return static_cast<std::size_t>(std::lower_bound(levels.begin(), levels.end(), level) -
+                                    levels.begin());
+}
+
+Natural choose(std::size_t n, std::size_t k) {
+    return k > n ? Natural{} : multinomial({n - k, k});
+}
+
+/// Q(n, j) for j = 0 ... n; some are below 0.
+std::vector<Natural> pieces_of(std::size_t n, std::size_t limit) {
+    std::vector<Natural> ways(n + 1);
+    if (n == 0) {
+        ways[0] = 1;
+    }
+    for (std::size_t j = 1; j <= n; ++j) {
+        for (std::size_t a = 0; a <= j && a * limit <= n - j; ++a) {
+            const std::size_t rest = n - j - a * limit;
+            if (rest % (limit + 1) == 0) {
+                const std::size_t b = rest / (limit + 1);
+                const Natural chosen = choose(j, a) * choose(j - 1 + b, b);
+                ways[j] += a % 2 == 0 ? chosen : -chosen;
+            }
+        }
+    }
+    return ways;
+}
+
+/// Ways to mix s pieces of the levels so far with those of one more: C(s, j) for each.
+std::vector<Natural> mixed(const std::vector<Natural>& before, const std::vector<Natural>& level) {
+    std::vector<Natural> after(before.size() + level.size() - 1);
+    std::vector<Natural> row{1};  // of Pascal's triangle
+    for (std::size_t s = 0; s < after.size(); ++s) {
+        for (std::size_t j = 0; j < level.size() && j <= s; ++j) {
+            if (s - j < before.size()) {
+                after[s] += before[s - j] * level[j] * row[j];
+            }
+        }
+        row.emplace_back(1);
+        for (std::size_t j = row.size() - 2; j > 0; --j) {
+            row[j] += row[j - 1];
+        }
+    }
+    return after;
+}
+
 }  // namespace
 
 std::size_t bits_of(const Natural& n) {
@@ -72,27 +130,6 @@ Natural multinomial(const std::vector<std::size_t>& counts) {
     }
     return orders;
 }
-
-namespace {
-
-/// The different levels of a factor, in order.
-std::vector<std::size_t> levels_of(std::span<const Condition> trials,
-                                   std::size_t Condition::*factor) {
-    std::vector<std::size_t> levels;
-    for (const Condition& condition : trials) {
-        levels.push_back(condition.*factor);
-    }
-    std::sort(levels.begin(), levels.end());
-    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
-    return levels;
-}
-
-std::size_t place_in(const std::vector<std::size_t>& levels, std::size_t level) {
-    return static_cast<std::size_t>(std::lower_bound(levels.begin(), levels.end(), level) -
-                                    levels.begin());
-}
-
-}  // namespace
 
 OrderCounter::OrderCounter(std::span<const Condition> trials, const RunLimits& limits)
     : object_names_(levels_of(trials, &Condition::object)),
@@ -249,51 +286,6 @@ Condition OrderWalk::next(Pcg32& random) {
     }
     return {};  // not reached: the ways add up
 }
-
-namespace {
-
-Natural choose(std::size_t n, std::size_t k) {
-    return k > n ? Natural{} : multinomial({n - k, k});
-}
-
-/// Q(n, j) for j = 0 ... n; some are below 0.
-std::vector<Natural> pieces_of(std::size_t n, std::size_t limit) {
-    std::vector<Natural> ways(n + 1);
-    if (n == 0) {
-        ways[0] = 1;
-    }
-    for (std::size_t j = 1; j <= n; ++j) {
-        for (std::size_t a = 0; a <= j && a * limit <= n - j; ++a) {
-            const std::size_t rest = n - j - a * limit;
-            if (rest % (limit + 1) == 0) {
-                const std::size_t b = rest / (limit + 1);
-                const Natural chosen = choose(j, a) * choose(j - 1 + b, b);
-                ways[j] += a % 2 == 0 ? chosen : -chosen;
-            }
-        }
-    }
-    return ways;
-}
-
-/// Ways to mix s pieces of the levels so far with those of one more: C(s, j) for each.
-std::vector<Natural> mixed(const std::vector<Natural>& before, const std::vector<Natural>& level) {
-    std::vector<Natural> after(before.size() + level.size() - 1);
-    std::vector<Natural> row{1};  // of Pascal's triangle
-    for (std::size_t s = 0; s < after.size(); ++s) {
-        for (std::size_t j = 0; j < level.size() && j <= s; ++j) {
-            if (s - j < before.size()) {
-                after[s] += before[s - j] * level[j] * row[j];
-            }
-        }
-        row.emplace_back(1);
-        for (std::size_t j = row.size() - 2; j > 0; --j) {
-            row[j] += row[j - 1];
-        }
-    }
-    return after;
-}
-
-}  // namespace
 
 std::map<Condition, std::size_t> cells_of(std::span<const Condition> trials) {
     std::map<Condition, std::size_t> cells;

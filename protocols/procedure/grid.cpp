@@ -68,6 +68,52 @@ double between(const Sides& left, const Sides& right) {
     return left.below > 0.5 ? left.above - right.above : right.below - left.below;
 }
 
+/// Half-way between neighbours.
+std::vector<double> criteria_between(const std::vector<double>& alternatives) {
+    const std::size_t m = alternatives.size();
+    std::vector<double> criteria;
+    for (std::size_t j = 0; j + 1 < m; ++j) {
+        if (!std::isfinite(alternatives[j]) || !(alternatives[j] < alternatives[j + 1])) {
+            break;
+        }
+        criteria.push_back(0.5 * (alternatives[j] + alternatives[j + 1]));
+    }
+    refuse_if(m < 2 || criteria.size() + 1 != m || !std::isfinite(alternatives.back()),
+              "the alternatives are no list of at least two increasing finite numbers: give one");
+    return criteria;
+}
+
+void check(const Axis& axis) {
+    refuse_if(axis.values.empty(), "{} has no values: give at least one", axis.name);
+    for (std::size_t i = 0; i < axis.values.size(); ++i) {
+        const double value = axis.values[i];
+        refuse_if(
+            !std::isfinite(value) || (i > 0 && value <= axis.values[i - 1]),
+            "{} has the value {} at place {}: give finite numbers, each above the one before it",
+            axis.name, value, i + 1);
+    }
+}
+
+/// How far the chances of all outcomes may add up beside 1.
+constexpr double kSumSlack = 1e-9;
+
+void check_names(std::string_view what, const Grid& grid, std::span<const std::string> names) {
+    bool same = grid.dimensions() == names.size();
+    for (std::size_t k = 0; same && k < names.size(); ++k) {
+        same = grid.axis(k).name == names[k];
+    }
+    refuse_if(!same, "the {} have other axes than the model: give {}", what,
+              fmt::join(names, ", "));
+}
+
+[[noreturn]] void no_chances(const std::vector<double>& stimulus,
+                             const std::vector<double>& parameters) {
+    throw std::invalid_argument(
+        fmt::format("the model gives no chances that add up to 1 at stimulus {} and parameters {}: "
+                    "give parameters in their ranges",
+                    fmt::join(stimulus, ", "), fmt::join(parameters, ", ")));
+}
+
 }  // namespace
 
 double slope_of(SlopeAs as, double value) {
@@ -91,25 +137,6 @@ OutcomeModel psychometric_model(Family family, LapseForm form, SlopeAs slope_as)
 OutcomeModel covariate_model(Family family, LapseForm form, SlopeAs slope_as) {
     return two_outcomes(family, form, slope_as, true);
 }
-
-namespace {
-
-/// Half-way between neighbours.
-std::vector<double> criteria_between(const std::vector<double>& alternatives) {
-    const std::size_t m = alternatives.size();
-    std::vector<double> criteria;
-    for (std::size_t j = 0; j + 1 < m; ++j) {
-        if (!std::isfinite(alternatives[j]) || !(alternatives[j] < alternatives[j + 1])) {
-            break;
-        }
-        criteria.push_back(0.5 * (alternatives[j] + alternatives[j + 1]));
-    }
-    refuse_if(m < 2 || criteria.size() + 1 != m || !std::isfinite(alternatives.back()),
-              "the alternatives are no list of at least two increasing finite numbers: give one");
-    return criteria;
-}
-
-}  // namespace
 
 OutcomeModel identification_model(const std::vector<double>& alternatives) {
     std::vector<double> criteria = criteria_between(alternatives);
@@ -136,21 +163,6 @@ OutcomeModel identification_model(const std::vector<double>& alternatives) {
     };
     return model;
 }
-
-namespace {
-
-void check(const Axis& axis) {
-    refuse_if(axis.values.empty(), "{} has no values: give at least one", axis.name);
-    for (std::size_t i = 0; i < axis.values.size(); ++i) {
-        const double value = axis.values[i];
-        refuse_if(
-            !std::isfinite(value) || (i > 0 && value <= axis.values[i - 1]),
-            "{} has the value {} at place {}: give finite numbers, each above the one before it",
-            axis.name, value, i + 1);
-    }
-}
-
-}  // namespace
 
 Grid::Grid(std::vector<Axis> axes) : axes_(std::move(axes)), strides_(axes_.size()), size_(1) {
     refuse_if(axes_.empty(), "the grid has no axis: give at least one");
@@ -207,22 +219,6 @@ std::vector<double> evenly(double from, double to, std::size_t count) {
     return values;
 }
 
-namespace {
-
-/// How far the chances of all outcomes may add up beside 1.
-constexpr double kSumSlack = 1e-9;
-
-void check_names(std::string_view what, const Grid& grid, std::span<const std::string> names) {
-    bool same = grid.dimensions() == names.size();
-    for (std::size_t k = 0; same && k < names.size(); ++k) {
-        same = grid.axis(k).name == names[k];
-    }
-    refuse_if(!same, "the {} have other axes than the model: give {}", what,
-              fmt::join(names, ", "));
-}
-
-}  // namespace
-
 LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid parameters)
     : stimuli_(std::move(stimuli)), parameters_(std::move(parameters)), outcomes_(model.outcomes) {
     check_names("stimuli", stimuli_, model.stimulus);
@@ -238,18 +234,6 @@ LikelihoodTable::LikelihoodTable(const OutcomeModel& model, Grid stimuli, Grid p
     values_.resize(stimuli_.size() * parameters_.size() * (outcomes_ + 1));
     fill(model);
 }
-
-namespace {
-
-[[noreturn]] void no_chances(const std::vector<double>& stimulus,
-                             const std::vector<double>& parameters) {
-    throw std::invalid_argument(
-        fmt::format("the model gives no chances that add up to 1 at stimulus {} and parameters {}: "
-                    "give parameters in their ranges",
-                    fmt::join(stimulus, ", "), fmt::join(parameters, ", ")));
-}
-
-}  // namespace
 
 void LikelihoodTable::fill(const OutcomeModel& model) {
     std::vector<std::vector<double>> points(stimuli_.size());

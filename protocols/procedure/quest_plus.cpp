@@ -38,6 +38,30 @@ double dot(std::span<const double> a, std::span<const double> b) noexcept {
            ((strand[1] + strand[5]) + (strand[3] + strand[7]));
 }
 
+constexpr double kSame = 1e-12;
+
+std::vector<double> normalised(std::span<const double> weights, const Axis& axis) {
+    if (weights.empty()) {
+        return std::vector<double>(axis.values.size(),
+                                   1.0 / static_cast<double>(axis.values.size()));
+    }
+    double sum = 0.0;
+    for (const double w : weights) {
+        refuse_if(!std::isfinite(w) || w < 0.0,
+                  "the prior of {} has the weight {}: give finite numbers from 0 up", axis.name, w);
+        sum += w;
+    }
+    refuse_if(weights.size() != axis.values.size() || !(sum > 0.0) || !std::isfinite(sum),
+              "the prior of {} has {} weights with the sum {}: give {}, one for each value, not "
+              "all of them 0",
+              axis.name, weights.size(), sum, axis.values.size());
+    std::vector<double> shares(weights.begin(), weights.end());
+    for (double& w : shares) {
+        w /= sum;
+    }
+    return shares;
+}
+
 }  // namespace
 
 std::vector<double> expected_entropies(const LikelihoodTable& table,
@@ -223,34 +247,6 @@ QuestPlusSpec quest_plus_spec(const PsiSpec& psi) {
             .nuisance = psi.nuisance,
             .trials = psi.trials};
 }
-
-namespace {
-
-constexpr double kSame = 1e-12;
-
-std::vector<double> normalised(std::span<const double> weights, const Axis& axis) {
-    if (weights.empty()) {
-        return std::vector<double>(axis.values.size(),
-                                   1.0 / static_cast<double>(axis.values.size()));
-    }
-    double sum = 0.0;
-    for (const double w : weights) {
-        refuse_if(!std::isfinite(w) || w < 0.0,
-                  "the prior of {} has the weight {}: give finite numbers from 0 up", axis.name, w);
-        sum += w;
-    }
-    refuse_if(weights.size() != axis.values.size() || !(sum > 0.0) || !std::isfinite(sum),
-              "the prior of {} has {} weights with the sum {}: give {}, one for each value, not "
-              "all of them 0",
-              axis.name, weights.size(), sum, axis.values.size());
-    std::vector<double> shares(weights.begin(), weights.end());
-    for (double& w : shares) {
-        w /= sum;
-    }
-    return shares;
-}
-
-}  // namespace
 
 Posterior::Posterior(const Grid& grid)
     : weights_(grid.size(), 1.0 / static_cast<double>(grid.size())) {}

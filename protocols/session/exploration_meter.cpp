@@ -16,6 +16,14 @@ bool is_base(const engine::Outline& outline, std::size_t span) noexcept {
            outline.spans()[span].degree() == 1;
 }
 
+/// t from F = fn n + ft t, where n is t turned to the left; not normalised. 0 without a force.
+engine::Vec2 along(const engine::TickRecord& tick) noexcept {
+    const double fn = tick.normal_force;
+    const double ft = tick.tangential_force;
+    const engine::Vec2 f(tick.force);
+    return {ft * f.x + fn * f.y, ft * f.y - fn * f.x};
+}
+
 }  // namespace
 
 Deciles deciles_of(std::vector<double>& values) noexcept {
@@ -140,18 +148,6 @@ Deciles ExplorationMeter::normal_force() const {
     std::vector<double> values = forces_;
     return deciles_of(values);
 }
-
-namespace {
-
-/// t from F = fn n + ft t, where n is t turned to the left; not normalised. 0 without a force.
-engine::Vec2 along(const engine::TickRecord& tick) noexcept {
-    const double fn = tick.normal_force;
-    const double ft = tick.tangential_force;
-    const engine::Vec2 f(tick.force);
-    return {ft * f.x + fn * f.y, ft * f.y - fn * f.x};
-}
-
-}  // namespace
 
 engine::Vec2 StrokeCounter::step_to(const engine::TickRecord& tick) noexcept {
     const engine::Vec2 hip(tick.hip);

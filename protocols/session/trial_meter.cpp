@@ -26,79 +26,6 @@ void add_flags(unsigned flags, TrialSummary& sum) {
     sum.stale_ticks += (flags & engine::tick_stale) != 0 ? 1 : 0;
 }
 
-}  // namespace
-
-void TrialMeter::add_stroke(const engine::TickRecord& tick) {
-    if (in_space_) {
-        strokes_.add_along(tick, {1.0, 0.0});
-        across_.add_along(tick, {0.0, 1.0});
-    } else {
-        strokes_.add(tick);
-    }
-}
-
-void TrialMeter::add_contact(const engine::TickRecord& tick) {
-    if (sum_.contact_ticks++ == 0) {
-        sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
-    }
-    sum_.before_vertex_ticks += !in_space_ && tick.segment == 0 ? 1 : 0;
-    sum_.after_vertex_ticks += !in_space_ && tick.segment == 1 ? 1 : 0;
-    sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
-    force_sum_ += tick.normal_force;
-    sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
-}
-
-void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
-    for (const engine::TickRecord& tick : ticks) {
-        if (started_) {
-            const engine::Vec3 step = tick.hip - last_hip_;
-            sum_.path_length_m += glm::length(step);
-            sum_.energy_j += glm::dot(last_force_, step);
-            if (tick.mode != engine::Mode::free) {
-                contact_path_ += glm::length(step);
-                contact_time_ += static_cast<double>(tick.time_ns - last_time_) * 1e-9;
-            }
-        }
-        sum_.start = started_ ? sum_.start : engine::Vec2(tick.hip);
-        started_ = true;
-        ledger_.add(tick.hip, tick.force, engine::in_episode(tick));
-        last_hip_ = tick.hip;
-        last_force_ = tick.force;
-        last_time_ = tick.time_ns;
-        add_stroke(tick);
-        exploration_.add(tick);
-        ++sum_.ticks;
-        add_flags(tick.flags, sum_);
-        if (tick.mode != engine::Mode::free) {
-            add_contact(tick);
-        }
-    }
-}
-
-TrialSummary TrialMeter::summary() const {
-    TrialSummary summary = sum_;
-    summary.contact_episodes = ledger_.episodes();
-    summary.worst_episode_j = ledger_.worst();
-    summary.strokes = strokes_.strokes() + across_.strokes();
-    summary.strokes_before_vertex = strokes_.before_vertex();
-    summary.strokes_after_vertex = strokes_.after_vertex();
-    summary.reversals = strokes_.reversals() + across_.reversals();
-    summary.vertex_ticks = exploration_.vertex_ticks();
-    summary.stick_events = exploration_.stick_events();
-    summary.speed = exploration_.speed();
-    summary.normal_force = exploration_.normal_force();
-    summary.covered_share = exploration_.covered_share();
-    if (contact_time_ > 0.0) {
-        summary.mean_speed_m_per_s = contact_path_ / contact_time_;
-    }
-    if (sum_.contact_ticks > 0) {
-        summary.mean_normal_force_n = force_sum_ / static_cast<double>(sum_.contact_ticks);
-    }
-    return summary;
-}
-
-namespace {
-
 using S = TrialSummary;
 
 /// How the intervals of a trial become one number.
@@ -205,6 +132,75 @@ constexpr Measure kMeasures[] = {
 // clang-format on
 
 }  // namespace
+
+void TrialMeter::add_stroke(const engine::TickRecord& tick) {
+    if (in_space_) {
+        strokes_.add_along(tick, {1.0, 0.0});
+        across_.add_along(tick, {0.0, 1.0});
+    } else {
+        strokes_.add(tick);
+    }
+}
+
+void TrialMeter::add_contact(const engine::TickRecord& tick) {
+    if (sum_.contact_ticks++ == 0) {
+        sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
+    }
+    sum_.before_vertex_ticks += !in_space_ && tick.segment == 0 ? 1 : 0;
+    sum_.after_vertex_ticks += !in_space_ && tick.segment == 1 ? 1 : 0;
+    sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
+    force_sum_ += tick.normal_force;
+    sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
+}
+
+void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
+    for (const engine::TickRecord& tick : ticks) {
+        if (started_) {
+            const engine::Vec3 step = tick.hip - last_hip_;
+            sum_.path_length_m += glm::length(step);
+            sum_.energy_j += glm::dot(last_force_, step);
+            if (tick.mode != engine::Mode::free) {
+                contact_path_ += glm::length(step);
+                contact_time_ += static_cast<double>(tick.time_ns - last_time_) * 1e-9;
+            }
+        }
+        sum_.start = started_ ? sum_.start : engine::Vec2(tick.hip);
+        started_ = true;
+        ledger_.add(tick.hip, tick.force, engine::in_episode(tick));
+        last_hip_ = tick.hip;
+        last_force_ = tick.force;
+        last_time_ = tick.time_ns;
+        add_stroke(tick);
+        exploration_.add(tick);
+        ++sum_.ticks;
+        add_flags(tick.flags, sum_);
+        if (tick.mode != engine::Mode::free) {
+            add_contact(tick);
+        }
+    }
+}
+
+TrialSummary TrialMeter::summary() const {
+    TrialSummary summary = sum_;
+    summary.contact_episodes = ledger_.episodes();
+    summary.worst_episode_j = ledger_.worst();
+    summary.strokes = strokes_.strokes() + across_.strokes();
+    summary.strokes_before_vertex = strokes_.before_vertex();
+    summary.strokes_after_vertex = strokes_.after_vertex();
+    summary.reversals = strokes_.reversals() + across_.reversals();
+    summary.vertex_ticks = exploration_.vertex_ticks();
+    summary.stick_events = exploration_.stick_events();
+    summary.speed = exploration_.speed();
+    summary.normal_force = exploration_.normal_force();
+    summary.covered_share = exploration_.covered_share();
+    if (contact_time_ > 0.0) {
+        summary.mean_speed_m_per_s = contact_path_ / contact_time_;
+    }
+    if (sum_.contact_ticks > 0) {
+        summary.mean_normal_force_n = force_sum_ / static_cast<double>(sum_.contact_ticks);
+    }
+    return summary;
+}
 
 std::span<const Measure> measures() noexcept {
     return kMeasures;

@@ -34,6 +34,18 @@ private:
     Apparatus* apparatus_;
 };
 
+Response response_of(const Choice& choice, bool with_confidence) {
+    return {.place = choice.place,
+            .reaction_s = choice.reaction_s,
+            .uncertainty_s = choice.uncertainty_s,
+            .input = choice.input,
+            .confidence = with_confidence ? choice.confidence : std::nullopt,
+            .confidence_reaction_s = choice.confidence_reaction_s,
+            .early_presses = choice.early_presses,
+            .confirmation = choice.confirmation,
+            .confidence_confirmation = choice.confidence_confirmation};
+}
+
 }  // namespace
 
 TrialRunner::TrialRunner(const Protocol& protocol,
@@ -77,22 +89,6 @@ Signal TrialRunner::begin(const TrialView& view) {
     const Signal signal = ports_.observer.ready(view);
     return ports_.interrupted() ? Signal::abort : signal;
 }
-
-namespace {
-
-Response response_of(const Choice& choice, bool with_confidence) {
-    return {.place = choice.place,
-            .reaction_s = choice.reaction_s,
-            .uncertainty_s = choice.uncertainty_s,
-            .input = choice.input,
-            .confidence = with_confidence ? choice.confidence : std::nullopt,
-            .confidence_reaction_s = choice.confidence_reaction_s,
-            .early_presses = choice.early_presses,
-            .confirmation = choice.confirmation,
-            .confidence_confirmation = choice.confidence_confirmation};
-}
-
-}  // namespace
 
 TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     TrialResult result;

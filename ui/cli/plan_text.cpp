@@ -76,6 +76,23 @@ std::string acceptance_text(const Protocol& protocol) {
     return text;
 }
 
+std::string soft_line(const Protocol& protocol,
+                      const protocols::ObjectSpec& object,
+                      std::string_view whose) {
+    const double c = object.compliance;
+    if (!(c > 0.0)) {
+        return {};
+    }
+    const double k = protocol.apparatus.stiffness;
+    const engine::SoftShape shape(outline_of(protocol, object), c,
+                                  1.0 / protocol.apparatus.rate_hz);
+    return fmt::format(
+        "  soft: {} {} gives way by {:.3g} mm/N at its vertex, with the contact's {:.6g} N/m by "
+        "{:.3g} mm/N\n    in all ({:.4g} N/m), and by {:.3g} mm at the most, from {:.3g} N on\n",
+        object.name, whose, 1e3 * c, k, 1e3 * (c + 1.0 / k), 1.0 / (c + 1.0 / k),
+        1e3 * shape.deepest(), shape.deepest() / c);
+}
+
 }  // namespace
 
 std::string limits_text(const Protocol& protocol,
@@ -140,27 +157,6 @@ std::string steps_text(const Protocol& protocol, const PlanSummary& summary) {
     return steps_of("object", protocol.objects, summary.object_steps) + '\n' +
            steps_of("friction", protocol.frictions, summary.friction_steps);
 }
-
-namespace {
-
-std::string soft_line(const Protocol& protocol,
-                      const protocols::ObjectSpec& object,
-                      std::string_view whose) {
-    const double c = object.compliance;
-    if (!(c > 0.0)) {
-        return {};
-    }
-    const double k = protocol.apparatus.stiffness;
-    const engine::SoftShape shape(outline_of(protocol, object), c,
-                                  1.0 / protocol.apparatus.rate_hz);
-    return fmt::format(
-        "  soft: {} {} gives way by {:.3g} mm/N at its vertex, with the contact's {:.6g} N/m by "
-        "{:.3g} mm/N\n    in all ({:.4g} N/m), and by {:.3g} mm at the most, from {:.3g} N on\n",
-        object.name, whose, 1e3 * c, k, 1e3 * (c + 1.0 / k), 1.0 / (c + 1.0 / k),
-        1e3 * shape.deepest(), shape.deepest() / c);
-}
-
-}  // namespace
 
 std::string softness_text(const Protocol& protocol) {
     std::string text;

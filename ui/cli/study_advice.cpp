@@ -102,28 +102,6 @@ void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string
     }
 }
 
-}  // namespace
-
-Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Plan& plan) {
-    Stretch longest;
-    Stretch now;
-    for (const protocols::PlannedTrial& trial : plan.trials) {
-        if (trial.break_before) {
-            now = {.first = trial.position};
-        }
-        ++now.trials;
-        longest = now.trials > longest.trials ? now : longest;
-    }
-    if (longest.trials > 0) {
-        protocols::Plan alone;
-        alone.trials.assign(longest.trials, protocols::PlannedTrial{});
-        longest.seconds = duration_of(alone, protocol).prompted;
-    }
-    return longest;
-}
-
-namespace {
-
 /// Instructions that stand in another language alone.
 void advise_on_language(const protocols::Protocol& protocol, std::vector<std::string>& all) {
     const auto chosen = static_cast<std::size_t>(protocol.language);
@@ -144,6 +122,24 @@ void advise_on_language(const protocols::Protocol& protocol, std::vector<std::st
 }
 
 }  // namespace
+
+Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Plan& plan) {
+    Stretch longest;
+    Stretch now;
+    for (const protocols::PlannedTrial& trial : plan.trials) {
+        if (trial.break_before) {
+            now = {.first = trial.position};
+        }
+        ++now.trials;
+        longest = now.trials > longest.trials ? now : longest;
+    }
+    if (longest.trials > 0) {
+        protocols::Plan alone;
+        alone.trials.assign(longest.trials, protocols::PlannedTrial{});
+        longest.seconds = duration_of(alone, protocol).prompted;
+    }
+    return longest;
+}
 
 std::vector<std::string> advice_on(const protocols::Protocol& protocol,
                                    const protocols::Plan& plan) {

@@ -171,6 +171,33 @@ void say_force(Check& check, bool gives_force, const std::optional<double>& weak
     }
 }
 
+void say_margins(Check& check,
+                 const protocols::ApparatusSpec& asked,
+                 const protocols::Margins& margins) {
+    check.detail =
+        fmt::format("{:.6g} N/m at {:.6g} Hz needs {:.3g} N s/m, the device damps {}",
+                    asked.stiffness, asked.rate_hz, margins.needed_damping,
+                    margins.damping ? fmt::format("{:.3g} ({:.2f} times as much)", *margins.damping,
+                                                  *margins.damping / margins.needed_damping)
+                                    : std::string("by what nobody measured"));
+    check.numbers = {{"needed_damping_n_s_per_m", margins.needed_damping},
+                     {"force_limit_n", asked.force_limit}};
+    if (margins.damping) {
+        check.numbers.emplace_back("damping_n_s_per_m", *margins.damping);
+    }
+    if (margins.weakest_force) {
+        check.detail +=
+            fmt::format("; up to {:.3g} N are asked for, it gives {:.3g} N or more on every object",
+                        asked.force_limit, *margins.weakest_force);
+        check.numbers.emplace_back("weakest_force_n", *margins.weakest_force);
+    }
+    if (const std::string rest = protocols::rest_text(margins); !rest.empty()) {
+        check.detail += "; " + rest;
+        check.numbers.emplace_back("reading_error_m", *margins.reading_error);
+        check.numbers.emplace_back("resting_friction_n", margins.resting_friction);
+    }
+}
+
 }  // namespace
 
 Check check_device(const std::string& word,
@@ -202,37 +229,6 @@ Check check_device(const std::string& word,
     }
     return check;
 }
-
-namespace {
-
-void say_margins(Check& check,
-                 const protocols::ApparatusSpec& asked,
-                 const protocols::Margins& margins) {
-    check.detail =
-        fmt::format("{:.6g} N/m at {:.6g} Hz needs {:.3g} N s/m, the device damps {}",
-                    asked.stiffness, asked.rate_hz, margins.needed_damping,
-                    margins.damping ? fmt::format("{:.3g} ({:.2f} times as much)", *margins.damping,
-                                                  *margins.damping / margins.needed_damping)
-                                    : std::string("by what nobody measured"));
-    check.numbers = {{"needed_damping_n_s_per_m", margins.needed_damping},
-                     {"force_limit_n", asked.force_limit}};
-    if (margins.damping) {
-        check.numbers.emplace_back("damping_n_s_per_m", *margins.damping);
-    }
-    if (margins.weakest_force) {
-        check.detail +=
-            fmt::format("; up to {:.3g} N are asked for, it gives {:.3g} N or more on every object",
-                        asked.force_limit, *margins.weakest_force);
-        check.numbers.emplace_back("weakest_force_n", *margins.weakest_force);
-    }
-    if (const std::string rest = protocols::rest_text(margins); !rest.empty()) {
-        check.detail += "; " + rest;
-        check.numbers.emplace_back("reading_error_m", *margins.reading_error);
-        check.numbers.emplace_back("resting_friction_n", margins.resting_friction);
-    }
-}
-
-}  // namespace
 
 Check check_feasible(const protocols::Protocol& protocol, const engine::Device& device) {
     Check check{

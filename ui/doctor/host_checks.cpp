@@ -51,6 +51,42 @@ private:
     int file_;
 };
 
+/// @return the share of the time since `before` that the host of a virtual machine took
+double add_stolen(Check& check, const std::optional<ProcessorTime>& before) {
+    const auto after = processor_time();
+    if (!before || !after || !(after->all > before->all)) {
+        return 0.0;
+    }
+    const double stolen = (after->stolen - before->stolen) / (after->all - before->all);
+    if (after->stolen > 0.0) {
+        check.detail += fmt::format(", {:.2f} % of the time taken by the virtual machine's host",
+                                    100.0 * stolen);
+    }
+    check.numbers.emplace_back("steal_share", stolen);
+    return stolen;
+}
+
+double free_gib(const std::filesystem::path& folder) {
+    constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+    struct statvfs system {};
+    if (statvfs(folder.c_str(), &system) != 0) {
+        throw std::runtime_error(std::strerror(errno));
+    }
+    return static_cast<double>(system.f_bavail) * static_cast<double>(system.f_frsize) / kGiB;
+}
+
+void judge_disk(Check& check, double room_gib, double sync_ms) {
+    if (room_gib < 1.0) {
+        check.status = CheckStatus::warn;
+        check.remedy = "a session needs some 100 MiB: make room, or give --db on another disk";
+    } else if (sync_ms > 50.0) {
+        check.status = CheckStatus::warn;
+        check.remedy =
+            "this disk is slow (a network folder or a USB stick?): keep the database "
+            "on an inner disk and copy it afterwards";
+    }
+}
+
 }  // namespace
 
 std::optional<ProcessorTime> processor_time() {
@@ -81,25 +117,6 @@ Check check_kernel() {
             .picture = {}};
 }
 
-namespace {
-
-/// @return the share of the time since `before` that the host of a virtual machine took
-double add_stolen(Check& check, const std::optional<ProcessorTime>& before) {
-    const auto after = processor_time();
-    if (!before || !after || !(after->all > before->all)) {
-        return 0.0;
-    }
-    const double stolen = (after->stolen - before->stolen) / (after->all - before->all);
-    if (after->stolen > 0.0) {
-        check.detail += fmt::format(", {:.2f} % of the time taken by the virtual machine's host",
-                                    100.0 * stolen);
-    }
-    check.numbers.emplace_back("steal_share", stolen);
-    return stolen;
-}
-
-}  // namespace
-
 Check check_host(const std::optional<ProcessorTime>& before) {
     const unsigned count = std::thread::hardware_concurrency();
     const std::string governor =
@@ -126,31 +143,6 @@ Check check_host(const std::optional<ProcessorTime>& before) {
     }
     return check;
 }
-
-namespace {
-
-double free_gib(const std::filesystem::path& folder) {
-    constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
-    struct statvfs system {};
-    if (statvfs(folder.c_str(), &system) != 0) {
-        throw std::runtime_error(std::strerror(errno));
-    }
-    return static_cast<double>(system.f_bavail) * static_cast<double>(system.f_frsize) / kGiB;
-}
-
-void judge_disk(Check& check, double room_gib, double sync_ms) {
-    if (room_gib < 1.0) {
-        check.status = CheckStatus::warn;
-        check.remedy = "a session needs some 100 MiB: make room, or give --db on another disk";
-    } else if (sync_ms > 50.0) {
-        check.status = CheckStatus::warn;
-        check.remedy =
-            "this disk is slow (a network folder or a USB stick?): keep the database "
-            "on an inner disk and copy it afterwards";
-    }
-}
-
-}  // namespace
 
 Check check_disk(const std::string& database) {
     constexpr int kSyncs = 15;

@@ -40,6 +40,38 @@ std::pair<double, int> read_clock() {
     return {static_cast<double>(last - start) / kReads, back};
 }
 
+void judge_lateness(Check& check, const engine::LatenessHistogram& lateness, bool all_rights) {
+    const double ticks = std::max(1.0, static_cast<double>(lateness.count()));
+    const double late = static_cast<double>(lateness.late()) / ticks;
+    const char* rights = all_rights ? "" : ", grant what was refused above";
+    if (lateness.count() == 0 || late > 0.01) {
+        check.status = CheckStatus::fail;
+        check.remedy = fmt::format(
+            "more than 1 % of the ticks are late: close other programs{}, run on the machine "
+            "itself instead of a virtual one, or lower the protocol's rate",
+            rights);
+    } else if (late > 0.0002 || lateness.missed() > 0) {
+        check.status = CheckStatus::warn;
+        check.remedy =
+            fmt::format("close other programs{}; every late tick is marked in the data", rights);
+    }
+}
+
+struct BarBound {
+    std::int64_t ns;
+    const char* name;
+};
+constexpr std::array<BarBound, 10> kBarBounds{{{1'000, "1 us"},
+                                               {5'000, "5 us"},
+                                               {10'000, "10 us"},
+                                               {20'000, "20 us"},
+                                               {50'000, "50 us"},
+                                               {100'000, "100 us"},
+                                               {200'000, "200 us"},
+                                               {500'000, "500 us"},
+                                               {1'000'000, "1 ms"},
+                                               {10'000'000, "10 ms"}}};
+
 }  // namespace
 
 Check check_clock() {
@@ -111,27 +143,6 @@ JitterRun run_jitter(double rate_hz, double seconds) {
     return run;
 }
 
-namespace {
-
-void judge_lateness(Check& check, const engine::LatenessHistogram& lateness, bool all_rights) {
-    const double ticks = std::max(1.0, static_cast<double>(lateness.count()));
-    const double late = static_cast<double>(lateness.late()) / ticks;
-    const char* rights = all_rights ? "" : ", grant what was refused above";
-    if (lateness.count() == 0 || late > 0.01) {
-        check.status = CheckStatus::fail;
-        check.remedy = fmt::format(
-            "more than 1 % of the ticks are late: close other programs{}, run on the machine "
-            "itself instead of a virtual one, or lower the protocol's rate",
-            rights);
-    } else if (late > 0.0002 || lateness.missed() > 0) {
-        check.status = CheckStatus::warn;
-        check.remedy =
-            fmt::format("close other programs{}; every late tick is marked in the data", rights);
-    }
-}
-
-}  // namespace
-
 Check check_jitter(const JitterRun& run) {
     const engine::LatenessHistogram& lateness = run.all.lateness;
     const std::int64_t p99 = lateness.quantile_ns(0.99);
@@ -182,25 +193,6 @@ Check check_cyclictest(const JitterRun& run) {
     }
     return check;
 }
-
-namespace {
-
-struct BarBound {
-    std::int64_t ns;
-    const char* name;
-};
-constexpr std::array<BarBound, 10> kBarBounds{{{1'000, "1 us"},
-                                               {5'000, "5 us"},
-                                               {10'000, "10 us"},
-                                               {20'000, "20 us"},
-                                               {50'000, "50 us"},
-                                               {100'000, "100 us"},
-                                               {200'000, "200 us"},
-                                               {500'000, "500 us"},
-                                               {1'000'000, "1 ms"},
-                                               {10'000'000, "10 ms"}}};
-
-}  // namespace
 
 std::vector<std::string> bars(const engine::LatenessHistogram& histogram) {
     constexpr double kLongest = 40.0;

@@ -53,6 +53,19 @@ std::optional<std::int64_t> labelled(std::string_view line, std::string_view lab
     return line.starts_with(label) ? number_in(line.substr(label.size())) : std::nullopt;
 }
 
+class NoDevice : public engine::Device {
+public:
+    engine::Reading read() noexcept override { return {.hip = {0.0, 0.06, 0.0}}; }
+    engine::AppliedForce write(const engine::Vec3& /*force*/) noexcept override { return {}; }
+    [[nodiscard]] std::string name() const override { return "none"; }
+};
+
+double processor_s() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
 }  // namespace
 
 std::int64_t Cyclictest::total() const {
@@ -106,23 +119,6 @@ std::optional<Cyclictest> run_cyclictest(double rate_hz, double seconds, bool re
                                       std::to_string(loops) + " -h" + std::to_string(kBins) +
                                       (realtime ? " -m -p80" : "") + " 2>/dev/null"));
 }
-
-namespace {
-
-class NoDevice : public engine::Device {
-public:
-    engine::Reading read() noexcept override { return {.hip = {0.0, 0.06, 0.0}}; }
-    engine::AppliedForce write(const engine::Vec3& /*force*/) noexcept override { return {}; }
-    [[nodiscard]] std::string name() const override { return "none"; }
-};
-
-double processor_s() {
-    timespec used{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
-
-}  // namespace
 
 WakeUps measure_wake_ups(double rate_hz,
                          double seconds,

@@ -30,22 +30,6 @@ constexpr int kTries = 1000;
 template <std::size_t Bytes>
 using Words = std::array<Word, Bytes / sizeof(Word)>;
 
-}  // namespace
-
-/// Odd sequence: its words are being written.
-struct LiveMemory {
-    Word magic;
-    Word state_sequence;
-    Word phase_ns;
-    Word length;
-    Words<LiveWriter::kStateRoom> state;
-    Word tick_sequence;
-    Word ticks;  ///< shown so far
-    std::array<Words<sizeof(LiveTick)>, LiveWriter::kRing> ring;
-};
-
-namespace {
-
 void put(std::span<Word> words, const void* bytes, std::size_t size) noexcept {
     for (std::size_t at = 0; at < size; at += sizeof(Word)) {
         std::uint64_t word = 0;
@@ -88,6 +72,18 @@ bool at_rest(const Word& sequence, const Read& read) {
 }
 
 }  // namespace
+
+/// Odd sequence: its words are being written.
+struct LiveMemory {
+    Word magic;
+    Word state_sequence;
+    Word phase_ns;
+    Word length;
+    Words<LiveWriter::kStateRoom> state;
+    Word tick_sequence;
+    Word ticks;  ///< shown so far
+    std::array<Words<sizeof(LiveTick)>, LiveWriter::kRing> ring;
+};
 
 LiveWriter::LiveWriter() noexcept {
     Descriptor file(memfd_create("palpate-live", MFD_CLOEXEC | MFD_ALLOW_SEALING));

@@ -73,6 +73,37 @@ struct Packet {
     msghdr head{};
 };
 
+constexpr std::size_t kLongestLine = 8192;
+constexpr std::size_t kCallers = 16;
+constexpr std::chrono::seconds kSilence{10};
+
+/// The open file is the database, and open for writing.
+bool shows_right(const Descriptor& right, const FileIdentity& file) {
+    struct stat shown {};
+    return right.get() >= 0 && fstat(right.get(), &shown) == 0 && shown.st_dev == file.device &&
+           shown.st_ino == file.inode && (fcntl(right.get(), F_GETFL) & O_ACCMODE) != O_RDONLY;
+}
+
+constexpr int kAnswerMs = 2000;  ///< a session's time to answer
+
+/// A whole one until `end`, on the clock of monotonic_ns(), or none.
+Received line_from(const Descriptor& from, std::int64_t end) {
+    Received answer;
+    while (!answer.ended && !answer.line.ends_with('\n')) {
+        const std::int64_t left = (end - monotonic_ns()) / kMillisecond;
+        if (!readable(from.get(), static_cast<int>(std::max<std::int64_t>(left, 0)))) {
+            return {};
+        }
+        Received more = receive(from.get());
+        answer.ended = more.ended;
+        answer.line += more.line;
+        if (more.file.get() >= 0) {
+            answer.file = std::move(more.file);
+        }
+    }
+    return answer;
+}
+
 }  // namespace
 
 std::optional<FileIdentity> identity_of(const std::string& database) {
@@ -175,21 +206,6 @@ Received receive(int from) {
     return received;
 }
 
-namespace {
-
-constexpr std::size_t kLongestLine = 8192;
-constexpr std::size_t kCallers = 16;
-constexpr std::chrono::seconds kSilence{10};
-
-/// The open file is the database, and open for writing.
-bool shows_right(const Descriptor& right, const FileIdentity& file) {
-    struct stat shown {};
-    return right.get() >= 0 && fstat(right.get(), &shown) == 0 && shown.st_dev == file.device &&
-           shown.st_ino == file.inode && (fcntl(right.get(), F_GETFL) & O_ACCMODE) != O_RDONLY;
-}
-
-}  // namespace
-
 void Caller::answer(bool ok, std::string_view text, std::string_view word) const noexcept {
     try {
         answer_line(answer_of(ok, text, word));
@@ -259,30 +275,6 @@ void ControlSocket::hear(const Obey& obey) {
     accept_callers();
     std::erase_if(lines_, [&](Line& line) { return !hear(line, obey); });
 }
-
-namespace {
-
-constexpr int kAnswerMs = 2000;  ///< a session's time to answer
-
-/// A whole one until `end`, on the clock of monotonic_ns(), or none.
-Received line_from(const Descriptor& from, std::int64_t end) {
-    Received answer;
-    while (!answer.ended && !answer.line.ends_with('\n')) {
-        const std::int64_t left = (end - monotonic_ns()) / kMillisecond;
-        if (!readable(from.get(), static_cast<int>(std::max<std::int64_t>(left, 0)))) {
-            return {};
-        }
-        Received more = receive(from.get());
-        answer.ended = more.ended;
-        answer.line += more.line;
-        if (more.file.get() >= 0) {
-            answer.file = std::move(more.file);
-        }
-    }
-    return answer;
-}
-
-}  // namespace
 
 StopResult stop_sessions(const std::optional<std::string>& database) {
     const Descriptor right(database ? open(database->c_str(), O_RDWR | O_CLOEXEC) : -1);

@@ -63,6 +63,34 @@ private:
     sigset_t before_{};
 };
 
+/// A writer is at the other end of a pipe: without one, whoever reads it finds its end.
+bool has_writer(int pipe) {
+    std::array<input_event, 16> earlier{};
+    return read(pipe, earlier.data(), sizeof earlier) != 0;
+}
+
+/// @return what is wrong with it
+std::string take(int device) {
+    struct stat kind {};
+    fstat(device, &kind);
+    if (S_ISFIFO(kind.st_mode)) {
+        return has_writer(device) ? "" : "nobody writes into this pipe";
+    }
+    std::array<std::uint8_t, KEY_MAX / 8 + 1> keys{};
+    if (!S_ISCHR(kind.st_mode) || ioctl(device, EVIOCGBIT(EV_KEY, keys.size()), keys.data()) < 0 ||
+        std::ranges::all_of(keys, [](std::uint8_t byte) { return byte == 0; })) {
+        return "this is no button: name one of /dev/input/by-id";
+    }
+    if (ioctl(device, EVIOCGRAB, 1) != 0) {
+        return "another program holds it: end that";
+    }
+    keys.fill(0);
+    ioctl(device, EVIOCGKEY(keys.size()), keys.data());
+    return std::ranges::all_of(keys, [](std::uint8_t byte) { return byte == 0; })
+             ? ""
+             : "it is pressed: release it";
+}
+
 }  // namespace
 
 TypedAnswer::TypedAnswer() {
@@ -195,38 +223,6 @@ void StopLines::await_button() {
         say("The stop button is there again.\n");
     }
 }
-
-namespace {
-
-/// A writer is at the other end of a pipe: without one, whoever reads it finds its end.
-bool has_writer(int pipe) {
-    std::array<input_event, 16> earlier{};
-    return read(pipe, earlier.data(), sizeof earlier) != 0;
-}
-
-/// @return what is wrong with it
-std::string take(int device) {
-    struct stat kind {};
-    fstat(device, &kind);
-    if (S_ISFIFO(kind.st_mode)) {
-        return has_writer(device) ? "" : "nobody writes into this pipe";
-    }
-    std::array<std::uint8_t, KEY_MAX / 8 + 1> keys{};
-    if (!S_ISCHR(kind.st_mode) || ioctl(device, EVIOCGBIT(EV_KEY, keys.size()), keys.data()) < 0 ||
-        std::ranges::all_of(keys, [](std::uint8_t byte) { return byte == 0; })) {
-        return "this is no button: name one of /dev/input/by-id";
-    }
-    if (ioctl(device, EVIOCGRAB, 1) != 0) {
-        return "another program holds it: end that";
-    }
-    keys.fill(0);
-    ioctl(device, EVIOCGKEY(keys.size()), keys.data());
-    return std::ranges::all_of(keys, [](std::uint8_t byte) { return byte == 0; })
-             ? ""
-             : "it is pressed: release it";
-}
-
-}  // namespace
 
 StopButton::StopButton(std::string file) : file_(std::move(file)) {
     if (const std::string wrong = open_it(); !wrong.empty()) {

@@ -52,40 +52,6 @@ std::string line_of(const char* file, std::string_view key, char separator) {
     return "unknown";
 }
 
-}  // namespace
-
-std::vector<std::pair<std::string, std::string>> provenance() {
-    utsname system{};
-    uname(&system);
-    std::vector<std::pair<std::string, std::string>> rows{
-        {"palpate", kVersion},
-        {"build id", build_id()},
-        {"compiler", __VERSION__},
-        {"libc", gnu_get_libc_version()},
-        {"fmt", fmt_version()},
-        {"toml++", protocols::toml_version()},
-        {"CLI11", CLI11_VERSION},
-        {"SDL2", sdl_version()},
-        {"SDL2_ttf", text_of(*TTF_Linked_Version())},
-        {"libpng", png_get_libpng_ver(nullptr)},
-        {"system", line_of("/etc/os-release", "PRETTY_NAME=", '=')},
-        {"kernel", std::string(system.sysname) + " " + system.release},
-        {"machine", system.machine},
-        {"processor", line_of("/proc/cpuinfo", "model name", ':')}};
-    const auto of_data = data::library_versions();
-    rows.insert(rows.end(), of_data.begin(), of_data.end());
-    return rows;
-}
-
-std::vector<std::pair<std::string, std::string>> provenance(const protocols::Protocol& protocol) {
-    auto rows = provenance();
-    const auto objects = protocols::object_hashes(protocol);
-    rows.insert(rows.end(), objects.begin(), objects.end());
-    return rows;
-}
-
-namespace {
-
 constexpr std::uint32_t kBuildId = 3;  // NT_GNU_BUILD_ID of a note named "GNU"
 constexpr std::string_view kGnu{"GNU\0", 4};
 
@@ -123,6 +89,36 @@ std::string find_id(const unsigned char* at, std::size_t size) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> provenance() {
+    utsname system{};
+    uname(&system);
+    std::vector<std::pair<std::string, std::string>> rows{
+        {"palpate", kVersion},
+        {"build id", build_id()},
+        {"compiler", __VERSION__},
+        {"libc", gnu_get_libc_version()},
+        {"fmt", fmt_version()},
+        {"toml++", protocols::toml_version()},
+        {"CLI11", CLI11_VERSION},
+        {"SDL2", sdl_version()},
+        {"SDL2_ttf", text_of(*TTF_Linked_Version())},
+        {"libpng", png_get_libpng_ver(nullptr)},
+        {"system", line_of("/etc/os-release", "PRETTY_NAME=", '=')},
+        {"kernel", std::string(system.sysname) + " " + system.release},
+        {"machine", system.machine},
+        {"processor", line_of("/proc/cpuinfo", "model name", ':')}};
+    const auto of_data = data::library_versions();
+    rows.insert(rows.end(), of_data.begin(), of_data.end());
+    return rows;
+}
+
+std::vector<std::pair<std::string, std::string>> provenance(const protocols::Protocol& protocol) {
+    auto rows = provenance();
+    const auto objects = protocols::object_hashes(protocol);
+    rows.insert(rows.end(), objects.begin(), objects.end());
+    return rows;
+}
 
 std::string build_id() {
     // The kernel tells where it put the program's headers (getauxval(3)); they say where the notes

@@ -42,75 +42,10 @@ void require_monitor(const std::vector<std::string>& monitors, std::size_t numbe
     }
 }
 
-}  // namespace
-
-void add_screen_words(CommandWords& words, ScreenOptions& screen) {
-    words.add("--headless", screen.headless,
-              "No window: the simulated observer answers (so does it without a display)");
-    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
-    words
-        .add("--windowed", screen.windowed,
-             "It does not; without either word it does in real sessions")
-        .excludes("--fullscreen");
-    words
-        .add("--monitor", screen.monitor,
-             "Number of the monitor for the subject's window; palpate doctor names them")
-        .above_zero();
-    words.add("--font", screen.font, "A TrueType font for the subject's screen");
-    words
-        .add(
-            "--speed", screen.speed,
-            "Simulated and replayed hands at this multiple of real time; 0: as fast as the machine")
-        .from_zero();
-}
-
-bool wants_window(const ScreenOptions& screen) {
-    if (screen.headless) {
-        return false;
-    }
-    const FoundDisplay found = find_display();
-    refuse_if(found.state == FoundDisplay::State::broken, "{}", found.trouble);
-    if (found.state == FoundDisplay::State::ready && screen.monitor > 0) {
-        require_monitor(found.monitors, static_cast<std::size_t>(screen.monitor));
-    }
-    return found.state == FoundDisplay::State::ready;
-}
-
-namespace {
-
 std::string fact_of(const OpenedApparatus& felt, std::string_view key) {
     const auto fact = std::ranges::find(felt.opening, key, &OpeningFact::key);
     return fact == felt.opening.end() ? "" : fact->value;
 }
-
-}  // namespace
-
-LiveFacts live_facts(const RigSpec& spec,
-                     const OpenedApparatus& felt,
-                     data::Database& database,
-                     const data::OpenedSession& opened) {
-    data::Statement row =
-        database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
-    const auto calibration = std::ranges::find(felt.provenance, "calibration name",
-                                               [](const auto& p) { return p.first; });
-    return {.uuid = std::string(row.text(0)),
-            .file = std::filesystem::absolute(database.file()).string(),
-            .kind = std::string(to_string(spec.kind)),
-            .participant = spec.key.participant,
-            .number = spec.key.session,
-            .operator_name = spec.operator_name,
-            .device = felt.port->device_name(),
-            .calibration = calibration == felt.provenance.end() ? "" : calibration->second,
-            .check = fact_of(felt, protocols::kRigCheck),
-            .guard = fact_of(felt, "device watchdog"),
-            .round_trip_us =
-                felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
-            .gives_force = gives_force(spec.device.kind),
-            .answered = opened.progress.pending().answered(),
-            .left = opened.progress.pending().order().size()};
-}
-
-namespace {
 
 std::unique_ptr<protocols::Observer> make_simulated_observer(
     const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
@@ -168,7 +103,69 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
     return options;
 }
 
+OpenedMasking silent(const std::string& why) {
+    warn("no masking noise: {}", why);
+    return {.player = nullptr, .note = "none: " + why};
+}
+
 }  // namespace
+
+void add_screen_words(CommandWords& words, ScreenOptions& screen) {
+    words.add("--headless", screen.headless,
+              "No window: the simulated observer answers (so does it without a display)");
+    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
+    words
+        .add("--windowed", screen.windowed,
+             "It does not; without either word it does in real sessions")
+        .excludes("--fullscreen");
+    words
+        .add("--monitor", screen.monitor,
+             "Number of the monitor for the subject's window; palpate doctor names them")
+        .above_zero();
+    words.add("--font", screen.font, "A TrueType font for the subject's screen");
+    words
+        .add(
+            "--speed", screen.speed,
+            "Simulated and replayed hands at this multiple of real time; 0: as fast as the machine")
+        .from_zero();
+}
+
+bool wants_window(const ScreenOptions& screen) {
+    if (screen.headless) {
+        return false;
+    }
+    const FoundDisplay found = find_display();
+    refuse_if(found.state == FoundDisplay::State::broken, "{}", found.trouble);
+    if (found.state == FoundDisplay::State::ready && screen.monitor > 0) {
+        require_monitor(found.monitors, static_cast<std::size_t>(screen.monitor));
+    }
+    return found.state == FoundDisplay::State::ready;
+}
+
+LiveFacts live_facts(const RigSpec& spec,
+                     const OpenedApparatus& felt,
+                     data::Database& database,
+                     const data::OpenedSession& opened) {
+    data::Statement row =
+        database.first("SELECT uuid FROM session WHERE session_id = ?1", opened.id);
+    const auto calibration = std::ranges::find(felt.provenance, "calibration name",
+                                               [](const auto& p) { return p.first; });
+    return {.uuid = std::string(row.text(0)),
+            .file = std::filesystem::absolute(database.file()).string(),
+            .kind = std::string(to_string(spec.kind)),
+            .participant = spec.key.participant,
+            .number = spec.key.session,
+            .operator_name = spec.operator_name,
+            .device = felt.port->device_name(),
+            .calibration = calibration == felt.provenance.end() ? "" : calibration->second,
+            .check = fact_of(felt, protocols::kRigCheck),
+            .guard = fact_of(felt, "device watchdog"),
+            .round_trip_us =
+                felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
+            .gives_force = gives_force(spec.device.kind),
+            .answered = opened.progress.pending().answered(),
+            .left = opened.progress.pending().order().size()};
+}
 
 Observers observers_before_the_plan(const RigSpec& spec,
                                     protocols::Apparatus& apparatus,
@@ -196,15 +193,6 @@ void add_simulated_observer(Observers& observers,
             *observers.simulated, screen_options(spec, apparatus, desk, live));
     }
 }
-
-namespace {
-
-OpenedMasking silent(const std::string& why) {
-    warn("no masking noise: {}", why);
-    return {.player = nullptr, .note = "none: " + why};
-}
-
-}  // namespace
 
 OpenedMasking open_masking(const RigSpec& spec) {
     const protocols::MaskingSpec& asked = spec.study.protocol.masking;

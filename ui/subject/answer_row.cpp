@@ -88,61 +88,6 @@ void draw_shape(Window& window,
     window.triangles(stroke(outline, thin), kOutline);
 }
 
-}  // namespace
-
-std::vector<Card> lay_out_cards(std::size_t count, const Vec2& window) {
-    const auto n = static_cast<double>(count);
-    const double gap = 0.016 * window.x;
-    const double width = (0.96 * window.x - (n - 1.0) * gap) / n;
-    const double height = std::min(width, 0.46 * window.y);
-    const double left = 0.02 * window.x;
-    std::vector<Card> cards;
-    for (std::size_t i = 0; i < count; ++i) {
-        cards.push_back(
-            {Vec2{left + static_cast<double>(i) * (width + gap), 0.49 * window.y - 0.5 * height},
-             Vec2{width, height}});
-    }
-    return cards;
-}
-
-std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixel) {
-    for (std::size_t i = 0; i < cards.size(); ++i) {
-        if (cards[i].contains(pixel)) {
-            return i;
-        }
-    }
-    return std::nullopt;
-}
-
-void draw_blank(Window& window, const Card& card, bool chosen) {
-    if (chosen) {
-        const double frame = 0.2 * type_size(window.size());
-        window.triangles(
-            rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
-            kAccent);
-    }
-    window.triangles(rectangle(card.corner, card.size), kCard);
-}
-
-void draw_pictures(Window& window,
-                   std::span<const Card> cards,
-                   std::span<const protocols::Picture> pictures,
-                   std::optional<std::size_t> selected) {
-    const Box box = box_of(pictures);
-    const double type = type_size(window.size());
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-        const Card& card = cards[i];
-        const bool chosen = selected == i;
-        draw_blank(window, card, chosen);
-        window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
-        window.text(fmt::format("{}", i + 1),
-                    {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
-                    chosen ? kAccent : kText);
-    }
-}
-
-namespace {
-
 using engine::Vec2;
 using protocols::Question;
 using protocols::ResponseKind;
@@ -195,6 +140,57 @@ std::string label(const Question& question, std::size_t index, std::string_view 
 }
 
 }  // namespace
+
+std::vector<Card> lay_out_cards(std::size_t count, const Vec2& window) {
+    const auto n = static_cast<double>(count);
+    const double gap = 0.016 * window.x;
+    const double width = (0.96 * window.x - (n - 1.0) * gap) / n;
+    const double height = std::min(width, 0.46 * window.y);
+    const double left = 0.02 * window.x;
+    std::vector<Card> cards;
+    for (std::size_t i = 0; i < count; ++i) {
+        cards.push_back(
+            {Vec2{left + static_cast<double>(i) * (width + gap), 0.49 * window.y - 0.5 * height},
+             Vec2{width, height}});
+    }
+    return cards;
+}
+
+std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixel) {
+    for (std::size_t i = 0; i < cards.size(); ++i) {
+        if (cards[i].contains(pixel)) {
+            return i;
+        }
+    }
+    return std::nullopt;
+}
+
+void draw_blank(Window& window, const Card& card, bool chosen) {
+    if (chosen) {
+        const double frame = 0.2 * type_size(window.size());
+        window.triangles(
+            rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
+            kAccent);
+    }
+    window.triangles(rectangle(card.corner, card.size), kCard);
+}
+
+void draw_pictures(Window& window,
+                   std::span<const Card> cards,
+                   std::span<const protocols::Picture> pictures,
+                   std::optional<std::size_t> selected) {
+    const Box box = box_of(pictures);
+    const double type = type_size(window.size());
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        const Card& card = cards[i];
+        const bool chosen = selected == i;
+        draw_blank(window, card, chosen);
+        window.fine(card.corner, card.size, [&] { draw_shape(window, pictures[i], box, card); });
+        window.text(fmt::format("{}", i + 1),
+                    {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
+                    chosen ? kAccent : kText);
+    }
+}
 
 std::vector<Card> lay_out_scale(std::size_t levels, const Vec2& window) {
     const auto n = static_cast<double>(levels);

@@ -35,6 +35,13 @@ std::string marked_text(const Words& words, const protocols::MarkReply& reply) {
            fmt::format(" {}", reply.runs_again ? words.runs_again : words.not_again);
 }
 
+/// 1 to 9 of either row of keys; 0: another key.
+int digit_of(std::int32_t symbol) {
+    return symbol >= SDLK_1 && symbol <= SDLK_9       ? symbol - SDLK_0
+         : symbol >= SDLK_KP_1 && symbol <= SDLK_KP_9 ? symbol - SDLK_KP_1 + 1
+                                                      : 0;
+}
+
 }  // namespace
 
 Stage::Stage(const WindowOptions& window,
@@ -207,17 +214,6 @@ bool Stage::chord(std::int32_t symbol, std::uint16_t modifiers) {
     }
     return true;
 }
-
-namespace {
-
-/// 1 to 9 of either row of keys; 0: another key.
-int digit_of(std::int32_t symbol) {
-    return symbol >= SDLK_1 && symbol <= SDLK_9       ? symbol - SDLK_0
-         : symbol >= SDLK_KP_1 && symbol <= SDLK_KP_9 ? symbol - SDLK_KP_1 + 1
-                                                      : 0;
-}
-
-}  // namespace
 
 Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
     if (repeat) {  // held since an earlier screen, or too long: not a press

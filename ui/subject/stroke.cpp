@@ -53,6 +53,20 @@ bool inside(const Vec2& p, const Vec2& a, const Vec2& b, const Vec2& c) {
     return cross(b - a, p - a) >= 0.0 && cross(c - b, p - b) >= 0.0 && cross(a - c, p - c) >= 0.0;
 }
 
+/// Places in the outline, in this order.
+std::vector<std::size_t> counter_clockwise(std::span<const Vec2> outline) {
+    std::vector<std::size_t> order(outline.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    double area = 0.0;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        area += cross(outline[i], outline[(i + 1) % outline.size()]);
+    }
+    if (area < 0.0) {
+        std::reverse(order.begin(), order.end());
+    }
+    return order;
+}
+
 }  // namespace
 
 std::vector<Corner> stroke(std::span<const Vec2> outline, double width) {
@@ -70,24 +84,6 @@ std::vector<Corner> stroke(std::span<const Vec2> outline, double width) {
     ring(corners, outline, mitres, half - 0.5, half + 0.5, 1.0F, 0.0F);
     return corners;
 }
-
-namespace {
-
-/// Places in the outline, in this order.
-std::vector<std::size_t> counter_clockwise(std::span<const Vec2> outline) {
-    std::vector<std::size_t> order(outline.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    double area = 0.0;
-    for (std::size_t i = 0; i < outline.size(); ++i) {
-        area += cross(outline[i], outline[(i + 1) % outline.size()]);
-    }
-    if (area < 0.0) {
-        std::reverse(order.begin(), order.end());
-    }
-    return order;
-}
-
-}  // namespace
 
 std::vector<Corner> fill(std::span<const Vec2> outline) {
     std::vector<std::size_t> left = counter_clockwise(outline);

@@ -98,6 +98,21 @@ void keep_inside(SDL_Window* window, int monitor) {
     }
 }
 
+SDL_Renderer* renderer_of(SDL_Window* window) {
+    SDL_Renderer* renderer = SDL_CreateRenderer(window, -1, 0);
+    return renderer != nullptr ? renderer : SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
+}
+
+/// To be drawn on; null: the renderer has none.
+Own<SDL_Texture> canvas(SDL_Renderer* renderer, int width, int height) {
+    SDL_Texture* made = SDL_CreateTexture(renderer, SDL_PIXELFORMAT_RGBA32,
+                                          SDL_TEXTUREACCESS_TARGET, width, height);
+    if (made != nullptr) {
+        SDL_SetTextureScaleMode(made, SDL_ScaleModeLinear);
+    }
+    return Own<SDL_Texture>(made);
+}
+
 }  // namespace
 
 std::string find_font(const std::string& asked) {
@@ -152,15 +167,6 @@ struct Window::Parts {
         return surface;
     }
 };
-
-namespace {
-
-SDL_Renderer* renderer_of(SDL_Window* window) {
-    SDL_Renderer* renderer = SDL_CreateRenderer(window, -1, 0);
-    return renderer != nullptr ? renderer : SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
-}
-
-}  // namespace
 
 Window::Window(const WindowOptions& options)
     : parts_(std::make_unique<Parts>()),
@@ -238,20 +244,6 @@ void Window::triangles(std::span<const Corner> corners, Colour colour) {
     SDL_RenderGeometry(parts_->renderer.get(), nullptr, vertices.data(),
                        static_cast<int>(vertices.size()), nullptr, 0);
 }
-
-namespace {
-
-/// To be drawn on; null: the renderer has none.
-Own<SDL_Texture> canvas(SDL_Renderer* renderer, int width, int height) {
-    SDL_Texture* made = SDL_CreateTexture(renderer, SDL_PIXELFORMAT_RGBA32,
-                                          SDL_TEXTUREACCESS_TARGET, width, height);
-    if (made != nullptr) {
-        SDL_SetTextureScaleMode(made, SDL_ScaleModeLinear);
-    }
-    return Own<SDL_Texture>(made);
-}
-
-}  // namespace
 
 void Window::fine(const engine::Vec2& corner,
                   const engine::Vec2& extent,

@@ -87,6 +87,25 @@ PlantModel somebody_holds(PlantModel plant) {
     return plant;
 }
 
+GantrySpec gantry_of(const Calibration& machine) {
+    refuse_if(!machine.gantry, "the machine {} has no three axes", machine.name());
+    return *machine.gantry;
+}
+
+GantryModel model_of(const Calibration& machine, bool held) {
+    GantryModel model;
+    model.damping = machine.damping().value_or(model.damping);
+    if (!held) {
+        model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    }
+    return model;
+}
+
+/// Where it goes from home, and comes back to.
+SurfaceExploration round_from(const GantrySpec& machine) {
+    return {.start = machine.home(), .returns = true};
+}
+
 }  // namespace
 
 FreeHandle::FreeHandle(const PlantModel& plant, const Vec2& place)
@@ -172,29 +191,6 @@ void FreeHandle::advance(double seconds) noexcept {
             break;
     }
 }
-
-namespace {
-
-GantrySpec gantry_of(const Calibration& machine) {
-    refuse_if(!machine.gantry, "the machine {} has no three axes", machine.name());
-    return *machine.gantry;
-}
-
-GantryModel model_of(const Calibration& machine, bool held) {
-    GantryModel model;
-    model.damping = machine.damping().value_or(model.damping);
-    if (!held) {
-        model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
-    }
-    return model;
-}
-
-/// Where it goes from home, and comes back to.
-SurfaceExploration round_from(const GantrySpec& machine) {
-    return {.start = machine.home(), .returns = true};
-}
-
-}  // namespace
 
 GantryHand::GantryHand(const Calibration& machine, bool held)
     : machine_(gantry_of(machine)), held_(held), plant_(model_of(machine, held)) {

@@ -44,6 +44,12 @@ bool take(int fd, PortBoard& board) {
     return got > 0;
 }
 
+constexpr int kMaxDatagrams = 64;  ///< a step
+
+sockaddr* any(sockaddr_in& address) noexcept {
+    return reinterpret_cast<sockaddr*>(&address);
+}
+
 }  // namespace
 
 PtyBoard::PtyBoard(PortBoard& board, std::string link)
@@ -126,16 +132,6 @@ void PtyBoard::step(int wait_us) {
         static_cast<void>(write(master_, answer.data(), size) < 0);
     }
 }
-
-namespace {
-
-constexpr int kMaxDatagrams = 64;  ///< a step
-
-sockaddr* any(sockaddr_in& address) noexcept {
-    return reinterpret_cast<sockaddr*>(&address);
-}
-
-}  // namespace
 
 UdpBoard::UdpBoard(OpenBoard& board, std::uint16_t port)
     : board_(&board), pace_(board), socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
