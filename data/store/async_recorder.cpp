@@ -3,15 +3,12 @@
 #include <utility>
 
 namespace palpate::data {
-namespace {
 
 /// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk
 /// gets there.
 constexpr std::size_t kMaxWaiting = std::size_t{1} << 18U;
 /// Ticks that are worth waking the thread before they have to be saved.
 constexpr std::size_t kBatch = 512;
-
-}  // namespace
 
 AsyncRecorder::AsyncRecorder(protocols::Recorder& recorder, std::chrono::milliseconds save_every)
     : recorder_(recorder), save_every_(save_every), thread_([this] { run(); }) {}

@@ -15,12 +15,9 @@
 #include "data/store/statement.hpp"
 
 namespace palpate::data {
-namespace {
 
 constexpr double kBytesPerTick = 40.0;
 constexpr double kBytesBesides = 16e6;
-
-}  // namespace
 
 std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials) {
     const double ticks = static_cast<double>(trials * protocols::intervals_of(protocol)) *

@@ -28,7 +28,6 @@
 #include "data/trace/derived_hash.hpp"
 
 namespace palpate::data {
-namespace {
 
 /// An answer, and whatever else a person waits for, waits this long for the lock of another
 /// program.
@@ -36,8 +35,6 @@ constexpr int kPatienceMs = 60'000;
 
 /// Bytes that a reserve gives back at a time.
 constexpr std::int64_t kPiece = 1'000'000;
-
-}  // namespace
 
 Reserve::~Reserve() {
     if (descriptor_ >= 0) {

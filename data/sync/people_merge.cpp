@@ -5,14 +5,11 @@
 #include <fmt/format.h>
 
 namespace palpate::data {
-namespace {
 
 constexpr const char* kHandedness = "handedness";
 constexpr const char* kConsent = "consent";
 constexpr const char* kSubject = "subject";
 constexpr std::string_view kDetail = "detail ";
-
-}  // namespace
 
 void PeopleMerge::say(const std::string& code, const std::string& key, const NotedDetail& said) {
     Person& person = people_[code];

@@ -7,7 +7,6 @@
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
-namespace {
 
 constexpr std::string_view kSaid = R"(CREATE TABLE sample (
     -- Every servo tick of every trial, ordered by trial_id, interval and tick. Frame: the object's. What
@@ -18,8 +17,6 @@ constexpr std::string_view kSaid = R"(CREATE TABLE sample (
     trial_id INTEGER,  -- trial.trial_id
     interval INTEGER,  -- 1; 2: the second of a trial with two
 )";
-
-}  // namespace
 
 std::string sample_declaration() {
     std::string sql(kSaid);

@@ -3,11 +3,8 @@
 #include <ctime>
 
 namespace palpate {
-namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-
-}  // namespace
 
 std::int64_t monotonic_ns() noexcept {
     timespec now{};

@@ -7,14 +7,11 @@
 #include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
-namespace {
 
 /// Leaves are halved until the distance from the surface itself is a bowl on nearly all of them.
 constexpr double kGoodBowl = 0.3;
 constexpr double kGoodShare = 0.95;
 constexpr std::size_t kMaxLeaves = 4096;
-
-}  // namespace
 
 SurfaceFeet::SurfaceFeet(std::shared_ptr<const SurfaceObject> object) : object_(std::move(object)) {
     refuse_if(!object_, "the object is null: give one of surfaces");

@@ -7,7 +7,6 @@
 #include "engine/surface/surface_slide.hpp"
 
 namespace palpate::engine {
-namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -27,8 +26,6 @@ constexpr Work kNodeWork = 60;   ///< a node of the tree and its boxes
 constexpr Work kBoundWork = 60;  ///< a leaf's oriented box
 constexpr Work kBowlWork = 200;  ///< bounds of its second derivatives
 constexpr int kMaxRestarts = 64;
-
-}  // namespace
 
 /// Down the tree to the leaf whose box seems nearest.
 SurfacePlace SurfaceFeet::near_place(const Vec3& h) const noexcept {

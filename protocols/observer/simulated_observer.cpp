@@ -10,7 +10,6 @@
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
-namespace {
 
 /// Felt friction above which one says that there is some: strokes on a frictionless object feel 0.
 constexpr double kFrictionSeen = 0.05;
@@ -18,8 +17,6 @@ constexpr double kLog10OfE = 0.43429448190325182;
 
 /// s; nobody is faster.
 constexpr double kQuickest = 0.25;
-
-}  // namespace
 
 SimulatedObserver::SimulatedObserver(const Protocol& protocol,
                                      StreamKey key,

@@ -27,16 +27,12 @@ Outcome without_answer(std::string_view word) noexcept {
     return Outcome::interrupted;
 }
 
-namespace {
-
 /// In the order of EventKind.
 constexpr std::array<std::string_view, kEventKinds> kEventWords{
     "break",      "pause",       "go on",         "abort",        "gave up", "fault",
     "reconnect",  "invalid",     "note",          "mark",         "redo",    "interrupted",
     "timing",     "ticks lost",  "masking",       "display lost", "device",  "operator",
     "provenance", "participant", "planned again", "stop",         "reveal"};
-
-}  // namespace
 
 std::string_view to_string(EventKind kind) noexcept {
     return kEventWords[static_cast<std::size_t>(kind)];

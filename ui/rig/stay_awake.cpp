@@ -12,11 +12,8 @@
 extern char** environ;  // NOLINT: POSIX asks for it
 
 namespace palpate::ui {
-namespace {
 
 constexpr int kPatienceMs = 2000;  ///< for a bus that answers slowly
-
-}  // namespace
 
 void StayAwake::start(int in, int out) {
     posix_spawn_file_actions_t files;

@@ -10,7 +10,6 @@
 #include "ui/sound/faded_noise.hpp"
 
 namespace palpate::ui {
-namespace {
 
 using protocols::Signal;
 
@@ -18,8 +17,6 @@ using protocols::Signal;
 constexpr double kLongestWait = kFade + 0.75;
 /// A device that plays slower than it says by this share is no event: a trial takes up to a minute.
 constexpr double kSlowBearable = 0.05;
-
-}  // namespace
 
 MaskedObserver::MaskedObserver(protocols::Observer& observer,
                                NoisePlayer& player,

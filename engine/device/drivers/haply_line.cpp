@@ -6,7 +6,6 @@
 #include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
-namespace {
 
 /// The board takes one command each 50 us and fills what is missing with 0xFF: after this pause it
 /// has finished whatever it was at, and the next byte begins a command.
@@ -22,8 +21,6 @@ constexpr int kSilences = 5;
 /// is felt yet.
 constexpr int kIntroductions = 3;
 constexpr int kProofs = 3;
-
-}  // namespace
 
 HaplyLine::HaplyLine(ByteLink& link, const HaplyWiring& wiring, const PantographSpec& pantograph)
     : BoardLine(link),

@@ -7,13 +7,10 @@
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
-namespace {
 
 constexpr std::uint8_t kMissing = 0xFF;
 constexpr double kFullDuty = 4095.0;
 constexpr std::size_t kMaxPins = 14;  ///< a real board would write beyond its tables
-
-}  // namespace
 
 HaplyBoard::HaplyBoard(BoardPlant& plant, const PantographSpec& machine, const HaplyWiring& wired)
     : plant_(&plant), machine_(machine), wired_(wired) {}

@@ -5,7 +5,6 @@
 #include "engine/base/refuse.hpp"
 
 namespace palpate::engine {
-namespace {
 
 using Type = OpenType;
 
@@ -18,8 +17,6 @@ constexpr int kDisarms = 3;
 constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
 constexpr std::size_t kStateBody = 13;  ///< bytes of a STATE's body, and 4 for each axis
 constexpr std::array<std::uint8_t, 3> kDisarmedBody{0x90, 0x00, 0x00};
-
-}  // namespace
 
 OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const Calibration& machine)
     : BoardLine(link),
