@@ -84,10 +84,10 @@ std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
     return objects;
 }
 
-class AdaptiveRules {
+class AdaptiveRules : RuleCheck {
 public:
     AdaptiveRules(const Protocol& protocol, const Places& places, Problems& problems)
-        : protocol_(protocol), spec_(*protocol.procedure), places_(places), problems_(problems) {}
+        : RuleCheck(protocol, places, problems), spec_(*protocol.procedure) {}
 
     void check() {
         if (named(protocol_.objects, spec_.object) == nullptr) {
@@ -112,33 +112,23 @@ public:
     }
 
 private:
-    void add(const std::string& path, std::string what) {
-        problems_.add(places_.of(path), std::move(what));
-    }
-
     void runs() {
-        if (protocol_.runs.size() > kMaxRuns) {
-            add("run.1",
-                fmt::format("there are {} runs: give 1 to {}", protocol_.runs.size(), kMaxRuns));
-        }
+        add_if(protocol_.runs.size() > kMaxRuns, "run.1", "there are {} runs: give 1 to {}",
+               protocol_.runs.size(), kMaxRuns);
         std::set<std::string_view> seen;
         for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
             const RunSpec& run = protocol_.runs[i];
             const std::string path = fmt::format("run.{}.", i + 1);
-            if (!seen.insert(run.name).second) {
-                add(path + "name", fmt::format("name is \"{}\", as in an earlier [[run]]: give "
-                                               "every run a name of its own",
-                                               run.name));
-            }
+            add_if(!seen.insert(run.name).second, path + "name",
+                   "name is \"{}\", as in an earlier [[run]]: give every run a name of its own",
+                   run.name);
             friction(path + "friction", "friction", run.friction);
             if (!run.standard_friction.empty()) {
                 friction(path + "standard_friction", "standard_friction", run.standard_friction);
-                if (intervals_of(protocol_) == 1) {
-                    add(path + "standard_friction",
-                        fmt::format("standard_friction is given, but answers of kind \"{}\" follow "
-                                    "one interval: delete it, or give kind \"two_interval\"",
-                                    word_of(protocol_.response.kind)));
-                }
+                add_if(intervals_of(protocol_) == 1, path + "standard_friction",
+                       "standard_friction is given, but answers of kind \"{}\" follow one "
+                       "interval: delete it, or give kind \"two_interval\"",
+                       word_of(protocol_.response.kind));
             }
         }
     }
@@ -152,20 +142,16 @@ private:
 
     void answers() {
         const std::size_t answers = answers_of(protocol_);
-        if (spec_.outcomes != answers) {
-            add("procedure.kind",
-                fmt::format("the rule knows {} outcomes, and answers of kind \"{}\" have {}: give "
-                            "another rule or another kind",
-                            spec_.outcomes, word_of(protocol_.response.kind), answers));
-        }
+        add_if(spec_.outcomes != answers, "procedure.kind",
+               "the rule knows {} outcomes, and answers of kind \"{}\" have {}: give another rule "
+               "or another kind",
+               spec_.outcomes, word_of(protocol_.response.kind), answers);
     }
 
     void design() {
         const std::size_t trials = spec_.practice_trials + spec_.trials * protocol_.runs.size();
-        if (trials > kMaxTrials) {
-            add("procedure.kind",
-                fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
-        }
+        add_if(trials > kMaxTrials, "procedure.kind",
+               "the session has {} trials: ask for {} or fewer", trials, kMaxTrials);
     }
 
     /// Why there can be no object of this curvature, 1/m; empty: there can.
@@ -213,12 +199,11 @@ private:
     void frictions() {
         const double lowest = felt_value(spec_, spec_.lowest);
         const double highest = felt_value(spec_, spec_.highest);
-        if (!(lowest > 0.0 && highest <= kMaxMu)) {
-            add(lowest > 0.0 ? this->highest() : this->lowest(),
-                fmt::format("the rule may choose mu_s from {} to {}: keep it above 0 and at most "
-                            "{}, by the stimuli, or lowest and highest",
-                            lowest, highest, kMaxMu));
-        }
+        add_if(!(lowest > 0.0 && highest <= kMaxMu),
+               lowest > 0.0 ? this->highest() : this->lowest(),
+               "the rule may choose mu_s from {} to {}: keep it above 0 and at most {}, by the "
+               "stimuli, or lowest and highest",
+               lowest, highest, kMaxMu);
         for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
             const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
             if (base != nullptr && !(base->mu_s > 0.0)) {
@@ -234,12 +219,11 @@ private:
         constexpr double kMax = 1e3 * engine::kMaxCompliance;
         const double lowest = felt_value(spec_, spec_.lowest);
         const double highest = felt_value(spec_, spec_.highest);
-        if (!(lowest >= 0.0 && highest <= kMax)) {
-            add(lowest >= 0.0 ? this->highest() : this->lowest(),
-                fmt::format("the rule may choose a compliance from {:.6g} to {:.6g} mm/N: keep it "
-                            "within 0 and {}, by the stimuli, or lowest and highest",
-                            lowest, highest, kMax));
-        }
+        add_if(!(lowest >= 0.0 && highest <= kMax),
+               lowest >= 0.0 ? this->highest() : this->lowest(),
+               "the rule may choose a compliance from {:.6g} to {:.6g} mm/N: keep it within 0 and "
+               "{}, by the stimuli, or lowest and highest",
+               lowest, highest, kMax);
         const ObjectSpec* base = named(protocol_.objects, spec_.object);
         if (base != nullptr && !base->segments.empty()) {
             add("procedure.object", fmt::format("object is \"{}\", a free form: a compliance is of "
@@ -250,20 +234,16 @@ private:
 
     void practice() {
         const double x = spec_.practice_stimulus;
-        if (spec_.practice_trials > 0 && !(x >= spec_.lowest && x <= spec_.highest)) {
-            add("procedure.practice_stimulus",
-                fmt::format("practice_stimulus is {}: give what the rule might choose, {} to {}", x,
-                            spec_.lowest, spec_.highest));
-        }
+        add_if(spec_.practice_trials > 0 && !(x >= spec_.lowest && x <= spec_.highest),
+               "procedure.practice_stimulus",
+               "practice_stimulus is {}: give what the rule might choose, {} to {}", x,
+               spec_.lowest, spec_.highest);
     }
 
     [[nodiscard]] std::string lowest() const { return "procedure." + spec_.lowest_key; }
     [[nodiscard]] std::string highest() const { return "procedure." + spec_.highest_key; }
 
-    const Protocol& protocol_;
     const AdaptiveSpec& spec_;
-    const Places& places_;
-    Problems& problems_;
 };
 
 /// [procedure] holds keys of the study, keys of the rule and tables of the rule.

@@ -38,10 +38,9 @@ bool alike(const ObjectSpec& a, const ObjectSpec& b) {
            a.pose() == b.pose() && a.segments == b.segments;
 }
 
-class ObjectRules {
+class ObjectRules : RuleCheck {
 public:
-    ObjectRules(const Protocol& protocol, const Places& places, Problems& problems)
-        : protocol_(protocol), places_(places), problems_(problems) {}
+    using RuleCheck::RuleCheck;
 
     void check() {
         pictures_differ();
@@ -50,12 +49,10 @@ public:
             return;
         }
         for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
-            if (protocol_.objects[i].cross_curvature != 0.0) {
-                add(path(i, "cross_curvature_per_m"),
-                    fmt::format("the object {} has a cross_curvature_per_m, which only surfaces "
-                                "have: delete it, or add the table [surface]",
-                                protocol_.objects[i].name));
-            }
+            add_if(protocol_.objects[i].cross_curvature != 0.0, path(i, "cross_curvature_per_m"),
+                   "the object {} has a cross_curvature_per_m, which only surfaces have: delete "
+                   "it, or add the table [surface]",
+                   protocol_.objects[i].name);
         }
         softness();
         if (outline()) {
@@ -68,10 +65,6 @@ public:
     }
 
 private:
-    void add(const std::string& path, std::string what) {
-        problems_.add(places_.of(path), std::move(what));
-    }
-
     static std::string path(std::size_t object, std::string_view key) {
         return fmt::format("object.{}.{}", object + 1, key);
     }
@@ -103,16 +96,12 @@ private:
 
     /// What a surface is: a patch of two curvatures, rigid, as it stands.
     void surfaces() {
-        if (places_.has("outline")) {
-            add("outline",
-                "[outline] is given beside [surface], and only objects in the plane have one: "
-                "delete one of the two");
-        }
-        if (protocol_.procedure && protocol_.procedure->varies != Varies::mu) {
-            add("procedure.varies",
-                "varies is no friction, and the objects are surfaces: give \"mu\", or delete "
-                "[surface]");
-        }
+        add_if(places_.has("outline"), "outline",
+               "[outline] is given beside [surface], and only objects in the plane have one: "
+               "delete one of the two");
+        add_if(protocol_.procedure && protocol_.procedure->varies != Varies::mu, "procedure.varies",
+               "varies is no friction, and the objects are surfaces: give \"mu\", or delete "
+               "[surface]");
         bool sound = friction_of_surfaces();
         for (std::size_t i = 0; i < protocol_.objects.size() && sound; ++i) {
             sound = surface(i);
@@ -214,26 +203,18 @@ private:
     /// @param what  yields
     void soft_contact(const std::string& what) {
         const ApparatusSpec& apparatus = protocol_.apparatus;
-        if (apparatus.vertex_slew > 0.0) {
-            add("apparatus.vertex_slew_mm_per_s",
-                fmt::format(
-                    "{}, and vertex_slew_mm_per_s is {:g}: give 0, a vertex that yields needs none",
-                    what, 1e3 * apparatus.vertex_slew));
-        }
-        if (apparatus.damping != 0.0) {
-            add("apparatus.damping_n_s_per_m",
-                fmt::format("{}, and damping_n_s_per_m is {:g}: give 0, the object has a damping "
-                            "of its own",
-                            what, apparatus.damping));
-        }
+        add_if(apparatus.vertex_slew > 0.0, "apparatus.vertex_slew_mm_per_s",
+               "{}, and vertex_slew_mm_per_s is {:g}: give 0, a vertex that yields needs none",
+               what, 1e3 * apparatus.vertex_slew);
+        add_if(apparatus.damping != 0.0, "apparatus.damping_n_s_per_m",
+               "{}, and damping_n_s_per_m is {:g}: give 0, the object has a damping of its own",
+               what, apparatus.damping);
         for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
             const FrictionSpec& friction = protocol_.frictions[i];
-            if (engine::law_named(friction.law) != nullptr) {
-                add(fmt::format("friction.{}.law", i + 1),
-                    fmt::format(
-                        "{}, and law is \"{}\": give \"frictionless\", \"gos\" or \"coulomb\"",
-                        what, friction.law));
-            }
+            add_if(engine::law_named(friction.law) != nullptr,
+                   fmt::format("friction.{}.law", i + 1),
+                   "{}, and law is \"{}\": give \"frictionless\", \"gos\" or \"coulomb\"", what,
+                   friction.law);
         }
     }
 
@@ -381,10 +362,6 @@ private:
         }
         return path(index, "segment.1");
     }
-
-    const Protocol& protocol_;
-    const Places& places_;
-    Problems& problems_;
 };
 
 }  // namespace

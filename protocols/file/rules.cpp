@@ -14,10 +14,9 @@
 namespace palpate::protocols {
 namespace {
 
-class Rules {
+class Rules : RuleCheck {
 public:
-    Rules(const Protocol& protocol, const Places& places, Problems& problems)
-        : protocol_(protocol), places_(places), problems_(problems) {}
+    using RuleCheck::RuleCheck;
 
     void check() {
         unique_names("object", protocol_.objects);
@@ -35,10 +34,6 @@ public:
     }
 
 private:
-    void add(const std::string& path, std::string what) {
-        problems_.add(places_.of(path), std::move(what));
-    }
-
     static std::string path(std::string_view table, std::size_t index, std::string_view key) {
         return fmt::format("{}.{}.{}", table, index + 1, key);
     }
@@ -48,53 +43,41 @@ private:
         std::map<std::string_view, std::size_t> first;
         for (std::size_t i = 0; i < specs.size(); ++i) {
             const auto [known, is_new] = first.emplace(specs[i].name, i);
-            if (!is_new) {
-                add(path(table, i, "name"),
-                    fmt::format("name is \"{}\", as in [[{}]] {}: give every {} a name of its own",
-                                specs[i].name, table, known->second + 1, table));
-            }
+            add_if(!is_new, path(table, i, "name"),
+                   "name is \"{}\", as in [[{}]] {}: give every {} a name of its own",
+                   specs[i].name, table, known->second + 1, table);
         }
     }
 
     void numbers() {
         const std::size_t pictured = objects_of(protocol_, true).size();
         const bool asked = protocol_.response.kind == ResponseKind::identification;
-        if (asked && (pictured < kMinPictures || pictured > kMaxPictures)) {
-            add("object.1", fmt::format("there are {} pictured objects: give {} to {} [[object]] "
-                                        "tables without pictured = false",
-                                        pictured, kMinPictures, kMaxPictures));
-        }
-        if (protocol_.objects.size() > kMaxObjects) {
-            add("object.1", fmt::format("there are {} objects: give at most {}",
-                                        protocol_.objects.size(), kMaxObjects));
-        }
-        if (protocol_.frictions.empty() || protocol_.frictions.size() > kMaxFrictions) {
-            add("friction.1",
-                fmt::format("there are {} frictions: give 1 to {} [[friction]] tables",
-                            protocol_.frictions.size(), kMaxFrictions));
-        }
+        add_if(asked && (pictured < kMinPictures || pictured > kMaxPictures), "object.1",
+               "there are {} pictured objects: give {} to {} [[object]] tables without pictured = "
+               "false",
+               pictured, kMinPictures, kMaxPictures);
+        add_if(protocol_.objects.size() > kMaxObjects, "object.1",
+               "there are {} objects: give at most {}", protocol_.objects.size(), kMaxObjects);
+        add_if(protocol_.frictions.empty() || protocol_.frictions.size() > kMaxFrictions,
+               "friction.1", "there are {} frictions: give 1 to {} [[friction]] tables",
+               protocol_.frictions.size(), kMaxFrictions);
     }
 
     void friction(std::size_t index) {
         const FrictionSpec& spec = protocol_.frictions[index];
-        if (spec.mu_d > spec.mu_s) {
-            add(path("friction", index, "mu_d"),
-                fmt::format("mu_d is {}, above mu_s = {}: give at most mu_s", spec.mu_d,
-                            spec.mu_s));
-        }
+        add_if(spec.mu_d > spec.mu_s, path("friction", index, "mu_d"),
+               "mu_d is {}, above mu_s = {}: give at most mu_s", spec.mu_d, spec.mu_s);
         const ApparatusSpec& apparatus = protocol_.apparatus;
-        if (spec.own.stiffness > apparatus.stiffness) {
-            add(path("friction", index, "tangential_stiffness_n_per_m"),
-                fmt::format("tangential_stiffness_n_per_m is {}, above stiffness_n_per_m = {}, by "
-                            "which the device's damping is reckoned: give at most that, or 0",
-                            spec.own.stiffness, apparatus.stiffness));
-        }
-        if (spec.law == "bristle" && 3.0 * spec.mu_d < spec.mu_s) {
-            add(path("friction", index, "mu_d"),
-                fmt::format("mu_d is {}, and bonds that form at random cannot pull less than mu_s "
-                            "/ 3 = {:.3g} in the mean: give at least that",
-                            spec.mu_d, spec.mu_s / 3.0));
-        }
+        add_if(spec.own.stiffness > apparatus.stiffness,
+               path("friction", index, "tangential_stiffness_n_per_m"),
+               "tangential_stiffness_n_per_m is {}, above stiffness_n_per_m = {}, by which the "
+               "device's damping is reckoned: give at most that, or 0",
+               spec.own.stiffness, apparatus.stiffness);
+        add_if(spec.law == "bristle" && 3.0 * spec.mu_d < spec.mu_s,
+               path("friction", index, "mu_d"),
+               "mu_d is {}, and bonds that form at random cannot pull less than mu_s / 3 = {:.3g} "
+               "in the mean: give at least that",
+               spec.mu_d, spec.mu_s / 3.0);
         if (spec.law == "lugre_euler") {
             refuse_euler(index);
         }
@@ -124,13 +107,11 @@ private:
                             "give a time-out above the minimum",
                             timing.explore_min, timing.explore_timeout));
         }
-        if (timing.explore_prompt > timing.explore_timeout) {
-            add(places_.has("timing.explore_prompt_s") ? "timing.explore_prompt_s"
-                                                       : "timing.explore_timeout_s",
-                fmt::format("explore_prompt_s is {}, after explore_timeout_s = {}: give at most "
-                            "the time-out",
-                            timing.explore_prompt, timing.explore_timeout));
-        }
+        add_if(timing.explore_prompt > timing.explore_timeout,
+               places_.has("timing.explore_prompt_s") ? "timing.explore_prompt_s"
+                                                      : "timing.explore_timeout_s",
+               "explore_prompt_s is {}, after explore_timeout_s = {}: give at most the time-out",
+               timing.explore_prompt, timing.explore_timeout);
     }
 
     void design() {
@@ -167,12 +148,11 @@ private:
 
     void catch_trials() {
         const DesignSpec& design = protocol_.design;
-        if (design.catch_trials > 0 && objects_of(protocol_, false).empty()) {
-            add("design.catch_trials",
-                fmt::format("catch_trials is {}, but every object is pictured: add an [[object]] "
-                            "with pictured = false, or give 0",
-                            design.catch_trials));
-        }
+        add_if(design.catch_trials > 0 && objects_of(protocol_, false).empty(),
+               "design.catch_trials",
+               "catch_trials is {}, but every object is pictured: add an [[object]] with pictured "
+               "= false, or give 0",
+               design.catch_trials);
     }
 
     void run_limits() {
@@ -193,12 +173,8 @@ private:
         if (least == 0.0) {
             return;
         }
-        if (protocol_.design.catch_trials == 0) {
-            add("exclusion.catch_correct_min",
-                fmt::format(
-                    "catch_correct_min is {}, but catch_trials is 0: give 0, or catch trials",
-                    least));
-        }
+        add_if(protocol_.design.catch_trials == 0, "exclusion.catch_correct_min",
+               "catch_correct_min is {}, but catch_trials is 0: give 0, or catch trials", least);
         for (const ObjectSpec& object : protocol_.objects) {
             if (!curvature_of(object)) {
                 add("exclusion.catch_correct_min",
@@ -215,22 +191,15 @@ private:
         const DesignSpec& design = protocol_.design;
         const auto needs = [&](const std::string& key, std::size_t given, std::size_t wanted,
                                std::string_view why) {
-            if (given != wanted) {
-                add("design." + key,
-                    fmt::format(
-                        "{} is {}: order = \"first_order\" {}: give {}, or order = \"random\"", key,
-                        given, why, wanted));
-            }
+            add_if(given != wanted, "design." + key,
+                   "{} is {}: order = \"first_order\" {}: give {}, or order = \"random\"", key,
+                   given, why, wanted);
         };
         needs("repetitions", design.repetitions, conditions,
               fmt::format("lets each of {} follow each once", counted(conditions, "condition")));
         needs("blocks", design.blocks, 1, "is one block");
         needs("catch_trials", design.catch_trials, 0, "has no room for catch trials");
     }
-
-    const Protocol& protocol_;
-    const Places& places_;
-    Problems& problems_;
 };
 
 /// Keys of [response] that only some kinds have.

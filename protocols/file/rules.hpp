@@ -1,11 +1,42 @@
 #pragma once
 
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
 #include "protocols/file/schema.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 /// Private to protocols/file: the table [procedure], and what must hold across keys once every
 /// value by itself is right.
 namespace palpate::protocols {
+
+/// A check of what a protocol says: each problem is noted where its key stands.
+class RuleCheck {
+public:
+    RuleCheck(const Protocol& protocol, const Places& places, Problems& problems)
+        : protocol_(protocol), places_(places), problems_(problems) {}
+
+protected:
+    void add(const std::string& path, std::string what) {
+        problems_.add(places_.of(path), std::move(what));
+    }
+    /// If it is `wrong`, in a sentence as fmt::format() makes it.
+    template <class... Values>
+    void add_if(bool wrong,
+                const std::string& path,
+                fmt::format_string<Values...> what,
+                Values&&... values) {
+        if (wrong) {
+            add(path, fmt::format(what, std::forward<Values>(values)...));
+        }
+    }
+
+    const Protocol& protocol_;
+    const Places& places_;
+    Problems& problems_;
+};
 
 /// Names are unique, the times are in order, the run limits are feasible; and all that follows
 /// here.
