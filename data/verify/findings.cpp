@@ -113,20 +113,13 @@ std::size_t Verification::count(FindingKind kind) const noexcept {
 
 void Findings::differs(std::string_view what, std::string stored, std::string recomputed) {
     add({.kind = FindingKind::differs,
-         .trial = {},
-         .tick = {},
          .what = std::string(what),
          .stored = std::move(stored),
          .recomputed = std::move(recomputed)});
 }
 
 void Findings::missing(std::string_view what, std::string why) {
-    add({.kind = FindingKind::missing,
-         .trial = {},
-         .tick = {},
-         .what = std::string(what),
-         .stored = {},
-         .recomputed = std::move(why)});
+    add({.kind = FindingKind::missing, .what = std::string(what), .recomputed = std::move(why)});
 }
 
 void Findings::expect(std::string_view table,
@@ -145,7 +138,6 @@ void Findings::expect(const Row& made,
     for (const auto& [column, value] : made.values()) {
         if (const Value wanted = value_of(value); !same(row.at(column), wanted)) {
             add({.kind = FindingKind::differs,
-                 .trial = {},
                  .tick = tick,
                  .what = fmt::format("{}.{}", name.empty() ? made.table() : name, column),
                  .stored = to_text(row.at(column)),

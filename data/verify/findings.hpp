@@ -25,12 +25,12 @@ enum class FindingKind : std::uint8_t {
 /// One thing that a verification found.
 struct Finding {
     FindingKind kind = FindingKind::differs;
-    std::optional<std::int64_t> trial;  ///< its id
-    std::optional<std::int64_t> tick;   ///< the first one, where ticks differ
-    std::string what;                   ///< table.column, or a check of SQLite's
-    std::string stored;                 ///< in the file
-    std::string recomputed;             ///< what it should be, or why it is not known
-    std::int64_t count = 1;             ///< ticks of the trial in which this column differs
+    std::optional<std::int64_t> trial{};  ///< its id
+    std::optional<std::int64_t> tick{};   ///< the first one, where ticks differ
+    std::string what;                     ///< table.column, or a check of SQLite's
+    std::string stored{};                 ///< in the file
+    std::string recomputed;               ///< what it should be, or why it is not known
+    std::int64_t count = 1;               ///< ticks of the trial in which this column differs
 };
 
 /// What was looked at in a session, and what was found.

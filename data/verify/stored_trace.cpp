@@ -28,7 +28,6 @@ void differs_from(std::int64_t tick,
                   std::string recomputed,
                   Findings& findings) {
     findings.add({.kind = FindingKind::differs,
-                  .trial = {},
                   .tick = tick,
                   .what = std::move(what),
                   .stored = std::move(stored),
@@ -314,7 +313,6 @@ void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& fin
         const std::int64_t due = tick.tick * period_ns;
         if (is_virtual ? tick.time_ns != due : tick.time_ns < before) {
             findings.add({.kind = FindingKind::differs,
-                          .trial = {},
                           .tick = tick.tick,
                           .what = "trace.time_s",
                           .stored = fmt::format("{}", seconds_of(tick.time_ns)),

@@ -162,9 +162,7 @@ Check check_commissioned(const DoctorOptions& options) {
             .status = why.empty() ? CheckStatus::ok : CheckStatus::warn,
             .detail = why.empty() ? options.calibration + " is the record of this device"
                                   : "no real session can be run on it",
-            .remedy = std::move(why),
-            .numbers = {},
-            .picture = {}};
+            .remedy = std::move(why)};
 }
 
 void look_at_timing(Report& report, double rate_hz, double seconds) {

@@ -43,12 +43,7 @@ Check guarded(const std::string& name, const std::function<Check()>& look) noexc
     try {
         return look();
     } catch (const std::exception& e) {
-        return {.name = name,
-                .status = CheckStatus::fail,
-                .detail = e.what(),
-                .remedy = "",
-                .numbers = {},
-                .picture = {}};
+        return {.name = name, .status = CheckStatus::fail, .detail = e.what()};
     }
 }
 

@@ -31,10 +31,10 @@ enum class CheckStatus : std::uint8_t {
 struct Check {
     std::string name;
     CheckStatus status = CheckStatus::ok;
-    std::string detail;  ///< what was found, with numbers and units
-    std::string remedy;  ///< what to do; empty when all is well
-    std::vector<std::pair<std::string, double>> numbers;  ///< for programs: "p99_us", 35.2
-    std::vector<std::string> picture;                     ///< lines below, for people only
+    std::string detail{};  ///< what was found, with numbers and units
+    std::string remedy{};  ///< what to do; empty when all is well
+    std::vector<std::pair<std::string, double>> numbers{};  ///< for programs: "p99_us", 35.2
+    std::vector<std::string> picture{};                     ///< lines below, for people only
 };
 
 /// `look`, or a failed check named `name` with what it threw.

@@ -204,7 +204,7 @@ Check check_device(const std::string& word,
                    const OpenDevice& open,
                    const DeviceDemand& demand,
                    const LookAgain& then) {
-    Check check{.name = "device", .detail = word, .remedy = "", .numbers = {}, .picture = {}};
+    Check check{.name = "device", .detail = word};
     std::shared_ptr<engine::Device> device;
     try {
         device = open();
@@ -231,8 +231,7 @@ Check check_device(const std::string& word,
 }
 
 Check check_feasible(const protocols::Protocol& protocol, const engine::Device& device) {
-    Check check{
-        .name = "passivity and force", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    Check check{.name = "passivity and force"};
     const protocols::ApparatusSpec& asked = protocol.apparatus;
     const protocols::Margins margins = protocols::margins_of(protocol, device);
     if (!device.traits().gives_force) {
@@ -251,7 +250,7 @@ Check check_feasible(const protocols::Protocol& protocol, const engine::Device& 
 Check check_kinematics(std::span<const Linkage> linkages) {
     constexpr double kDistance = 1e-9;  // m: a thousandth of an encoder count at the handle
     constexpr double kJacobian = 1e-6;
-    Check check{.name = "kinematics", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    Check check{.name = "kinematics"};
     Worst all;
     for (const Linkage& linkage : linkages) {
         const Worst worst = worst_of(linkage);

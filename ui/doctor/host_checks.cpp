@@ -112,9 +112,7 @@ Check check_kernel() {
     return {.name = "kernel",
             .detail = fmt::format("{} {}, {}", system.sysname, system.release,
                                   realtime ? "PREEMPT_RT" : "not PREEMPT_RT"),
-            .remedy = "",
-            .numbers = {{"preempt_rt", realtime ? 1.0 : 0.0}},
-            .picture = {}};
+            .numbers = {{"preempt_rt", realtime ? 1.0 : 0.0}}};
 }
 
 Check check_host(const std::optional<ProcessorTime>& before) {
@@ -125,9 +123,7 @@ Check check_host(const std::optional<ProcessorTime>& before) {
                 .detail = fmt::format(
                     "{}, {}", counted(count, "processor"),
                     governor.empty() ? "frequency not ours to choose" : "governor " + governor),
-                .remedy = "",
-                .numbers = {{"processors", count}},
-                .picture = {}};
+                .numbers = {{"processors", count}}};
     const auto advise = [&](const std::string& remedy) {
         check.status = CheckStatus::warn;
         check.remedy += (check.remedy.empty() ? "" : "; ") + remedy;
@@ -147,8 +143,7 @@ Check check_host(const std::optional<ProcessorTime>& before) {
 Check check_disk(const std::string& database) {
     constexpr int kSyncs = 15;
     const std::filesystem::path parent = std::filesystem::absolute(database).parent_path();
-    Check check{
-        .name = "disk", .detail = parent.string(), .remedy = "", .numbers = {}, .picture = {}};
+    Check check{.name = "disk", .detail = parent.string()};
     try {
         const double room = free_gib(parent);
         Scratch scratch(parent);

@@ -64,12 +64,8 @@ constexpr const char* kNeedsScreen =
 }  // namespace
 
 Check check_display(bool needed) {
-    Check check{.name = "display",
-                .status = CheckStatus::warn,
-                .detail = "none",
-                .remedy = kNeedsScreen,
-                .numbers = {},
-                .picture = {}};
+    Check check{
+        .name = "display", .status = CheckStatus::warn, .detail = "none", .remedy = kNeedsScreen};
     const FoundDisplay found = find_display();
     if (found.state == FoundDisplay::State::none) {
         check.status = needed ? CheckStatus::fail : CheckStatus::warn;
@@ -103,9 +99,7 @@ Check check_audio() {
                 .detail = "none",
                 .remedy =
                     "masking noise will need it: connect headphones, and see that ALSA, PulseAudio "
-                    "or PipeWire runs for this user",
-                .numbers = {},
-                .picture = {}};
+                    "or PipeWire runs for this user"};
     const Hush hush;
     const Subsystem audio(SDL_INIT_AUDIO, SDL_InitSubSystem(SDL_INIT_AUDIO) == 0);
     if (!audio.works()) {
@@ -129,7 +123,7 @@ Check check_audio() {
 }
 
 Check check_font(const std::string& asked) {
-    Check check{.name = "font", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    Check check{.name = "font"};
     try {
         check.detail = find_font(asked);
     } catch (const std::exception& e) {

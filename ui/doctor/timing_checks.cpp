@@ -85,11 +85,9 @@ Check check_clock() {
                                       "read, {} steps back in {} readings",
                                       source.empty() ? "an unknown source" : source,
                                       resolution.tv_nsec, cost, back, kReads),
-                .remedy = "",
                 .numbers = {{"resolution_ns", static_cast<double>(resolution.tv_nsec)},
                             {"read_ns", cost},
-                            {"steps_back", back}},
-                .picture = {}};
+                            {"steps_back", back}}};
     if (back > 0 || resolution.tv_sec > 0 || resolution.tv_nsec > 1000) {
         check.status = CheckStatus::fail;
         check.remedy = "times of this machine cannot be trusted: use another kernel or machine";
@@ -111,8 +109,7 @@ std::vector<Check> check_rights(const engine::RealtimeRights& rights) {
                           .status = short_of ? CheckStatus::warn : CheckStatus::ok,
                           .detail = engine::describe(right, rights),
                           .remedy = engine::remedy(right, rights),
-                          .numbers = {{"granted", short_of ? 0.0 : 1.0}},
-                          .picture = {}});
+                          .numbers = {{"granted", short_of ? 0.0 : 1.0}}});
     }
     return checks;
 }
@@ -149,7 +146,6 @@ Check check_jitter(const JitterRun& run) {
     Check check{.name = "jitter",
                 .detail = fmt::format("{:.0f} Hz: {}; {:.1f} % of a processor", run.rate_hz,
                                       describe(lateness), 100.0 * run.all.processor_share),
-                .remedy = "",
                 .numbers = {{"rate_hz", run.rate_hz},
                             {"ticks", static_cast<double>(lateness.count())},
                             {"p50_us", us(lateness.quantile_ns(0.5))},
@@ -165,7 +161,7 @@ Check check_jitter(const JitterRun& run) {
 }
 
 Check check_cyclictest(const JitterRun& run) {
-    Check check{.name = "cyclictest", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    Check check{.name = "cyclictest"};
     if (!run.installed) {
         check.detail = "not installed: nothing to compare the jitter with";
         check.remedy = "if you want to compare: apt-get install rt-tests";
