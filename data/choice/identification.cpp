@@ -31,11 +31,9 @@ void name_items(IdentificationReport& report) {
     std::ranges::sort(names);
     names.erase(std::unique(names.begin(), names.end()), names.end());
     for (const std::string& name : report.options.given) {
-        if (!std::ranges::binary_search(names, name)) {
-            throw std::invalid_argument(
-                fmt::format("{}: there is no item \"{}\"{}: its items are {}", report.table.source,
-                            name, suggestion(name, names, ""), fmt::join(names, ", ")));
-        }
+        refuse_if(!std::ranges::binary_search(names, name),
+                  "{}: there is no item \"{}\"{}: its items are {}", report.table.source, name,
+                  suggestion(name, names, ""), fmt::join(names, ", "));
     }
     for (const std::string& name : names) {
         const std::optional<double> value = value_of(report.options, name);
@@ -269,12 +267,10 @@ std::map<std::string, double> item_values(Database& database, const std::string&
 
 IdentificationReport identification_of(TrialTable table, const IdentificationOptions& options) {
     IdentificationReport report{.table = std::move(table), .options = options};
-    if (report.table.alternatives == 0) {
-        throw std::invalid_argument(
-            fmt::format("{}: the answers are yes and no: these models are of identifications; "
-                        "palpate stats gives d' and c",
-                        report.table.source));
-    }
+    refuse_if(report.table.alternatives == 0,
+              "{}: the answers are yes and no: these models are of identifications; palpate stats "
+              "gives d' and c",
+              report.table.source);
     name_items(report);
     for (std::size_t subject = 0; subject < report.table.subjects.size(); ++subject) {
         if (std::ranges::none_of(report.table.trials, [&](const Trial& trial) {

@@ -4,8 +4,6 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
 #include "engine/base/refuse.hpp"
 #include "engine/base/shared_library.hpp"
 
@@ -32,13 +30,11 @@ DuckDb::DuckDb() {
     const char* named = std::getenv("PALPATE_DUCKDB");
     const std::string name = named != nullptr && *named != '\0' ? named : "libduckdb.so";
     const SharedLibrary library(name);
-    if (!library.loaded()) {
-        throw std::invalid_argument(fmt::format(
-            "Parquet needs DuckDB's library, and {} could not be loaded: get libduckdb.so "
-            "(duckdb.org; npm install @duckdb/node-bindings-linux-x64 brings one) and set "
-            "PALPATE_DUCKDB to its path, or export csv",
-            name));
-    }
+    refuse_if(!library.loaded(),
+              "Parquet needs DuckDB's library, and {} could not be loaded: get libduckdb.so "
+              "(duckdb.org; npm install @duckdb/node-bindings-linux-x64 brings one) and set "
+              "PALPATE_DUCKDB to its path, or export csv",
+              name);
     int (*const open)(const char*, void**) = needed(library, "duckdb_open");
     int (*const connect)(void*, void**) = needed(library, "duckdb_connect");
     query_ = needed(library, "duckdb_query");

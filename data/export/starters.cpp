@@ -7,7 +7,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -99,12 +98,10 @@ std::string account_of(const std::filesystem::path& folder) {
 
 void require_export(const std::filesystem::path& folder) {
     for (const char* name : {"columns.csv", "trials.csv"}) {
-        if (!std::filesystem::exists(folder / name)) {
-            throw std::invalid_argument(
-                fmt::format("{} is no export: it has no {}; make one with palpate export FILE "
-                            "--format csv -o FOLDER",
-                            folder.string(), name));
-        }
+        refuse_if(!std::filesystem::exists(folder / name),
+                  "{} is no export: it has no {}; make one with palpate export FILE --format csv "
+                  "-o FOLDER",
+                  folder.string(), name);
     }
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -27,11 +26,9 @@ void check_alternatives(const TrialTable& table, const StatsOptions& options) {
     }
     refuse_if(table.alternatives == 0,
               "--alternatives is for named shapes: these answers are yes and no");
-    if (options.alternatives < table.responses.size()) {
-        throw std::invalid_argument(fmt::format(
-            "--alternatives is {}: {} different answers were given; give as many or more",
-            options.alternatives, table.responses.size()));
-    }
+    refuse_if(options.alternatives < table.responses.size(),
+              "--alternatives is {}: {} different answers were given; give as many or more",
+              options.alternatives, table.responses.size());
 }
 
 bool is_probability(const TrialTable& table) {

@@ -130,11 +130,9 @@ Owner owner_of(Database& database, const TrialPageOptions& options) {
     refuse_if(row.integer(5) != 0,
               "trial {} is of somebody who is noted as not consenting: there is no page of it",
               options.trial);
-    if (!row.null(6)) {
-        throw std::invalid_argument(
-            fmt::format("trial {} is of a session that was withdrawn ({}): there is no page of it",
-                        options.trial, plain(row.text(6))));
-    }
+    refuse_if(!row.null(6),
+              "trial {} is of a session that was withdrawn ({}): there is no page of it",
+              options.trial, plain(row.text(6)));
     return {row.integer(0), row.text(1), row.text(2), row.text(3),
             row.null(4) ? std::string() : row.text(4)};
 }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/plot/svg_panel.hpp"
 #include "data/plot/svg_text.hpp"
 
@@ -20,19 +20,12 @@ constexpr double kBetween = 14.0;            // px between panels
 constexpr double kFigureCaptionLine = 16.0;  // px
 
 void check(const Figure& figure) {
-    const auto refuse = [](const std::string& text) {
-        throw std::invalid_argument(text);
-    };
-    if (figure.panels.empty()) {
-        refuse("a figure needs at least one panel");
-    }
-    if (figure.columns < 1 || figure.columns > 8) {
-        refuse(fmt::format("a figure has {} columns: give 1 to 8", figure.columns));
-    }
-    if (!(figure.width >= 200.0 * figure.columns && figure.width <= 10000.0)) {
-        refuse(fmt::format("a figure of {} columns is {} px wide: give 200 a column to 10000",
-                           figure.columns, figure.width));
-    }
+    refuse_if(figure.panels.empty(), "a figure needs at least one panel");
+    refuse_if(figure.columns < 1 || figure.columns > 8, "a figure has {} columns: give 1 to 8",
+              figure.columns);
+    refuse_if(!(figure.width >= 200.0 * figure.columns && figure.width <= 10000.0),
+              "a figure of {} columns is {} px wide: give 200 a column to 10000", figure.columns,
+              figure.width);
 }
 
 /// `id` with everything but letters, digits, - and _ made _, and a letter in front.

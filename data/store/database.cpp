@@ -170,9 +170,8 @@ void Database::open(Access access) {
         execute("PRAGMA foreign_keys = ON");
         return;
     }
-    if (connection_.file.empty()) {
-        throw WrongFile("the name of the database is empty; give a file name");
-    }
+    refuse_if<WrongFile>(connection_.file.empty(),
+                         "the name of the database is empty; give a file name");
     require_plain_files(connection_.file);
     if (access == Access::write) {
         make_private_file(plain_name(connection_.file));
@@ -241,12 +240,10 @@ void Database::check_identity(Access access) {
         migrate(connection_, migration_steps());
         id = identity();
     }
-    if (id.version != kSchemaVersion) {
-        throw WrongFile(
-            fmt::format("{}: made by another palpate (schema {}, this program knows {}); use that "
-                        "one for it, or choose another file name",
-                        connection_.file, id.version, kSchemaVersion));
-    }
+    refuse_if<WrongFile>(id.version != kSchemaVersion,
+                         "{}: made by another palpate (schema {}, this program knows {}); use that "
+                         "one for it, or choose another file name",
+                         connection_.file, id.version, kSchemaVersion);
 }
 
 void Database::check_schema(Access access) {
@@ -333,12 +330,10 @@ void Database::checkpoint() {
 void Database::require_in_place() const {
     int moved = 0;
     sqlite3_file_control(connection_.handle, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
-    if (moved != 0) {
-        throw StoreError(
-            fmt::format("{}: it was moved or deleted while it was in use; what was recorded is in "
-                        "the file wherever it is now: put it back and run again",
-                        connection_.file));
-    }
+    refuse_if<StoreError>(moved != 0,
+                          "{}: it was moved or deleted while it was in use; what was recorded is "
+                          "in the file wherever it is now: put it back and run again",
+                          connection_.file);
 }
 
 bool is_database(const std::string& file) {

@@ -227,11 +227,10 @@ std::int64_t version_of(const Connection& file) {
 
 std::string copied(const Connection& file, std::int64_t version) {
     std::string copy = fmt::format("{}.schema-{}.sqlite", file.file, version);
-    if (std::filesystem::exists(copy)) {
-        throw StoreError(fmt::format(
-            "{}: a copy is made before its schema changes, and {} is there already; move it away",
-            file.file, copy));
-    }
+    refuse_if<StoreError>(
+        std::filesystem::exists(copy),
+        "{}: a copy is made before its schema changes, and {} is there already; move it away",
+        file.file, copy);
     Statement(file, "VACUUM INTO ?1").bind(1, std::string_view(copy)).run();
     return copy;
 }
@@ -257,11 +256,10 @@ void take(const Connection& file, std::span<const MigrationStep> steps) {
         file.execute(fmt::format("PRAGMA user_version = {}", step.to).c_str());
     }
     file.execute(std::string(views_sql()).c_str());
-    if (Statement(file, "PRAGMA foreign_key_check").step()) {
-        throw StoreError(fmt::format(
-            "{}: a row would be left without its owner by the new schema; the file is as before",
-            file.file));
-    }
+    refuse_if<StoreError>(
+        Statement(file, "PRAGMA foreign_key_check").step(),
+        "{}: a row would be left without its owner by the new schema; the file is as before",
+        file.file);
 }
 
 }  // namespace

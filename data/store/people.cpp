@@ -93,11 +93,8 @@ Markable markable(Database& database, std::int64_t trial) {
         "session.session_id FROM trial JOIN session USING (session_id) LEFT JOIN response USING "
         "(trial_id) WHERE trial.trial_id = ?1",
         trial);
-    if (!row.step()) {
-        throw std::invalid_argument(
-            fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
-                        database.file(), trial));
-    }
+    refuse_if(!row.step(), "{}: there is no trial {}; SELECT trial_id FROM trial lists them",
+              database.file(), trial);
     return {.outcome = row.text(0),
             .answered = row.integer(1) != 0,
             .invalid = row.text_or_none(2),
@@ -106,12 +103,10 @@ Markable markable(Database& database, std::int64_t trial) {
 }
 
 void refuse_running(Database& database, std::int64_t trial, std::int64_t session) {
-    if (SessionLock::held(database, session)) {
-        throw std::invalid_argument(fmt::format(
-            "{}: the session of trial {} runs now, and would not hear of it; mark its last trial "
-            "at the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
-            database.file(), trial));
-    }
+    refuse_if(SessionLock::held(database, session),
+              "{}: the session of trial {} runs now, and would not hear of it; mark its last trial "
+              "at the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
+              database.file(), trial);
 }
 
 /// What the session did because of a mark and would not have done without it; empty: nothing.

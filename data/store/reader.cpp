@@ -1,6 +1,5 @@
 #include "data/store/reader.hpp"
 
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -138,11 +137,8 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
 
 TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t interval) {
     Statement row = database.prepare(kContext, trial, interval);
-    if (!row.step()) {
-        throw std::invalid_argument(
-            fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
-                        database.file(), trial));
-    }
+    refuse_if(!row.step(), "{}: there is no trial {}; SELECT trial_id FROM trial lists them",
+              database.file(), trial);
     return {.session = row.integer(0),
             .trial = {.object = row.text(1),
                       .friction = row.text(2),

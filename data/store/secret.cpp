@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <optional>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -102,31 +101,26 @@ std::int64_t subject_of(std::string_view code, std::string_view secret, int draw
 }
 
 std::string own_secret(Database& database) {
-    if (!strange_secrets(database).empty()) {
-        throw StoreError(
-            fmt::format("{}: it has a second secret, with which nothing was drawn: somebody put it "
-                        "there to know whose the next orders are; take a copy made before",
-                        database.file()));
-    }
+    refuse_if<StoreError>(!strange_secrets(database).empty(),
+                          "{}: it has a second secret, with which nothing was drawn: somebody put "
+                          "it there to know whose the next orders are; take a copy made before",
+                          database.file());
     const std::optional<std::string> used = first_used(database);
     if (used && has_secret(database, *used)) {
         return *used;
     }
     Statement row = database.first("SELECT min(hex) FROM secret");
-    if (used || row.null(0)) {
-        throw StoreError(
-            fmt::format("{}: its secret was removed or changed, and without it no order can be "
-                        "drawn or checked; restore a copy of the file",
-                        database.file()));
-    }
+    refuse_if<StoreError>(used || row.null(0),
+                          "{}: its secret was removed or changed, and without it no order can be "
+                          "drawn or checked; restore a copy of the file",
+                          database.file());
     return row.text(0);
 }
 
 void check_secret(std::string_view hex) {
-    if (hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string::npos) {
-        throw std::invalid_argument(
-            "--secret is not 32 of the digits 0 to 9 and a to f; openssl rand -hex 16 prints one");
-    }
+    refuse_if(
+        hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string::npos,
+        "--secret is not 32 of the digits 0 to 9 and a to f; openssl rand -hex 16 prints one");
 }
 
 void set_secret(Database& database, std::string_view hex) {

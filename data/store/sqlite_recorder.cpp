@@ -70,12 +70,10 @@ void Reserve::hold(std::int64_t bytes) {
     const int error = take(bytes);
     const bool none = error == ENOSPC || error == EDQUOT;
     const bool cannot = error == EOPNOTSUPP || error == EINVAL;
-    if (error != 0 && !none && !cannot) {
-        throw StoreError(
-            fmt::format("{}: no room for a trial could be set aside beside it: {}; check that its "
-                        "folder is there and may be written",
-                        file_, std::strerror(error)));
-    }
+    refuse_if<StoreError>(error != 0 && !none && !cannot,
+                          "{}: no room for a trial could be set aside beside it: {}; check that "
+                          "its folder is there and may be written",
+                          file_, std::strerror(error));
     if (none || (cannot && bytes_free(file_) < bytes)) {
         throw StoreError(
             fmt::format("{}: its disk does not have the {:.0f} MB that a trial may take; free some "

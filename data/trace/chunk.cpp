@@ -25,25 +25,21 @@ bool is_held(const StoredColumn& column, std::uint8_t parts) noexcept {
     return column.part == 0 || (column.part & parts) != 0;
 }
 
-[[noreturn]] void damaged(std::string_view why) {
-    throw TraceError(fmt::format("a trace chunk is damaged: {}", why));
+void damaged_if(bool wrong, std::string_view why) {
+    refuse_if<TraceError>(wrong, "a trace chunk is damaged: {}", why);
 }
 
 void require(bool held, std::string_view column, std::size_t ticks) {
-    if (!held) {
-        damaged(fmt::format("{} does not hold {} ticks", column, ticks));
-    }
+    refuse_if<TraceError>(!held, "a trace chunk is damaged: {} does not hold {} ticks", column,
+                          ticks);
 }
 
 void check_head(const ChunkView& chunk) {
-    if (chunk.codec != kTraceCodec) {
-        throw TraceError(fmt::format("trace codec {} is unknown; update palpate", chunk.codec));
-    }
+    refuse_if<TraceError>(chunk.codec != kTraceCodec, "trace codec {} is unknown; update palpate",
+                          chunk.codec);
     refuse_if<TraceError>(chunk.ticks < 1 || chunk.ticks > kChunkTicks,
                           "a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, chunk.ticks);
-    if (crc_of(chunk.data) != chunk.crc32) {
-        damaged("its checksum differs");
-    }
+    damaged_if(crc_of(chunk.data) != chunk.crc32, "its checksum differs");
 }
 
 }  // namespace
@@ -91,19 +87,13 @@ ChunkReader::ChunkReader(const ChunkView& chunk) : chunk_(chunk) {
             continue;
         }
         std::uint32_t size = 0;
-        if (chunk.data.size() < at) {
-            damaged("it is too short");
-        }
+        damaged_if(chunk.data.size() < at, "it is too short");
         std::memcpy(&size, chunk.data.data() + kWord * word++, kWord);
-        if (size > chunk.data.size() - at) {
-            damaged("it is too short");
-        }
+        damaged_if(size > chunk.data.size() - at, "it is too short");
         streams_[i] = chunk.data.subspan(at, size);
         at += size;
     }
-    if (at != chunk.data.size()) {
-        damaged("it is too long");
-    }
+    damaged_if(at != chunk.data.size(), "it is too long");
 }
 
 void ChunkReader::read(ColumnId column, std::span<std::int32_t> values) const {

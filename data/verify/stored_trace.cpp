@@ -75,11 +75,8 @@ private:
         refuse_if<TraceError>(i > 0 && chunks_[i - 1].ticks != kChunkTicks,
                               "the one before it is not full: it ends before {}", next_);
         const std::int64_t first = chunk.first_tick;
-        if (first != next_) {
-            throw TraceError(first > next_
-                                 ? fmt::format("ticks {} to {} are missing", next_, first - 1)
-                                 : fmt::format("it begins with tick {} again", first));
-        }
+        refuse_if<TraceError>(first > next_, "ticks {} to {} are missing", next_, first - 1);
+        refuse_if<TraceError>(first < next_, "it begins with tick {} again", first);
         refuse_if<TraceError>(chunk.period_ns != period_ns_, "its period is {} ns, not {}",
                               chunk.period_ns, period_ns_);
         const ChunkReplay::Again again = replay_.chunk(i);

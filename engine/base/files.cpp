@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
+
 namespace palpate {
 bool sync_to_disk(const std::filesystem::path& what) {
     const int fd = open(what.c_str(), O_RDONLY | O_CLOEXEC);
@@ -111,12 +113,10 @@ void require_own_kind(const std::filesystem::path& file, std::string_view text) 
     // "t_s,x" is not the head "t_s,x_m"; a tag that is asked for alone has no end to compare.
     const bool ends = there.size() <= wanted.size() || wanted.size() == text.size() ||
                       there[wanted.size()] == text[wanted.size()];
-    if (text.empty() || !there.starts_with(wanted) || !ends) {
-        throw std::invalid_argument(
-            fmt::format("{} is there already and is not what this command writes: it stays as it "
-                        "is; give another name",
-                        file.string()));
-    }
+    refuse_if(text.empty() || !there.starts_with(wanted) || !ends,
+              "{} is there already and is not what this command writes: it stays as it is; give "
+              "another name",
+              file.string());
 }
 
 }  // namespace
@@ -274,11 +274,8 @@ void write_new(const std::filesystem::path& file, std::string_view text) {
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (error) {
-        throw std::invalid_argument(
-            fmt::format("{}: this folder cannot be made: {}; give another name", folder.string(),
-                        error.message()));
-    }
+    refuse_if(error.value() != 0, "{}: this folder cannot be made: {}; give another name",
+              folder.string(), error.message());
 }
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <Eigen/Cholesky>
 
@@ -71,31 +70,20 @@ bool not_negative(double value) {
 DnurbsSpec checked(DnurbsSpec spec) {
     static_cast<void>(NurbsCurve<2>(spec.degree, spec.knots, spec.points, spec.weights));
     const std::size_t n = spec.points.size();
-    const auto refuse = [](const std::string& what) {
-        throw std::invalid_argument(what);
-    };
-    if (n > kMaxPoints) {
-        refuse("points_m has " + std::to_string(n) + " control points: give at most " +
-               std::to_string(kMaxPoints));
-    }
+    refuse_if(n > kMaxPoints, "points_m has {} control points: give at most {}", n, kMaxPoints);
     require(not_negative(spec.mu), "mu", spec.mu, "give a number from 0");
     require(not_negative(spec.gamma), "gamma", spec.gamma, "give a number from 0");
     require(not_negative(spec.alpha), "alpha", spec.alpha, "give a number from 0");
     require(not_negative(spec.beta), "beta", spec.beta, "give a number from 0");
     std::sort(spec.fixed.begin(), spec.fixed.end());
     for (std::size_t i = 0; i < spec.fixed.size(); ++i) {
-        const std::string index = std::to_string(spec.fixed[i]);
-        if (spec.fixed[i] >= n) {
-            refuse("fixed has " + index + ": control points count from 0 to " +
-                   std::to_string(n - 1));
-        }
-        if (i > 0 && spec.fixed[i] == spec.fixed[i - 1]) {
-            refuse("fixed has " + index + " twice: leave one out");
-        }
+        refuse_if(spec.fixed[i] >= n, "fixed has {}: control points count from 0 to {}",
+                  spec.fixed[i], n - 1);
+        refuse_if(i > 0 && spec.fixed[i] == spec.fixed[i - 1], "fixed has {} twice: leave one out",
+                  spec.fixed[i]);
     }
-    if (spec.fixed.size() == n) {
-        refuse("fixed has every control point: leave one out, or nothing moves");
-    }
+    refuse_if(spec.fixed.size() == n,
+              "fixed has every control point: leave one out, or nothing moves");
     return spec;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
@@ -13,11 +12,10 @@ namespace {
 
 double checked_chord(const Vec2& from, const Vec2& to) {
     const double chord = glm::length(to - from);
-    if (!(chord > 0.0) || !std::isfinite(chord)) {
-        throw std::invalid_argument(
-            "a curve needs two finite end points apart from one another; the distance given is " +
-            number_text(chord) + " m");
-    }
+    refuse_if(!(chord > 0.0) || !std::isfinite(chord),
+              "a curve needs two finite end points apart from one another; the distance given is "
+              "{:.9g} m",
+              chord);
     return chord;
 }
 

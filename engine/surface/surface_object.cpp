@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "engine/base/refuse.hpp"
@@ -152,12 +151,10 @@ void SurfaceObject::join_borders() {
                       "{} has more than one neighbour: give each border at most one, so that the "
                       "surface has one outside",
                       (of(a).joined ? a : b).name());
-            if ((a.counter_clockwise() == b.counter_clockwise()) != *reversed) {
-                throw std::invalid_argument(
-                    a.name() + " and " + b.name() +
-                    " are one, but the outward normals lie on different sides of it: give the rows "
-                    "of points of one surface in the other order");
-            }
+            refuse_if((a.counter_clockwise() == b.counter_clockwise()) != *reversed,
+                      "{} and {} are one, but the outward normals lie on different sides of it: "
+                      "give the rows of points of one surface in the other order",
+                      a.name(), b.name());
             const bool pieces = same_breaks(a, b, *reversed);
             of(a) = {true, *reversed, pieces, b.side(), b.surface()};
             of(b) = {true, *reversed, pieces, a.side(), a.surface()};

@@ -1,7 +1,6 @@
 #include "engine/surface/surface_trim.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
 #include "engine/base/refuse.hpp"
@@ -72,12 +71,10 @@ void check(const TrimLoop& loop, std::size_t number, const NurbsSurface& surface
         refuse_if(!(a.x >= u.front() && a.x <= u.back() && a.y >= v.front() && a.y <= v.back()),
                   "corner {} of {} is {}: give u from {:.9g} to {:.9g} and v from {:.9g} to {:.9g}",
                   k + 1, label, place_text(a), u.front(), u.back(), v.front(), v.back());
-        if ((a.x == b.x) == (a.y == b.y)) {
-            throw std::invalid_argument(label + " goes from " + place_text(a) + " to " +
-                                        place_text(b) +
-                                        ": give corners that change u alone or v alone; trims "
-                                        "along other lines are not supported");
-        }
+        refuse_if((a.x == b.x) == (a.y == b.y),
+                  "{} goes from {} to {}: give corners that change u alone or v alone; trims along "
+                  "other lines are not supported",
+                  label, place_text(a), place_text(b));
     }
 }
 

@@ -12,6 +12,8 @@
 #include <toml++/toml.h>
 #include <unistd.h>
 
+#include "engine/base/refuse.hpp"
+
 namespace palpate::protocols {
 namespace {
 
@@ -228,10 +230,9 @@ std::string shown(const Value& value) {
 }
 
 Table parse_document(std::string_view text, std::string_view file_name) {
-    if (text.size() > kMaxDocument) {
-        throw ProtocolError(fmt::format("{}:1:1: the text has {} bytes: give at most {}", file_name,
-                                        text.size(), kMaxDocument));
-    }
+    refuse_if<ProtocolError>(text.size() > kMaxDocument,
+                             "{}:1:1: the text has {} bytes: give at most {}", file_name,
+                             text.size(), kMaxDocument);
     if (const auto deep = DepthScan(text).too_deep()) {
         throw ProtocolError(fmt::format(
             "{}:{}:{}: more than {} levels in one another: no key of a file lies so deep, take the "

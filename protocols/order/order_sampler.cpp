@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/order/order_counter.hpp"
 #include "protocols/protocol/condition.hpp"
 
@@ -133,12 +134,10 @@ const OrderCounter* OrderSampler::counter_of_both() {
     if (!std::exchange(both_.tried, true)) {
         both_.counter =
             counter_or_none(OrderCounter::build(trials_, limits_, max_states(trials_.size())));
-        if (both_.counter && both_.counter->total().is_zero()) {
-            throw OrderError(fmt::format(
-                "no order keeps the run limits (object {}, friction {}) at once, though "
-                "each alone can be kept: allow longer runs of one of them",
-                limits_.object, limits_.friction));
-        }
+        refuse_if<OrderError>(both_.counter && both_.counter->total().is_zero(),
+                              "no order keeps the run limits (object {}, friction {}) at once, "
+                              "though each alone can be kept: allow longer runs of one of them",
+                              limits_.object, limits_.friction);
     }
     return both_.counter.get();
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -145,12 +144,10 @@ RuleFacts facts(const std::vector<StaircaseSpec>& specs) {
     RuleFacts all;
     for (std::size_t i = 0; i < specs.size(); ++i) {
         const StaircaseSpec& spec = specs[i];
-        if (spec.trials == 0 || spec.reversals != 0) {
-            throw std::invalid_argument(
-                fmt::format("the staircase {} ends {}: a session's plan is complete before its "
-                            "first trial; give trials and no reversals",
-                            spec.name, spec.reversals != 0 ? "by reversals" : "never"));
-        }
+        refuse_if(spec.trials == 0 || spec.reversals != 0,
+                  "the staircase {} ends {}: a session's plan is complete before its first trial; "
+                  "give trials and no reversals",
+                  spec.name, spec.reversals != 0 ? "by reversals" : "never");
         all.trials += spec.trials;
         if (i == 0 || spec.lowest < all.lowest) {
             all.lowest = spec.lowest;
@@ -176,18 +173,14 @@ RuleFacts facts(const QuestSpec& spec) {
 }
 
 RuleFacts facts(const QuestPlusSpec& spec) {
-    if (spec.entropy_bits != 0.0) {
-        throw std::invalid_argument(
-            fmt::format("entropy_bits is {}: a session's plan is complete before its first trial; "
-                        "leave it out and give trials",
-                        spec.entropy_bits));
-    }
-    if (spec.stimuli.dimensions() != 1) {
-        throw std::invalid_argument(
-            fmt::format("the rule chooses {} numbers a trial: a session varies one; give a model "
-                        "with one stimulus",
-                        spec.stimuli.dimensions()));
-    }
+    refuse_if(spec.entropy_bits != 0.0,
+              "entropy_bits is {}: a session's plan is complete before its first trial; leave it "
+              "out and give trials",
+              spec.entropy_bits);
+    refuse_if(
+        spec.stimuli.dimensions() != 1,
+        "the rule chooses {} numbers a trial: a session varies one; give a model with one stimulus",
+        spec.stimuli.dimensions());
     const std::vector<double>& values = spec.stimuli.axis(0).values;
     return {.trials = spec.trials,
             .lowest = values.front(),

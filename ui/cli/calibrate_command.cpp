@@ -78,11 +78,9 @@ engine::MarkReading read_mark(engine::Device& device, const Vec2& place) {
     int silent = 0;
     while (counts.readings() < kReadings) {
         silent = add_reading(device, counts) ? 0 : silent + 1;
-        if (silent > kMaxSilent) {
-            throw std::runtime_error(
-                fmt::format("{} says nothing new; nothing was written: check its cable and power",
-                            device.name()));
-        }
+        refuse_if<std::runtime_error>(
+            silent > kMaxSilent,
+            "{} says nothing new; nothing was written: check its cable and power", device.name());
         if (!simulated) {
             std::this_thread::sleep_for(kPause);
         }

@@ -144,9 +144,7 @@ std::vector<Vec3> places_of(const CommissionOptions& options, const engine::Cali
     for (const std::string& text : options.marks) {
         places.emplace_back(parse_place(text, "--mark"), 0.0);
     }
-    if (places.size() < 3) {
-        throw std::invalid_argument("--mark: pulses need two marks besides home; give it twice");
-    }
+    refuse_if(places.size() < 3, "--mark: pulses need two marks besides home; give it twice");
     return places;
 }
 

@@ -1,7 +1,6 @@
 #include <array>
 #include <cstdio>
 #include <functional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -361,12 +360,10 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
 
 int run(const EmulatorOptions& options) {
     const engine::Calibration machine = protocols::load_calibration(options.preset);
-    if (options.open ? !machine.board : !machine.haply) {
-        throw std::invalid_argument(fmt::format(
-            "--preset {}: this machine has no {}", options.preset,
-            options.open ? "open board; give 2diy_gen3 or a file with [pantograph.board]"
-                         : "Haply board; give 2diy_gen3, 2diy_gen2 or haplet"));
-    }
+    refuse_if(options.open ? !machine.board : !machine.haply, "--preset {}: this machine has no {}",
+              options.preset,
+              options.open ? "open board; give 2diy_gen3 or a file with [pantograph.board]"
+                           : "Haply board; give 2diy_gen3, 2diy_gen2 or haplet");
     if (machine.gantry) {
         live_in_space(options, machine);
     } else if (options.free) {

@@ -137,12 +137,10 @@ std::string replayed(Procedure procedure,
     const bool tracks = !procedure.track().empty();
     std::string text = head(procedure, tracks, hashes);
     for (std::size_t row = 0; row < table.rows(); ++row) {
-        if (procedure.finished()) {
-            throw data::CsvError(fmt::format(
-                "{}:{}: response {} comes after the end: the procedure ends with trial {}; "
-                "delete the rows beyond, or let it go on longer",
-                file, table.lines[row], row + 1, row));
-        }
+        refuse_if<data::CsvError>(procedure.finished(),
+                                  "{}:{}: response {} comes after the end: the procedure ends with "
+                                  "trial {}; delete the rows beyond, or let it go on longer",
+                                  file, table.lines[row], row + 1, row);
         const std::vector<double> shown = shown_in(procedure, table, row);
         const std::size_t outcome = outcome_of(procedure, table, row, file);
         std::string line = line_of(procedure, row, shown, outcome, tracks);

@@ -120,12 +120,10 @@ void check_consent(const Person& person, const RunOptions& options, const RigSpe
     if (person && person->notes.consent == true) {
         return;
     }
-    if (person && person->notes.consent == false) {
-        throw std::invalid_argument(fmt::format(
-            "{0} is noted as not consenting: nothing real is run with them; if they have changed "
-            "their mind, palpate participant {1} {0} --consent yes notes it",
-            options.participant, options.database));
-    }
+    refuse_if(person && person->notes.consent == false,
+              "{0} is noted as not consenting: nothing real is run with them; if they have changed "
+              "their mind, palpate participant {1} {0} --consent yes notes it",
+              options.participant, options.database);
     const std::string text = fmt::format(
         "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
         options.participant, options.database, person ? "" : " --new");
@@ -281,12 +279,10 @@ void choose(data::Database& database, const RunOptions& options, RigSpec& spec) 
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;
     spec.seed = choice.seed;
-    if (!choice.over.empty()) {
-        throw std::invalid_argument(
-            fmt::format("{}: session {} of {} in {} {}; for another one give --session {}",
-                        options.database, spec.key.session, options.participant,
-                        spec.study.protocol.id, choice.over, choice.last + 1));
-    }
+    refuse_if(!choice.over.empty(),
+              "{}: session {} of {} in {} {}; for another one give --session {}", options.database,
+              spec.key.session, options.participant, spec.study.protocol.id, choice.over,
+              choice.last + 1);
     require_kind(choice, spec.study, spec.kind, options.database);  // before a device is touched
     if (choice.begun) {
         check_goes_on(database, spec);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -100,11 +99,9 @@ SimulationSpec spec_of(const SimulateOptions& options) {
     spec.people.traces = !options.no_traces;
     spec.participants = static_cast<std::size_t>(options.participants);
     spec.shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
-    if (participants_of(spec.shard, spec.participants) == 0) {
-        throw std::invalid_argument(
-            fmt::format("--shard {}: it has none of the {} participants; give N of at most {}",
-                        options.shard, spec.participants, spec.participants));
-    }
+    refuse_if(participants_of(spec.shard, spec.participants) == 0,
+              "--shard {}: it has none of the {} participants; give N of at most {}", options.shard,
+              spec.participants, spec.participants);
     spec.threads = options.threads > 0
                      ? static_cast<std::size_t>(options.threads)
                      : std::max<std::size_t>(std::thread::hardware_concurrency(), 1);

@@ -87,16 +87,13 @@ void take_address(const std::string& session, PageServerSpec& spec) {
 std::string pem_text(const std::string& file, std::string_view holds) {
     std::error_code none;
     std::string text = std::filesystem::is_regular_file(file, none) ? file_text(file) : "";
-    if (text.find(holds) == std::string::npos) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {}; --tls takes a certificate and its key, two PEM files: openssl req -x509 "
-            "-nodes "
-            "-newkey rsa:2048 -addext subjectAltName=IP:ADDRESS -subj /CN=palpate -keyout KEY -out "
-            "CERT makes them",
-            file,
-            text.empty() ? "no file that can be read is there"
-                         : fmt::format("has no line \"-----BEGIN ... {}\"", holds)));
-    }
+    refuse_if(text.find(holds) == std::string::npos,
+              "{}: {}; --tls takes a certificate and its key, two PEM files: openssl req -x509 "
+              "-nodes -newkey rsa:2048 -addext subjectAltName=IP:ADDRESS -subj /CN=palpate -keyout "
+              "KEY -out CERT makes them",
+              file,
+              text.empty() ? "no file that can be read is there"
+                           : fmt::format("has no line \"-----BEGIN ... {}\"", holds));
     return text;
 }
 

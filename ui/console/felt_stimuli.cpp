@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -75,13 +74,10 @@ std::vector<std::pair<std::string, Presentation>> stimuli_of(const protocols::Pr
 FeltStimuli::FeltStimuli(std::string protocol, RigSpec rig, std::string device)
     : protocol_(std::move(protocol)), rig_(std::move(rig)), device_(std::move(device)) {
     using Kind = DeviceChoice::Kind;
-    if (rig_.device.kind == Kind::mouse || rig_.device.kind == Kind::replay) {
-        throw std::invalid_argument(
-            fmt::format("--device {} of a preview: give a device with force, or sim; palpate run "
-                        "has the window "
-                        "of a pointer, and what was recorded",
-                        device_));
-    }
+    refuse_if(rig_.device.kind == Kind::mouse || rig_.device.kind == Kind::replay,
+              "--device {} of a preview: give a device with force, or sim; palpate run has the "
+              "window of a pointer, and what was recorded",
+              device_);
     rig_.key.participant = "preview";
     rig_.screen.speed = 1.0;
     rig_.kind =

@@ -342,13 +342,12 @@ PageServer::PageServer(PageServerSpec spec)
     const int error = errno;
     const MHD_DaemonInfo* bound =
         daemon_ == nullptr ? nullptr : MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT);
-    if (bound == nullptr) {
-        throw std::runtime_error(
-            error == EADDRNOTAVAIL ? no_address
-            : tls ? "the key is not that of the certificate, or one of them is no whole PEM"
-                  : fmt::format("a page cannot be served at {}: {}", spec_.address,
-                                std::strerror(error)));
-    }
+    refuse_if<std::runtime_error>(
+        bound == nullptr, "{}",
+        error == EADDRNOTAVAIL ? no_address
+        : tls ? "the key is not that of the certificate, or one of them is no whole PEM"
+              : fmt::format("a page cannot be served at {}: {}", spec_.address,
+                            std::strerror(error)));
     port_ = std::to_string(bound->port);
     host_ = spec_.address + ":" + port_;
     cookie_name_ = "palpate_" + port_;

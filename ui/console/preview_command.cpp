@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "ui/command/command.hpp"
 #include "ui/console/felt_stimuli.hpp"
 #include "ui/console/page_server.hpp"
@@ -51,9 +52,8 @@ class DrawingFolder {
 public:
     DrawingFolder() {
         std::string name = (fs::temp_directory_path() / "palpate-preview-XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr) {
-            throw std::runtime_error(name + ": cannot be made; check TMPDIR");
-        }
+        refuse_if<std::runtime_error>(mkdtemp(name.data()) == nullptr,
+                                      "{}: cannot be made; check TMPDIR", name);
         path_ = name;
     }
     DrawingFolder(const DrawingFolder&) = delete;

@@ -1,11 +1,9 @@
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "data/inference/stats_report.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
@@ -83,12 +81,10 @@ void declare(CommandWords& words, StatsWords& options) {
 std::filesystem::path trials_beside(const std::filesystem::path& script) {
     std::filesystem::path trials = script;
     trials.replace_extension(".csv");
-    if (trials == script || script.filename().empty()) {
-        throw std::invalid_argument(
-            fmt::format("--emit-r is {}: give a script's name, as analysis.R; its trials go beside "
-                        "it into .csv",
-                        script.string()));
-    }
+    refuse_if(
+        trials == script || script.filename().empty(),
+        "--emit-r is {}: give a script's name, as analysis.R; its trials go beside it into .csv",
+        script.string());
     return trials;
 }
 

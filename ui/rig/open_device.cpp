@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "engine/base/refuse.hpp"
 #include "engine/device/drivers/comedi_card.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
@@ -119,12 +117,10 @@ std::unique_ptr<engine::Device> open_for_calibration(const std::string& device,
     }
     const DeviceChoice choice = parse_device(device);
     using enum DeviceChoice::Kind;
-    if (choice.kind != haply && choice.kind != board && choice.kind != comedi) {
-        throw std::invalid_argument(
-            fmt::format("--device {}: there is nothing to calibrate; give sim, haply:PORT, "
-                        "board:PORT or comedi:FILE",
-                        device));
-    }
+    refuse_if(choice.kind != haply && choice.kind != board && choice.kind != comedi,
+              "--device {}: there is nothing to calibrate; give sim, haply:PORT, board:PORT or "
+              "comedi:FILE",
+              device);
     return open_device(choice, calibration, kPeriod);
 }
 

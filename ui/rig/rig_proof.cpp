@@ -195,12 +195,11 @@ void ask_for_yes(const std::string& text, bool beforehand) {
     }
     for (std::optional<std::string> line; line != "yes" && line != "y";) {
         line = typed_after(text + " Type yes: ");
-        if (!line) {
-            throw std::runtime_error(
-                interrupted() ? "stopped at the question; nothing was begun"
-                              : "standard input ended, and nobody said that the handle is free and "
-                                "at home: --handle-free says so beforehand");
-        }
+        refuse_if<std::runtime_error>(
+            !line, "{}",
+            interrupted() ? "stopped at the question; nothing was begun"
+                          : "standard input ended, and nobody said that the handle is free and "
+                            "at home: --handle-free says so beforehand");
     }
 }
 
@@ -247,11 +246,10 @@ OpeningFact prove_motors(engine::PulseRunner& runner,
                          const engine::RigRecord& record,
                          double delay) {
     const engine::ShortForm form = prove_again(runner, calibration, record, delay);
-    if (!form.refused.empty()) {
-        throw std::runtime_error(form.refused +
-                                 ". No session was begun; if nobody held the "
-                                 "handle, commission the rig again");
-    }
+    refuse_if<std::runtime_error>(
+        !form.refused.empty(),
+        "{}. No session was begun; if nobody held the handle, commission the rig again",
+        form.refused);
     return {.key = std::string(protocols::kRigCheck),
             .value = form.found,
             .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)};

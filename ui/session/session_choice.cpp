@@ -69,26 +69,21 @@ void require_kind(const SessionChoice& choice,
                   const Study& study,
                   data::RunKind kind,
                   const std::string& file) {
-    if (choice.begun && choice.kind != to_string(kind)) {
-        throw std::invalid_argument(
-            fmt::format("{}: session {} of {} in {} is a {} session; it cannot go on as {}: run it "
-                        "with the --device and --kind it was begun with, or begin another by "
-                        "--session {}",
-                        file, choice.key.session, choice.key.participant, study.protocol.id,
-                        choice.kind, to_string(kind), choice.last + 1));
-    }
+    refuse_if(choice.begun && choice.kind != to_string(kind),
+              "{}: session {} of {} in {} is a {} session; it cannot go on as {}: run it with the "
+              "--device and --kind it was begun with, or begin another by --session {}",
+              file, choice.key.session, choice.key.participant, study.protocol.id, choice.kind,
+              to_string(kind), choice.last + 1);
 }
 
 void check_goes_on(data::Database& database, data::SessionSpec& session) {
     try {
         data::check_session(database, session);
     } catch (const data::OtherDevice& other) {
-        if (isatty(STDIN_FILENO) == 0) {
-            throw std::invalid_argument(fmt::format(
-                "{}: {}; use the device it was felt on, or give --other-device as well if that is "
-                "meant",
-                database.file(), other.what()));
-        }
+        refuse_if(isatty(STDIN_FILENO) == 0,
+                  "{}: {}; use the device it was felt on, or give --other-device as well if that "
+                  "is meant",
+                  database.file(), other.what());
         const auto typed = typed_after(
             fmt::format("{}. If that is meant, type the participant's code: ", other.what()));
         refuse_if<std::runtime_error>(typed != session.key.participant,

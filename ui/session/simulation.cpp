@@ -48,11 +48,11 @@ std::vector<std::size_t> indices_of(const SimulationSpec& spec) {
 /// The codes of a file's participants. @throws std::invalid_argument if it holds anything but these
 /// simulated people
 std::set<std::string> codes_in(data::Database& database, const SimulationSpec& spec) {
-    const auto refuse = [&](const std::string& what) {
-        throw std::invalid_argument(
-            fmt::format("{}: it holds {}: nothing is simulated into it. Give another --db, or move "
-                        "the file away",
-                        database.file(), what));
+    const auto refuse = [&](bool other, const std::string& what) {
+        refuse_if(other,
+                  "{}: it holds {}: nothing is simulated into it. Give another --db, or move the "
+                  "file away",
+                  database.file(), what);
     };
     const SimulatedStudy& people = spec.people;
     const std::string observer = people.observer ? observer_text(*people.observer) : std::string();
@@ -67,13 +67,9 @@ std::set<std::string> codes_in(data::Database& database, const SimulationSpec& s
     std::set<std::string> codes;
     while (row.step()) {
         const std::string code = row.text(0);
-        if (row.text(1) != "simulated") {
-            refuse(fmt::format("a {} session of {}", row.text(1), code));
-        }
+        refuse(row.text(1) != "simulated", fmt::format("a {} session of {}", row.text(1), code));
         const auto same = [&](int column, const std::string& wanted, std::string_view what) {
-            if (row.text(column) != wanted) {
-                refuse(fmt::format("{} with another {}", code, what));
-            }
+            refuse(row.text(column) != wanted, fmt::format("{} with another {}", code, what));
         };
         same(2, people.study.hash, "protocol");
         same(3, std::to_string(people.seed), fmt::format("seed ({})", row.text(3)));
@@ -81,15 +77,13 @@ std::set<std::string> codes_in(data::Database& database, const SimulationSpec& s
         same(5, "1", "number of sessions");
         same(6, build_id(), "build of palpate");
         same(7, observer, "observer");
-        if ((row.text(8) == data::kNoTraces) == people.traces) {
-            refuse(fmt::format("{} {} ticks", code, people.traces ? "without" : "with"));
-        }
+        refuse((row.text(8) == data::kNoTraces) == people.traces,
+               fmt::format("{} {} ticks", code, people.traces ? "without" : "with"));
         codes.insert(code);
     }
     data::Statement all = database.first("SELECT count(*) FROM session");
-    if (all.integer(0) != static_cast<std::int64_t>(codes.size())) {
-        refuse("a session that is not finished");
-    }
+    refuse(all.integer(0) != static_cast<std::int64_t>(codes.size()),
+           "a session that is not finished");
     return codes;
 }
 

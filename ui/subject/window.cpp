@@ -12,6 +12,7 @@
 #include <png.h>
 
 #include "engine/base/files.hpp"
+#include "engine/base/refuse.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {
@@ -343,10 +344,10 @@ void Window::save_png(const std::string& file) const {
     std::string bytes;
     for (const bool counted : {false, true}) {
         png_alloc_size_t size = bytes.size();
-        if (png_image_write_to_memory(&image, counted ? bytes.data() : nullptr, &size, 0,
-                                      surface->pixels, surface->pitch, nullptr) == 0) {
-            throw std::runtime_error(fmt::format("{} cannot be written: {}", file, image.message));
-        }
+        refuse_if<std::runtime_error>(
+            png_image_write_to_memory(&image, counted ? bytes.data() : nullptr, &size, 0,
+                                      surface->pixels, surface->pitch, nullptr) == 0,
+            "{} cannot be written: {}", file, image.message);
         bytes.resize(size);
     }
     write_whole(file, bytes);
