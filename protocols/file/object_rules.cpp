@@ -184,12 +184,10 @@ private:
                 continue;
             }
             soft = std::min(soft, i);
-            if (!protocol_.objects[i].segments.empty()) {
-                add(path(i, "compliance_mm_per_n"),
-                    fmt::format("the object {} is a free form: a compliance is of two curves; "
-                                "delete it, or give curvature_per_m",
-                                protocol_.objects[i].name));
-            }
+            add_if(!protocol_.objects[i].segments.empty(), path(i, "compliance_mm_per_n"),
+                   "the object {} is a free form: a compliance is of two curves; delete it, or "
+                   "give curvature_per_m",
+                   protocol_.objects[i].name);
         }
         if (soft == protocol_.objects.size() && !varied) {
             return;

@@ -31,6 +31,7 @@ public:
             design();
         }
         exclusion();
+        response();
     }
 
 private:
@@ -100,13 +101,12 @@ private:
 
     void timing() {
         const TimingSpec& timing = protocol_.timing;
-        if (timing.explore_min >= timing.explore_timeout) {
-            add(places_.has("timing.explore_min_s") ? "timing.explore_min_s"
-                                                    : "timing.explore_timeout_s",
-                fmt::format("explore_min_s is {} and explore_timeout_s is {}: nobody could answer; "
-                            "give a time-out above the minimum",
-                            timing.explore_min, timing.explore_timeout));
-        }
+        add_if(timing.explore_min >= timing.explore_timeout,
+               places_.has("timing.explore_min_s") ? "timing.explore_min_s"
+                                                   : "timing.explore_timeout_s",
+               "explore_min_s is {} and explore_timeout_s is {}: nobody could answer; give a "
+               "time-out above the minimum",
+               timing.explore_min, timing.explore_timeout);
         add_if(timing.explore_prompt > timing.explore_timeout,
                places_.has("timing.explore_prompt_s") ? "timing.explore_prompt_s"
                                                       : "timing.explore_timeout_s",
@@ -200,62 +200,42 @@ private:
         needs("blocks", design.blocks, 1, "is one block");
         needs("catch_trials", design.catch_trials, 0, "has no room for catch trials");
     }
+
+    /// What [response] needs of itself: which keys its kind has, and when an answer can be right.
+    void response() {
+        const ResponseSpec& response = protocol_.response;
+        const ResponseKind kind = response.kind;
+        const bool rating = kind == ResponseKind::rating;
+        const bool labelled = rating || kind == ResponseKind::yes_no;
+        const auto only_for = [&](const std::string& key, bool has_it, std::string_view kinds) {
+            add_if(!has_it && places_.has("response." + key), "response." + key,
+                   "{} is given, but kind is \"{}\": delete it, or give kind {}", key,
+                   word_of(kind), kinds);
+        };
+        // As it begins it is in the canonical text of every kind.
+        only_for("levels", rating || response.levels == ResponseSpec{}.levels, "\"rating\"");
+        only_for("low", labelled, "\"yes_no\" or \"rating\"");
+        only_for("high", labelled, "\"yes_no\" or \"rating\"");
+        add_if(kind == ResponseKind::two_interval && !protocol_.procedure, "response.kind",
+               "kind is \"two_interval\", but nothing says what the two intervals hold: add the "
+               "table [procedure], or give another kind");
+        add_if(kind != ResponseKind::identification && objects_of(protocol_, true).empty(),
+               "object.1",
+               "every object has pictured = false: nothing is left for the main trials; leave it "
+               "out of one");
+        add_if(labelled && response.question.empty(), "response.kind",
+               "kind is \"{}\", but there is no question: add the key question", word_of(kind));
+        add_if(labelled && response.feedback != Feedback::none, "response.feedback",
+               "feedback is \"{}\", but an answer of kind \"{}\" is neither right nor wrong: give "
+               "\"none\"",
+               word_of(response.feedback), word_of(kind));
+    }
 };
-
-/// Keys of [response] that only some kinds have.
-void check_labels(const ResponseSpec& response, const Places& places, Problems& problems) {
-    const ResponseKind kind = response.kind;
-    const auto only_for = [&](std::string_view key, bool has_it, std::string_view kinds) {
-        const std::string path = fmt::format("response.{}", key);
-        if (!has_it && places.has(path)) {
-            problems.add(places.of(path),
-                         fmt::format("{} is given, but kind is \"{}\": delete it, or give kind {}",
-                                     key, word_of(kind), kinds));
-        }
-    };
-    const bool rating = kind == ResponseKind::rating;
-    const bool labelled = rating || kind == ResponseKind::yes_no;
-    // As it begins it is in the canonical text of every kind.
-    only_for("levels", rating || response.levels == ResponseSpec{}.levels, "\"rating\"");
-    only_for("low", labelled, "\"yes_no\" or \"rating\"");
-    only_for("high", labelled, "\"yes_no\" or \"rating\"");
-}
-
-/// What [response] needs of itself: which keys its kind has, and when an answer can be right.
-void check_response(const Protocol& protocol, const Places& places, Problems& problems) {
-    const ResponseSpec& response = protocol.response;
-    const ResponseKind kind = response.kind;
-    const auto add = [&](std::string_view key, std::string what) {
-        problems.add(places.of(fmt::format("response.{}", key)), std::move(what));
-    };
-    const bool labelled = kind == ResponseKind::rating || kind == ResponseKind::yes_no;
-    check_labels(response, places, problems);
-    if (kind == ResponseKind::two_interval && !protocol.procedure) {
-        add("kind",
-            "kind is \"two_interval\", but nothing says what the two intervals hold: add the table "
-            "[procedure], or give another kind");
-    }
-    if (kind != ResponseKind::identification && objects_of(protocol, true).empty()) {
-        problems.add(places.of("object.1"),
-                     "every object has pictured = false: nothing is left for the main trials; "
-                     "leave it out of one");
-    }
-    if (labelled && response.question.empty()) {
-        add("kind", fmt::format("kind is \"{}\", but there is no question: add the key question",
-                                word_of(kind)));
-    }
-    if (labelled && response.feedback != Feedback::none) {
-        add("feedback", fmt::format("feedback is \"{}\", but an answer of kind \"{}\" is neither "
-                                    "right nor wrong: give \"none\"",
-                                    word_of(response.feedback), word_of(kind)));
-    }
-}
 
 }  // namespace
 
 void check_rules(const Protocol& protocol, const Places& places, Problems& problems) {
     Rules(protocol, places, problems).check();
-    check_response(protocol, places, problems);
     if (protocol.procedure) {
         check_adaptive(protocol, places, problems);
     }
