@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/surface/nurbs_surface.hpp"
 
 namespace palpate::stimuli {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/statistics/paired.hpp"
 

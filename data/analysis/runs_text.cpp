@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/analysis/people_text.hpp"
 #include "data/statistics/distributions.hpp"

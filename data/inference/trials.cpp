@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/shell/sql_shell.hpp"
 

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {

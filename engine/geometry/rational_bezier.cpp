@@ -1,10 +1,8 @@
 #include "engine/geometry/rational_bezier.hpp"
 
 #include <cmath>
-#include <string>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 template <int D>

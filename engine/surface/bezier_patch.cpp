@@ -1,9 +1,7 @@
 #include "engine/surface/bezier_patch.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstring>
-#include <string>
 #include <type_traits>
 
 #include "engine/base/processor.hpp"

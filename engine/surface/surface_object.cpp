@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
 #include "engine/surface/surface_border.hpp"
 

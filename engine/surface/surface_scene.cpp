@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {

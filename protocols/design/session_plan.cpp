@@ -1,7 +1,6 @@
 #include "protocols/design/session_plan.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <stdexcept>

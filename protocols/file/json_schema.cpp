@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <functional>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

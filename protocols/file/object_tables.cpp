@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/geometry/outline.hpp"
 #include "protocols/file/keys.hpp"
 

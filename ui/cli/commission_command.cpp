@@ -1,14 +1,11 @@
 #include <cmath>
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/place_proof.hpp"
 #include "engine/device/emulator/emulated_board.hpp"

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/text.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"

@@ -2,10 +2,8 @@
 
 #include <bit>
 #include <cmath>
-#include <string>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "engine/base/refuse.hpp"
-#include "engine/base/text.hpp"
 #include "engine/device/machine.hpp"
 
 namespace palpate::engine {
