@@ -1,15 +1,8 @@
-#include <array>
-#include <cerrno>
-#include <cstring>
 #include <iostream>
-#include <optional>
-#include <sstream>
 
-#include <fmt/format.h>
 #include <linux/perf_event.h>
 #include <sys/ioctl.h>
 #include <sys/syscall.h>
-#include <unistd.h>
 
 #include "tests/bench/other_build.hpp"
 #include "tests/bench/timing.hpp"

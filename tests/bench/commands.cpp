@@ -1,7 +1,5 @@
 #include "tests/bench/commands.hpp"
 
-#include <algorithm>
-
 #include "tests/bench/peers/peers.hpp"
 
 namespace palpate::bench {

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <fstream>
-#include <stdexcept>
-#include <string>
-#include <vector>
+#include "tests/support/std.hpp"
 
 namespace palpate::bench {
 

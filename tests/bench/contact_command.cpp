@@ -1,14 +1,6 @@
-#include <algorithm>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 
-#include <unistd.h>
-
 #include "tests/bench/commands.hpp"
-#include "tests/bench/courses.hpp"
-#include "tests/bench/objects.hpp"
 #include "tests/bench/other_build.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/stability_limit.hpp"

@@ -1,16 +1,11 @@
 #include "tests/bench/core.hpp"
 
-#include <array>
-#include <cstdio>
-#include <cstring>
 #include <ctime>
-#include <stdexcept>
-#include <string>
 
-#include <fcntl.h>
 #include <sched.h>
 #include <sys/resource.h>
-#include <unistd.h>
+
+#include "tests/support/std.hpp"
 
 namespace palpate::bench {
 namespace {

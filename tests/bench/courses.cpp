@@ -3,7 +3,6 @@
 #include "tests/bench/hand.hpp"
 #include "tests/bench/own_methods.hpp"
 #include "tests/bench/peers/peers.hpp"
-#include "tests/bench/surfaces.hpp"
 
 namespace palpate::bench {
 namespace {

@@ -1,12 +1,8 @@
 #pragma once
 
-#include <functional>
-#include <string>
 #include <variant>
-#include <vector>
 
 #include "tests/bench/errors.hpp"
-#include "tests/bench/method.hpp"
 
 namespace palpate::bench {
 

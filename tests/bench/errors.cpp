@@ -1,7 +1,5 @@
 #include "tests/bench/errors.hpp"
 
-#include <cmath>
-
 #include "tests/bench/timing.hpp"
 #include "tests/support/foot_oracle.hpp"
 

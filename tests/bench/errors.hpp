@@ -1,8 +1,5 @@
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "tests/bench/method.hpp"
 #include "tests/bench/objects.hpp"
 

@@ -1,7 +1,5 @@
-#include <cstdio>
 #include <iostream>
 
-#include <fmt/format.h>
 #include <fmt/ostream.h>
 
 #include "data/plot/svg_figure.hpp"

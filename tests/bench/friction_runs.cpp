@@ -1,13 +1,5 @@
 #include "tests/bench/friction_runs.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <numbers>
-
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,19 +1,11 @@
-#include <algorithm>
-#include <charconv>
-#include <csignal>
-#include <cstdio>
 #include <ctime>
-#include <functional>
 #include <iostream>
 
 #include "engine/device/drivers/serial_link.hpp"
-#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
-#include "tests/support/random.hpp"
 
 #if defined(PALPATE_BENCH_WINDOW)
 #include "tests/support/stop_ways.hpp"

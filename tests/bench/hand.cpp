@@ -1,12 +1,5 @@
 #include "tests/bench/hand.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
-
-#include "tests/support/random.hpp"
-
 namespace palpate::bench {
 namespace {
 

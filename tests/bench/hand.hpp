@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "tests/bench/objects.hpp"
 
 namespace palpate::bench {

@@ -1,15 +1,9 @@
 #include "tests/bench/logging_cost.hpp"
 
-#include <array>
-#include <atomic>
-#include <chrono>
-#include <thread>
-
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
-#include "tests/bench/method.hpp"
 #include "tests/bench/timing.hpp"
 
 namespace palpate::bench {

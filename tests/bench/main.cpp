@@ -1,7 +1,4 @@
-#include <exception>
 #include <iostream>
-#include <string>
-#include <vector>
 
 #include "tests/bench/commands.hpp"
 

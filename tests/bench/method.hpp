@@ -1,14 +1,9 @@
 #pragma once
 
 #include <concepts>
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/geometry/vec.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::bench {
 

@@ -1,17 +1,6 @@
-#include <array>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <functional>
 #include <iostream>
-#include <limits>
-
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "tests/bench/commands.hpp"
-#include "tests/bench/objects.hpp"
 #include "tests/bench/own_methods.hpp"
 #include "tests/bench/peers/peers.hpp"
 #include "tests/bench/report.hpp"

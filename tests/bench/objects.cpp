@@ -1,14 +1,5 @@
 #include "tests/bench/objects.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
-#include <utility>
-
-#include "engine/geometry/arc.hpp"
-#include "engine/geometry/nurbs_curve.hpp"
-
 namespace palpate::bench {
 namespace {
 

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "engine/geometry/outline.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 

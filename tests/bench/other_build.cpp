@@ -1,17 +1,5 @@
 #include "tests/bench/other_build.hpp"
 
-#include <array>
-#include <csignal>
-#include <cstdio>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
-
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include "tests/support/child.hpp"
 
 namespace palpate::bench {

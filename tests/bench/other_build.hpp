@@ -1,11 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <vector>
-
-#include <sys/types.h>
-
 #include "tests/bench/courses.hpp"
 
 namespace palpate::bench {

@@ -1,11 +1,5 @@
 #include "tests/bench/own_methods.hpp"
 
-#include <cmath>
-#include <memory>
-
-#include "engine/contact/certified_tracker.hpp"
-#include "engine/geometry/arc.hpp"
-#include "engine/geometry/rational_bezier.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/bench/polyline.hpp"
 #include "tests/bench/trackers.hpp"

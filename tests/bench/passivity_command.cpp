@@ -1,6 +1,3 @@
-#include <array>
-#include <cmath>
-#include <cstdio>
 #include <iostream>
 
 #include "engine/safety/passivity.hpp"

@@ -1,8 +1,3 @@
-#include <algorithm>
-#include <array>
-
-#include <fmt/format.h>
-
 #include "data/plot/svg_figure.hpp"
 #include "tests/bench/report.hpp"
 

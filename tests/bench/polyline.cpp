@@ -1,7 +1,5 @@
 #include "tests/bench/polyline.hpp"
 
-#include "engine/geometry/rational_bezier.hpp"
-
 namespace palpate::bench {
 
 std::vector<Vec2> polyline_of(const Object& object, std::size_t segments) {

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "tests/bench/method.hpp"
 #include "tests/bench/objects.hpp"
 

@@ -1,12 +1,8 @@
-#include <array>
-#include <chrono>
-#include <cstdio>
 #include <iostream>
 
 #include "protocols/procedure/quest_plus.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/bench/timing.hpp"
 
 namespace palpate::bench {
 namespace {

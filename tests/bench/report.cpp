@@ -1,11 +1,7 @@
 #include "tests/bench/report.hpp"
 
-#include <array>
 #include <cstdarg>
-#include <cstdio>
-#include <fstream>
 #include <ostream>
-#include <thread>
 
 namespace palpate::bench {
 namespace {

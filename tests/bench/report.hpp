@@ -1,12 +1,8 @@
 #pragma once
 
 #include <iosfwd>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "tests/bench/errors.hpp"
-#include "tests/bench/method.hpp"
 #include "tests/bench/timing.hpp"
 
 namespace palpate::bench {

@@ -1,9 +1,5 @@
-#include <array>
 #include <istream>
 #include <ostream>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "tests/bench/report.hpp"
 

@@ -1,11 +1,6 @@
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstdio>
 #include <iostream>
 
 #include "tests/bench/commands.hpp"
-#include "tests/bench/errors.hpp"
 #include "tests/bench/hand.hpp"
 #include "tests/bench/own_methods.hpp"
 #include "tests/bench/report.hpp"

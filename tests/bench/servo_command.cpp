@@ -1,10 +1,5 @@
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstdio>
 #include <ctime>
 #include <iostream>
-#include <thread>
 
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"
@@ -14,7 +9,6 @@
 #include "tests/bench/commands.hpp"
 #include "tests/bench/logging_cost.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/bench/timing.hpp"
 
 namespace palpate::bench {
 namespace {

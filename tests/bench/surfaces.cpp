@@ -1,11 +1,5 @@
 #include "tests/bench/surfaces.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "engine/surface/surface_scene.hpp"
 #include "tests/figures/thesis/surface_tracker.hpp"
 #include "tests/support/surface_cuts.hpp"

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "tests/bench/errors.hpp"
-#include "tests/bench/method.hpp"
 
 namespace palpate::bench {
 

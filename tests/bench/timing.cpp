@@ -1,11 +1,5 @@
 #include "tests/bench/timing.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <limits>
-#include <numeric>
-
 #include "tests/bench/own_methods.hpp"
 
 #if defined(__x86_64__)

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <vector>
-
 #include "tests/bench/core.hpp"
 #include "tests/bench/method.hpp"
 

@@ -1,8 +1,5 @@
 #include "tests/bench/trackers.hpp"
 
-#include <string>
-#include <utility>
-
 #include "tests/figures/thesis/curve_tracker.hpp"
 
 namespace palpate::bench {

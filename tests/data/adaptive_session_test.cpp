@@ -3,12 +3,8 @@
 #include "data/sync/merge.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 using protocols::TrialId;
 
 namespace {

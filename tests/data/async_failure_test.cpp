@@ -2,8 +2,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
-
 namespace {
 
 /// A disk that fails once, and would take everything after it.

@@ -1,9 +1,7 @@
 #include "tests/bench/report.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/slurp.hpp"
 
-using namespace palpate;
 using bench::Kind;
 using bench::Row;
 

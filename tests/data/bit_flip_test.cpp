@@ -1,12 +1,8 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/database_edits.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
-#include "tests/support/slurp.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 
 namespace {
 

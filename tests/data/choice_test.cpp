@@ -1,17 +1,12 @@
-#include <cstdlib>
-
 #include <boost/math/distributions/normal.hpp>
 
 #include "data/choice/similarity_choice.hpp"
-#include "data/choice/thurstone.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
-using tests::Random;
 
 namespace {
 

@@ -1,19 +1,11 @@
-#include <cstring>
-
-#include "engine/device/machine.hpp"
-#include "engine/device/pantograph.hpp"
 #include "engine/realtime/felt_scene.hpp"
-#include "engine/rendering/scene.hpp"
-#include "data/store/reader.hpp"
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/verify/stored_trace.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/led_gantry.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sample_rows.hpp"
 
-using namespace palpate;
 using engine::TickRecord;
 
 namespace {

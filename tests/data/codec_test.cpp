@@ -1,16 +1,9 @@
-#include <bit>
-
-#include "data/trace/chunk.hpp"
-#include "data/trace/columns.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "data/trace/packed_numbers.hpp"
 #include "data/trace/replay.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tests/support/studies.hpp"
 #include "tests/support/test_text.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 
 namespace {

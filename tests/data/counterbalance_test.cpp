@@ -2,11 +2,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
-using tests::TemporaryFolder;
 
 namespace {
 

@@ -1,18 +1,12 @@
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "data/schema/catalogue.hpp"
-#include "data/store/database.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/uuid.hpp"
-#include "data/trace/chunk.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
-#include "tests/support/test_text.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 TEST_CASE("a new database says whose it is, and only its owner may read it", "[store]") {
     const TemporaryFolder folder;

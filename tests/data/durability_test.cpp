@@ -1,24 +1,13 @@
-#include <atomic>
-#include <csignal>
-
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include "data/store/async_recorder.hpp"
-#include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/people.hpp"
 #include "data/store/reader.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 #include "tests/support/test_text.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 using namespace std::chrono_literals;
 
 namespace {

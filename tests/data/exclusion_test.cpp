@@ -1,12 +1,7 @@
 #include "data/analysis/left_out.hpp"
 #include "data/analysis/summary.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
-using tests::TemporaryFolder;
 
 namespace {
 

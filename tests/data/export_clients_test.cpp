@@ -1,14 +1,9 @@
-#include <csignal>
-#include <cstdlib>
-
 #include "data/export/duckdb.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {

@@ -1,21 +1,13 @@
-#include <bit>
-#include <cstdlib>
-
 #include "data/export/csv_export.hpp"
 #include "data/export/export.hpp"
-#include "data/export/tables.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/people.hpp"
-#include "data/store/session_store.hpp"
 #include "data/store/uuid.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {

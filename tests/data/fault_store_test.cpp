@@ -1,13 +1,8 @@
-#include "data/store/sqlite_recorder.hpp"
 #include "data/trace/columns.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 using namespace palpate::protocols;
 
 TEST_CASE(

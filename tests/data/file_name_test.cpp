@@ -1,14 +1,11 @@
 #include <sqlite3.h>
-#include <unistd.h>
 
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 
 namespace {
 

@@ -5,7 +5,6 @@
 
 using namespace palpate::data;
 using palpate::protocols::Family;
-using palpate::tests::Random;
 
 namespace {
 

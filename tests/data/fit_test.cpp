@@ -1,12 +1,9 @@
-#include <cstdlib>
-
 #include "data/fit/bootstrap.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::data;
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 namespace {
 

@@ -1,20 +1,9 @@
-#include <cstdio>
-#include <exception>
-
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include "protocols/design/counterbalance.hpp"
-#include "data/store/session_store.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 
 namespace {
 

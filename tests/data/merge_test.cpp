@@ -1,15 +1,9 @@
-#include "data/store/people.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "data/sync/merge.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/merge_world.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/studies.hpp"
-#include "tests/support/test_text.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,13 +1,10 @@
 #include "data/schema/catalogue.hpp"
-#include "data/store/database.hpp"
 #include "data/store/own_schema.hpp"
 #include "data/store/row.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 
 namespace {
 

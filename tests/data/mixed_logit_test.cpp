@@ -1,5 +1,4 @@
 #include "data/inference/mixed_logit.hpp"
-#include "data/statistics/distributions.hpp"
 #include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"
 

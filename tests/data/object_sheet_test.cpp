@@ -1,13 +1,9 @@
-#include "protocols/protocol/protocol.hpp"
 #include "data/plot/object_sheet.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/studies.hpp"
 #include "tests/support/svg_reader.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::Random;
 
 TEST_CASE("the sagitta is that of a circle through both ends of the chord", "[sheet][law]") {
     Random random(1);

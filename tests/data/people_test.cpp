@@ -1,16 +1,10 @@
-#include <unistd.h>
-
 #include "engine/base/text.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/people.hpp"
-#include "data/store/session_store.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace {
 

@@ -3,12 +3,10 @@
 
 #include "data/inference/mixed_logit.hpp"
 #include "data/inference/power.hpp"
-#include "data/statistics/distributions.hpp"
 #include "data/statistics/paired.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 using protocols::PrimaryTest;
 

@@ -1,9 +1,7 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/program.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 TEST_CASE("palpate procedure prints the stored states of every exported run",
           "[export][adaptive][law]") {

@@ -1,17 +1,10 @@
-#include "protocols/session/session.hpp"
 #include "data/store/people.hpp"
-#include "data/store/session_store.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 using namespace palpate::protocols;
-using tests::count;
 
 namespace {
 

@@ -1,19 +1,12 @@
-#include <csignal>
-
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "data/store/database.hpp"
-#include "data/sync/postgres.hpp"
 #include "data/sync/push.hpp"
-#include "tests/support/program.hpp"
 #include "tests/support/push_world.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 TEST_CASE("a damaged session does not reach the server", "[push][law]") {
     const auto server = a_server();

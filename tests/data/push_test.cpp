@@ -1,17 +1,9 @@
-#include <csignal>
-
-#include "data/store/chain.hpp"
-#include "data/store/database.hpp"
 #include "data/store/people.hpp"
-#include "data/sync/postgres.hpp"
 #include "data/sync/push.hpp"
-#include "tests/support/program.hpp"
 #include "tests/support/push_world.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,18 +1,12 @@
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "data/analysis/summary.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using tests::TemporaryFolder;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 
 namespace {

@@ -1,6 +1,3 @@
-#include <cstdlib>
-#include <cstring>
-
 #include "data/plot/axis_ticks.hpp"
 #include "tests/figures/csv.hpp"
 #include "tests/support/catch.hpp"
@@ -9,7 +6,6 @@
 
 using namespace palpate::data;
 using namespace palpate::figures;
-using namespace palpate::tests;
 
 TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say their value",
           "[report][law]") {

@@ -1,5 +1,3 @@
-#include <cstdlib>
-
 #include "data/plot/svg_figure.hpp"
 #include "data/plot/svg_text.hpp"
 #include "tests/support/catch.hpp"
@@ -8,7 +6,6 @@
 #include "tests/support/svg_reader.hpp"
 
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,9 +1,6 @@
 #include "data/store/database.hpp"
 #include "tests/support/program.hpp"
-#include "tests/support/test_text.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 namespace fs = std::filesystem;
 
 namespace {

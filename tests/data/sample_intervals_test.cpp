@@ -1,12 +1,6 @@
-#include "data/extension/sample_module.hpp"
-#include "data/trace/chunk.hpp"
-#include "tests/support/program.hpp"
 #include "tests/support/sample_rows.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 

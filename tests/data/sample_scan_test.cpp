@@ -1,10 +1,5 @@
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sample_rows.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 

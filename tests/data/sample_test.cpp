@@ -1,10 +1,5 @@
-#include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
-using namespace palpate::tests;
 
 namespace {
 /// A study with trials of arbitrary bits, `sizes` ticks each.

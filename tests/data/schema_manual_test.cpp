@@ -8,8 +8,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 
-using namespace palpate;
-
 TEST_CASE("every column of every table and view has a meaning, and every physical one a unit",
           "[schema][law]") {
     const tests::TemporaryFolder folder;

@@ -1,15 +1,10 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/reader.hpp"
-#include "data/store/session_store.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
-#include "tests/support/process.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 using namespace palpate::protocols;
-using tests::TemporaryFolder;
 
 namespace {
 

@@ -1,13 +1,8 @@
 #include "protocols/design/session_plan.hpp"
-#include "data/store/session_store.hpp"
-#include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace {
 

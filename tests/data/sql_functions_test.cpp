@@ -6,8 +6,6 @@
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
-
 namespace {
 
 /// A database with the functions, and the first value of a query.

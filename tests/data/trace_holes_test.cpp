@@ -1,9 +1,7 @@
 #include "data/store/reader.hpp"
-#include "data/trace/chunk.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 
 namespace {

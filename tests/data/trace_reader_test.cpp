@@ -1,9 +1,6 @@
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
-
-using namespace palpate;
 
 // An independent reader of the stored bytes: what README gives to analysts.
 TEST_CASE("plain Python, base R and palpate trace read every stored value as it was recorded",

@@ -2,7 +2,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
 using namespace palpate::protocols;
 

@@ -1,10 +1,8 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // The closed forms of arcs and lines against the rational quadratic that they are (Piegl & Tiller,
 // The NURBS Book, 7.3), against centre and radius, and against the same curve as a cubic, which no

@@ -1,11 +1,9 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/geometry/outline.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("every point of a rational quadratic arc lies on its circle, with the circle's curvature",
           "[geometry]") {

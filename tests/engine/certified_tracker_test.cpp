@@ -1,13 +1,9 @@
-#include "engine/contact/certified_tracker.hpp"
-#include "engine/geometry/arc.hpp"
 #include "engine/math/elementary.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 namespace {

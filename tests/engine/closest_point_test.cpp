@@ -1,12 +1,9 @@
 #include "engine/contact/closest_point.hpp"
-#include "engine/geometry/arc.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 TEST_CASE("the closest point of an arc is the one of its circle, to rounding", "[contact]") {

@@ -4,7 +4,6 @@
 #include "tests/support/daq_bench.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

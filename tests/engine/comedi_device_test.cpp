@@ -1,13 +1,9 @@
-#include <cerrno>
-
 #include "engine/device/drivers/comedi_card.hpp"
-#include "engine/device/drivers/comedi_device.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/daq_bench.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,14 +1,11 @@
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/short_form.hpp"
-#include "engine/device/simulated_pantograph.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

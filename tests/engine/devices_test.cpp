@@ -1,12 +1,9 @@
-#include <atomic>
-
 #include "engine/device/pointer_device.hpp"
 #include "engine/device/replay_device.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 TEST_CASE("a pointer is read where it was published, to 5 nm", "[device][law]") {
     PointerDevice device;

@@ -1,10 +1,6 @@
-#include "engine/friction/laws/law.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/law_cases.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
-using tests::Random;
 
 namespace {
 

@@ -1,4 +1,3 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/realtime/tick_loop.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "engine/rendering/scene.hpp"
@@ -6,9 +5,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 TEST_CASE("no episode of contact gives more energy than sampling leaks, whatever hand and friction",
           "[rendering][law]") {

@@ -1,15 +1,10 @@
-#include <deque>
-
 #include "engine/rendering/scene.hpp"
 #include "engine/safety/passivity.hpp"
 #include "engine/safety/safety_chain.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/hands.hpp"
-#include "tests/support/random.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 namespace {

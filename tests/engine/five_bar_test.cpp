@@ -1,10 +1,8 @@
 #include "engine/device/five_bar.hpp"
-#include "engine/math/elementary.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

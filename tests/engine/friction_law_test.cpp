@@ -1,13 +1,9 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
-#include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/gos_oracle.hpp"
 #include "tests/support/hands.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 namespace {

@@ -1,21 +1,11 @@
-#include <csignal>
-
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
-#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // Real processes and a real port. Nothing here depends on how long things take: waits end when what
 // they wait for has happened, and only a wait of 20 s is a failure.

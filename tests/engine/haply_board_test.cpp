@@ -1,13 +1,8 @@
-#include "engine/device/drivers/haply_wire.hpp"
-#include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("whatever answers take, every tick has a new reading, as old as the device says",
           "[haply][law]") {

@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("after the set-up HIP is home", "[haply]") {
     HaplyBench bench;

@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
     HaplyBench bench;

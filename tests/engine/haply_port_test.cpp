@@ -1,21 +1,12 @@
-#include <cerrno>
-
-#include <fcntl.h>
-#include <unistd.h>
-
-#include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
-#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // Over a real pseudo-terminal, with the board in a process of its own.
 

@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoever saw it first",
           "[haply][law]") {

@@ -1,4 +1,3 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
@@ -6,8 +5,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/hands.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 namespace {

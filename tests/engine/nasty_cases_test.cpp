@@ -1,11 +1,9 @@
 #include "engine/contact/closest_point.hpp"
-#include "engine/geometry/nurbs_curve.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/foot_oracle.hpp"
 #include "tests/support/nasty_curves.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,10 +1,8 @@
-#include "engine/geometry/nurbs_curve.hpp"
 #include "engine/geometry/outline.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,10 +1,7 @@
-#include "engine/geometry/arc.hpp"
-#include "engine/geometry/outline.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::engine;
-using namespace palpate;
 
 TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up", "[geometry]") {
     // Each arc turns by 2 asin(kappa c / 2) over its chord, half of it at either end.

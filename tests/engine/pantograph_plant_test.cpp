@@ -1,11 +1,9 @@
 #include "engine/device/dry_friction.hpp"
-#include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,12 +1,8 @@
-#include <bit>
-
 #include "engine/device/many_hips.hpp"
-#include "engine/device/pantograph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

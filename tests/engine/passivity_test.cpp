@@ -4,7 +4,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // The table of the virtual wall's stability: m = 0.15 kg, T = 1 ms; roots of the exact
 // zero-order-hold polynomial, and the growth of a stepped wall beside them.

@@ -1,8 +1,6 @@
 #include "engine/base/pcg32.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
-
 // Expected: test-high/expected/check-pcg32.out of the library pcg-c, seed 42, stream 54, round 1.
 // The words are printed, stepped back over and printed again; coins, rolls and cards follow them.
 TEST_CASE("PCG32 draws, flips, rolls and deals as pcg-c does", "[random]") {

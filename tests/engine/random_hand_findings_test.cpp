@@ -1,5 +1,3 @@
-#include "engine/contact/certified_tracker.hpp"
-#include "engine/geometry/arc.hpp"
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
 #include "engine/rendering/scene.hpp"
@@ -7,9 +5,7 @@
 #include "tests/support/random.hpp"
 
 // What palpate_stress found, one case a finding, and the law around it.
-using namespace palpate;
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

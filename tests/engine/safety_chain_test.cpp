@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 TEST_CASE("no command is stronger than the limit, and its direction is kept", "[safety][law]") {
     SEEDED(random, std::uint64_t{100});

@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 TEST_CASE("motors trip when the first-order model says so", "[safety][law]") {
     // theta(t) = load^2 (1 - exp(-t / tau)) reaches 1 at t = -tau ln(1 - 1 / load^2).

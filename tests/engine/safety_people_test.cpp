@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 TEST_CASE("a screen without a sign of life for longer than allowed switches off, not before",
           "[safety][law]") {

@@ -1,10 +1,8 @@
-#include "engine/safety/runaway_watch.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/pressed_wall.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

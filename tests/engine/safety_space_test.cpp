@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 // In space the third coordinate counts as much as the first, whose laws the other tests state.
 

@@ -5,8 +5,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/hands.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::engine;
 
 namespace {

@@ -3,7 +3,6 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
 
 namespace {

@@ -2,7 +2,6 @@
 #include "engine/realtime/thread_servo.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
 
 TEST_CASE("a ring gives back what was pushed, in order, between two threads", "[servo][law]") {

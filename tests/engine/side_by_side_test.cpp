@@ -1,10 +1,6 @@
-#include <atomic>
-
 #include "engine/base/side_by_side.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
-
-using namespace palpate;
 
 TEST_CASE("each task is done once before anybody has waited for it, with any number of cores",
           "[side-by-side][law]") {

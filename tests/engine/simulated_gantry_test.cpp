@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "engine/device/simulated_gantry.hpp"
 #include "tests/support/catch.hpp"
 

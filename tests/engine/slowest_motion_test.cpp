@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 TEST_CASE("the slowest motion of a bow is the one that its closed form says",
           "[deformation][law]") {

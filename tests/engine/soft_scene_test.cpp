@@ -1,6 +1,5 @@
 #include "engine/deformation/dnurbs.hpp"
 #include "engine/device/replay_device.hpp"
-#include "engine/geometry/arc.hpp"
 #include "engine/realtime/tick_loop.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "engine/rendering/scene.hpp"
@@ -9,9 +8,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

@@ -1,8 +1,6 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
 
 namespace {

@@ -1,5 +1,3 @@
-#include <cstdlib>
-
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "tests/support/catch.hpp"
@@ -8,7 +6,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // Three straight axes are proved: by an independent simulation of each axis, on a virtual clock.
 

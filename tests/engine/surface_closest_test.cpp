@@ -3,10 +3,8 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 #include "tests/support/surface_hands.hpp"
-#include "tests/support/surfaces.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,11 +1,9 @@
-#include "engine/geometry/arc.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 #include "tests/support/surface_scenes.hpp"
 #include "tests/support/thesis_objects.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

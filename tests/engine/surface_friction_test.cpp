@@ -4,7 +4,6 @@
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][surface][law]") {
     const auto seed = GENERATE(seeds(10U));

@@ -1,10 +1,8 @@
-#include "engine/surface/nurbs_surface.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/curvatures.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

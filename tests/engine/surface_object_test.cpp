@@ -4,7 +4,6 @@
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 using Catch::Matchers::Contains;
 
 namespace {

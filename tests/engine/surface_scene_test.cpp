@@ -4,7 +4,6 @@
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("without friction a ball pushes back by K times the depth, straight out",
           "[scene][surface][law]") {

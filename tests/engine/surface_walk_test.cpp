@@ -2,7 +2,6 @@
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 TEST_CASE("the work of a tick on a surface is bounded, and what it could not do is said",
           "[scene][surface][law]") {

@@ -1,8 +1,6 @@
 #include "engine/base/text.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
-
 TEST_CASE("one of something has no s, none and several have", "[words][law]") {
     CHECK(counted(0, "trial") == "0 trials");
     CHECK(counted(1U, "trial") == "1 trial");

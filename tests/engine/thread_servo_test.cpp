@@ -1,12 +1,9 @@
-#include <cstring>
-
 #include "engine/realtime/thread_servo.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
 
 namespace {

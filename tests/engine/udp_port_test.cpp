@@ -1,21 +1,12 @@
-#include <csignal>
-
-#include <sys/wait.h>
-
-#include "engine/base/clock.hpp"
 #include "engine/device/drivers/udp_link.hpp"
-#include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/served_board.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

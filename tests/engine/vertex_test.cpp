@@ -1,12 +1,9 @@
-#include "engine/geometry/arc.hpp"
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
-using palpate::tests::Random;
 
 namespace {
 

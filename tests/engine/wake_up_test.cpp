@@ -1,5 +1,3 @@
-#include <atomic>
-
 #include "engine/realtime/deadline_grid.hpp"
 #include "engine/realtime/lateness_histogram.hpp"
 #include "engine/realtime/lock_free.hpp"

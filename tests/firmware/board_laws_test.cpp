@@ -3,7 +3,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // What the open board promises, whoever runs its firmware: this machine's processor or, where
 // simavr is installed, the two chips, cycle by cycle.

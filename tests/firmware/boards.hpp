@@ -3,8 +3,6 @@
 #include <cstdlib>
 
 #include "engine/device/emulator/open_board.hpp"
-#include "engine/device/open/open_wire.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 
 #if defined(PALPATE_FIRMWARE_328P)

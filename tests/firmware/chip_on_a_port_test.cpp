@@ -1,13 +1,9 @@
-#include <csignal>
-
-#include "engine/device/emulator/emulated_board.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // The very binary behind a pseudo-terminal in real time, and real processes before it. Nothing is
 // asserted about time.

@@ -1,7 +1,3 @@
-#include <deque>
-
-#include "engine/device/drivers/board_device.hpp"
-#include "engine/device/firmware/board.h"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/catch.hpp"
@@ -9,7 +5,6 @@
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // The driver of `--device board:udp:HOST:PORT` against the firmware, with a network between that
 // loses datagrams, doubles them and brings them late. One clock, the board's.

@@ -1,7 +1,5 @@
 #include "engine/commissioning/commissioning.hpp"
-#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
-#include "engine/device/emulator/haply_board.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"
@@ -10,7 +8,6 @@
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // The same miswirings on both kinds of boards, by the driver that a session uses, on the board's
 // own clock.

@@ -1,5 +1,4 @@
 #include "engine/commissioning/commissioning.hpp"
-#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/emulator/hands.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
@@ -9,7 +8,6 @@
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // The driver of `--device board:PORT` in lockstep with the firmware: one clock, the board's.
 #if defined(PALPATE_FIRMWARE_328P)

@@ -1,10 +1,5 @@
 #include "tests/firmware/sim_board.hpp"
 
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <stdexcept>
-
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpedantic"
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -16,8 +11,6 @@
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
 #include <simavr/sim_io.h>
-
-#include "engine/math/elementary.hpp"
 
 #ifdef PALPATE_SANITIZED
 /// What simavr never frees is not ours.

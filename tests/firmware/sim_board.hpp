@@ -1,11 +1,7 @@
 #pragma once
 
-#include <array>
-#include <deque>
-#include <map>
-#include <string>
-
 #include "engine/device/emulator/port_board.hpp"
+#include "tests/support/std.hpp"
 
 struct avr_t;
 

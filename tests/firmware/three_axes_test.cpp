@@ -1,4 +1,3 @@
-#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"
@@ -8,7 +7,6 @@
 #include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 // What the open board promises of a third axis: on this machine's processor and, where simavr is
 // installed, on the chip.

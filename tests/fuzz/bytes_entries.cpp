@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include <zlib.h>
 
 #include "engine/device/drivers/haply_wire.hpp"

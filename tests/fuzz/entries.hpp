@@ -1,9 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
-#include <string_view>
+#include "tests/support/std.hpp"
 
 /// What the fuzzers feed: any bytes are fine, and nothing but a documented refusal may come of
 /// them. A law that does not hold ends the program (std::abort), so that a fuzzer and a test both

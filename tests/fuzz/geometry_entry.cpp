@@ -1,10 +1,3 @@
-#include <bit>
-#include <cmath>
-#include <memory>
-#include <optional>
-#include <stdexcept>
-#include <vector>
-
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/surface_closest.hpp"
 #include "tests/fuzz/entries.hpp"

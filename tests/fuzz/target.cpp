@@ -1,6 +1,3 @@
-#include <cstddef>
-#include <cstdint>
-
 #include "tests/fuzz/entries.hpp"
 
 // One of the entries as libFuzzer calls it: PALPATE_FUZZ_ENTRY is its name.

@@ -1,9 +1,3 @@
-#include <cmath>
-#include <memory>
-#include <stdexcept>
-#include <string>
-
-#include "engine/rendering/scene.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/deformation_file.hpp"
 #include "protocols/file/observer_file.hpp"

@@ -1,4 +1,3 @@
-
 #include "data/store/database.hpp"
 #include "tests/support/json_of.hpp"
 #include "tests/support/page_reader.hpp"

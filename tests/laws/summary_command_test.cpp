@@ -1,4 +1,3 @@
-
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/json_of.hpp"

@@ -1,12 +1,7 @@
-#include <cerrno>
-
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 using protocols::TrialId;
 
 namespace {

@@ -7,12 +7,8 @@
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace fs = std::filesystem;
 

@@ -1,10 +1,7 @@
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/process.hpp"
 
-using namespace palpate;
 using namespace palpate::data;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,15 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <chrono>
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "data/store/async_recorder.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"

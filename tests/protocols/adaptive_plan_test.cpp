@@ -1,13 +1,8 @@
 #include "protocols/design/session_plan.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
 #include "tests/support/adaptive.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

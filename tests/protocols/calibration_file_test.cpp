@@ -1,15 +1,11 @@
 #include "engine/device/pantograph.hpp"
-#include "engine/math/elementary.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"
-#include "tests/support/random.hpp"
 
 using namespace palpate::protocols;
 using namespace palpate::engine;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,12 +1,7 @@
-#include "engine/base/pcg32.hpp"
-#include "protocols/order/constrained_order.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
-#include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

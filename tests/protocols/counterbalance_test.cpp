@@ -1,9 +1,6 @@
-#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/design/streams.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

@@ -1,9 +1,7 @@
 #include "protocols/order/eulerian_order.hpp"
 #include "tests/protocols/orders.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using palpate::tests::excess_of_chi_square;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using engine::Mode;
 using engine::TickRecord;
 using namespace palpate::protocols;

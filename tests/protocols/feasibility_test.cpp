@@ -5,7 +5,6 @@
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using engine::Vec2;
 using engine::Vec3;
 using namespace palpate::protocols;

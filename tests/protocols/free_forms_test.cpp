@@ -1,17 +1,10 @@
-#include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/observer/outline_cues.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/object_hash.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::protocols;
 using engine::Vec2;
 

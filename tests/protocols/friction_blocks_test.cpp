@@ -1,9 +1,7 @@
-#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/progress.hpp"
 #include "tests/protocols/orders.hpp"
-#include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
 

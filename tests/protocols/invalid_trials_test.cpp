@@ -4,9 +4,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using tests::Random;
 
 namespace {
 

@@ -2,7 +2,6 @@
 #include "protocols/observer/person.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

@@ -6,7 +6,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 TEST_CASE("a new protocol is the shipped one but for id and title, with all its comments",
           "[protocol][law]") {

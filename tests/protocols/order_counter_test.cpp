@@ -2,12 +2,9 @@
 #include "protocols/order/order_counter.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,4 +1,3 @@
-#include "engine/math/elementary.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
@@ -6,9 +5,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 namespace {
 

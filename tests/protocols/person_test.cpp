@@ -2,9 +2,7 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

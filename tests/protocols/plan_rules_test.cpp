@@ -3,11 +3,8 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
-#include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,12 +1,8 @@
 #include "protocols/file/procedure_file.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/test_text.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

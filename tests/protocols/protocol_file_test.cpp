@@ -6,7 +6,6 @@
 #include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

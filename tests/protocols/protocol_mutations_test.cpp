@@ -1,11 +1,7 @@
 #include "protocols/file/protocol_file.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 namespace {
 

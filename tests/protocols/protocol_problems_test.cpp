@@ -1,11 +1,7 @@
-#include "protocols/file/protocol_file.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/short_text.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
 
 using namespace palpate::protocols;
-using namespace palpate::tests;
 
 namespace {
 

@@ -4,7 +4,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 namespace {
 

@@ -2,8 +2,6 @@
 #include "tests/protocols/simulated_answers.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::protocols;
 
 namespace {

@@ -4,7 +4,6 @@
 #include "tests/support/random.hpp"
 
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
     // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler, whose QUEST is A.

@@ -2,8 +2,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::protocols;
 using Why = SessionEnd::Why;
 

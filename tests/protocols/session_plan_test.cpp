@@ -1,8 +1,5 @@
-#include "protocols/design/counterbalance.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/order/constrained_order.hpp"
 #include "tests/protocols/orders.hpp"
-#include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
 

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "protocols/procedure/grid.hpp"
 #include "tests/support/random.hpp"
 

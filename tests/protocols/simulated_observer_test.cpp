@@ -1,11 +1,8 @@
-#include "protocols/observer/person.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using palpate::tests::strokes;
 
 namespace {
 

@@ -1,18 +1,10 @@
-#include "engine/realtime/felt_scene.hpp"
-#include "engine/realtime/tick_record.hpp"
-#include "engine/rendering/energy_ledger.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/library/shipped.hpp"
 #include "protocols/observer/cues.hpp"
 #include "protocols/session/progress.hpp"
 #include "protocols/session/trial_meter.hpp"
-#include "protocols/trial/presentation.hpp"
 #include "protocols/trial/trial_scene.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/short_text.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

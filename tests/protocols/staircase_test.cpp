@@ -1,11 +1,8 @@
 #include "protocols/procedure/procedure.hpp"
-#include "protocols/psychometric/psychometric_function.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
-using palpate::tests::Random;
 
 namespace {
 

@@ -1,12 +1,9 @@
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/start_gate.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/short_text.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

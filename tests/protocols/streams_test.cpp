@@ -2,7 +2,6 @@
 #include "protocols/design/streams.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 // FIPS 180-4 and its example values (NIST, "Examples with intermediate values": SHA-256).

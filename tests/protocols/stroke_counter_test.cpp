@@ -1,12 +1,10 @@
 #include <variant>
 
 #include "stimuli/two_curve.hpp"
-#include "protocols/session/exploration_meter.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
-using namespace palpate;
 using engine::TickRecord;
 using engine::Vec2;
 using protocols::StrokeCounter;

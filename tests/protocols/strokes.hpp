@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/realtime/tick_record.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/random.hpp"

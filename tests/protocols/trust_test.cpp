@@ -1,9 +1,6 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/changing_rig.hpp"
-#include "tests/support/random.hpp"
 
-using namespace palpate;
-using namespace palpate::tests;
 using namespace palpate::protocols;
 using engine::Trip;
 

@@ -2,7 +2,6 @@
 #include "stimuli/surface_patch.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::engine;
 using namespace palpate::stimuli;
 

@@ -2,9 +2,7 @@
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using engine::Vec2;
-using tests::ArcOracle;
 
 namespace {
 

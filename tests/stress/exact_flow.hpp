@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/surface/surface_object.hpp"
 #include "tests/support/surface_oracle.hpp"
 

@@ -1,7 +1,5 @@
 #include "tests/stress/exact_forms.hpp"
 
-#include <cmath>
-
 namespace palpate::stress {
 namespace {
 

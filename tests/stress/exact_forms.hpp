@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <vector>
-
 #include "engine/geometry/rational_bezier.hpp"
+#include "tests/support/std.hpp"
 
 /// Drive and load of a span in long double, by Bernstein rows made afresh for each HIP, and their
 /// first root.

@@ -1,8 +1,5 @@
 #include "tests/stress/exact_walk.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace palpate::stress {
 namespace {
 

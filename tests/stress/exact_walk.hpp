@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/friction/god_object.hpp"
 #include "tests/stress/exact_forms.hpp"
 

@@ -1,13 +1,3 @@
-#include <algorithm>
-#include <chrono>
-#include <fstream>
-#include <map>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "tests/stress/surface_run.hpp"
 
 /// Hours of random hands in minutes: every tick of random contacts held to the laws.

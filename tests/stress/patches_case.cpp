@@ -1,5 +1,3 @@
-#include <stdexcept>
-
 #include "tests/stress/surface_cases.hpp"
 #include "tests/support/surface_cuts.hpp"
 

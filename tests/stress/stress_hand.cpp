@@ -1,11 +1,5 @@
 #include "tests/stress/stress_hand.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "engine/geometry/vec.hpp"
-
 namespace palpate::stress {
 namespace {
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/geometry/outline.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,12 +1,6 @@
 #include "tests/stress/stress_run.hpp"
 
-#include <chrono>
-#include <cmath>
-#include <cstring>
 #include <ctime>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "tests/stress/stress_hand.hpp"
 

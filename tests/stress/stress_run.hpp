@@ -1,10 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <memory>
-#include <optional>
-#include <vector>
-
 #include "tests/stress/stress_scene.hpp"
 #include "tests/stress/tick_laws.hpp"
 

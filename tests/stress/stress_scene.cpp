@@ -1,12 +1,5 @@
 #include "tests/stress/stress_scene.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include <fmt/format.h>
-
-#include "engine/geometry/arc.hpp"
 #include "tests/support/nasty_families.hpp"
 
 namespace palpate::stress {

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "protocols/file/scene_file.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 

@@ -1,10 +1,6 @@
-#include <cstring>
-
 #include "tests/stress/surface_run.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::stress;
 
 TEST_CASE("every tick of random hands in random scenes holds every law", "[stress][law]") {

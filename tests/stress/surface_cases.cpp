@@ -1,14 +1,5 @@
 #include "tests/stress/surface_cases.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "tests/support/curvatures.hpp"
 #include "tests/support/surfaces.hpp"
 

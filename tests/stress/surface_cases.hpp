@@ -1,12 +1,6 @@
 #pragma once
 
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "engine/surface/surface_scene.hpp"
-#include "protocols/file/scene_file.hpp"
 #include "tests/stress/stress_scene.hpp"
 #include "tests/support/surface_definition.hpp"
 

@@ -1,14 +1,10 @@
 #include "tests/stress/exact_flow.hpp"
-#include "tests/stress/surface_cases.hpp"
 #include "tests/stress/surface_run.hpp"
-#include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 
-using namespace palpate;
 using namespace palpate::stress;
 using engine::Vec3;
-using tests::SurfaceData;
 
 namespace {
 

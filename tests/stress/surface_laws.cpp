@@ -1,8 +1,5 @@
 #include "tests/stress/surface_laws.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace palpate::stress {
 namespace {
 

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <optional>
-
 #include "engine/surface/surface_scene.hpp"
 #include "tests/stress/exact_flow.hpp"
 #include "tests/stress/tick_laws.hpp"
-#include "tests/support/surface_oracle.hpp"
 
 /// What must hold on every tick of every contact with a surface. Points, tangents and normals are
 /// those of the definition in long double, which shares no code with the engine.

@@ -1,9 +1,5 @@
 #include "tests/stress/surface_run.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cstring>
-
 #include "tests/stress/surface_laws.hpp"
 
 namespace palpate::stress {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "tests/stress/stress_run.hpp"
 #include "tests/stress/surface_cases.hpp"
 

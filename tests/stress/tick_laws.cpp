@@ -1,8 +1,5 @@
 #include "tests/stress/tick_laws.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
 #include "tests/stress/stress_hand.hpp"

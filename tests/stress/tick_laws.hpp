@@ -1,8 +1,5 @@
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "engine/rendering/scene.hpp"
 #include "tests/stress/exact_walk.hpp"
 

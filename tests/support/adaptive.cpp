@@ -1,11 +1,8 @@
 #include "tests/support/adaptive.hpp"
 
-#include <optional>
-
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "data/store/sqlite_recorder.hpp"
 
 namespace palpate::tests {
 

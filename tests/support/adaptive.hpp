@@ -1,10 +1,6 @@
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "protocols/session/session.hpp"
-#include "data/store/session_store.hpp"
 #include "tests/support/studies.hpp"
 #include "tests/support/test_text.hpp"
 

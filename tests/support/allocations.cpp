@@ -1,8 +1,6 @@
 #include "tests/support/allocations.hpp"
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
+#include "tests/support/std.hpp"
 
 namespace {
 

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <cstdlib>
-#include <ranges>
-#include <utility>
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,35 +1,5 @@
 #pragma once
 
-// What nearly every test uses beside Catch2.
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <limits>
-#include <map>
-#include <memory>
-#include <numbers>
-#include <numeric>
-#include <optional>
-#include <random>
-#include <set>
-#include <span>
-#include <sstream>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <thread>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "tests/support/cases.hpp"
 
 // Catch2 v3 (Debian 13, Ubuntu 24.04) and v2 (Debian 12) behind one include.
@@ -78,7 +48,9 @@ auto seeds(Count all) {
 
 }  // namespace palpate::tests
 
-using palpate::tests::Has;  // as Approx: in nearly every test
+// As Approx: what nearly every test says.
+using namespace palpate;
+using namespace palpate::tests;
 
 /// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it, or of it
 /// and what is added to it (tests/support/random.hpp).

@@ -1,16 +1,7 @@
 #include "tests/support/child.hpp"
 
-#include <csignal>
-#include <cstdlib>
-#include <exception>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
-
 #include <poll.h>
 #include <sys/prctl.h>
-#include <unistd.h>
 
 namespace palpate::tests {
 

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <functional>
-
-#include <sys/types.h>
-
 #include "engine/base/clock.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,15 +1,7 @@
 #pragma once
 
-#include <charconv>
-#include <csignal>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "tests/support/browser.hpp"
 #include "tests/support/shown_session.hpp"
-#include "tests/support/slurp.hpp"
 
 namespace palpate::tests {
 

@@ -6,7 +6,6 @@
 
 #include "engine/base/sha256.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::tests {
 namespace {

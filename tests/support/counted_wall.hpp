@@ -1,12 +1,7 @@
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <limits>
-#include <vector>
-
 #include "engine/device/simulated_pantograph.hpp"
+#include "tests/support/std.hpp"
 
 /// A mass with a damper on a sampled, held spring: the textbook's virtual wall, without a linkage.
 namespace palpate::tests {

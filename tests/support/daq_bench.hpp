@@ -1,14 +1,7 @@
 #pragma once
 
-#include <array>
-#include <cerrno>
-#include <cmath>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "engine/device/drivers/comedi_device.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <bit>
-
-#include "data/store/database.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/chunk.hpp"
-#include "data/trace/columns.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/catch.hpp"

@@ -1,12 +1,8 @@
 #pragma once
 
-#include <string>
-
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"

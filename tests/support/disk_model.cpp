@@ -1,9 +1,5 @@
 #include "tests/support/disk_model.hpp"
 
-#include <algorithm>
-#include <fstream>
-#include <iterator>
-
 #include "tests/support/slurp.hpp"
 
 namespace palpate::tests {

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <stdexcept>
-#include <string>
-#include <string_view>
-
-#include "engine/device/calibration.hpp"
 #include "engine/device/drivers/haply_wire.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,8 +1,6 @@
-#include <csignal>
-#include <cstdlib>
-
 #include <sys/prctl.h>
-#include <unistd.h>
+
+#include "tests/support/std.hpp"
 
 namespace {
 

@@ -1,13 +1,8 @@
 #pragma once
 
-#include <map>
-#include <string>
-#include <vector>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/session.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/studies.hpp"
 
 /// A device that fails by a plan, somebody who answers, and a program that is killed.

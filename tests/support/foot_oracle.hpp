@@ -1,12 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <limits>
 #include <queue>
-#include <vector>
 
 #include "tests/support/nurbs_oracle.hpp"
 

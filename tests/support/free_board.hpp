@@ -2,7 +2,6 @@
 
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/window_session.hpp"
 

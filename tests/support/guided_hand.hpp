@@ -1,9 +1,6 @@
 #pragma once
 
-#include <stdexcept>
-
 #include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/pantograph.hpp"
 #include "tests/support/emulated_machine.hpp"
 
 namespace palpate::tests {

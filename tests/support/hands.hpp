@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "tests/support/random.hpp"
 
 namespace palpate::tests {

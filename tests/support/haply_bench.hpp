@@ -1,17 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/haply_line.hpp"
-#include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/board_link.hpp"
-#include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/scripted_guard.hpp"
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "engine/device/calibration.hpp"
 #include "engine/device/emulator/port_board.hpp"
 
 namespace palpate::tests {

@@ -1,19 +1,6 @@
 #pragma once
 
-#include <filesystem>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "data/store/chain.hpp"
 #include "data/store/people.hpp"
-#include "data/store/session_store.hpp"
-#include "data/store/sqlite_recorder.hpp"
-#include "tests/support/process.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/studies.hpp"
 
 /// Rigs whose files are to be merged.

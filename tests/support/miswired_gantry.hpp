@@ -1,14 +1,9 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <deque>
-#include <limits>
-
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/device.hpp"
 #include "engine/device/machine.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -4,7 +4,6 @@
 #include <deque>
 
 #include "engine/commissioning/encoder_proof.hpp"
-#include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 
 namespace palpate::tests {

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <fstream>
-#include <string>
-
 #include "tests/support/process.hpp"
 #include "tests/support/short_text.hpp"
 

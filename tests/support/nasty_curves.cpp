@@ -1,10 +1,5 @@
 #include "tests/support/nasty_curves.hpp"
 
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <sstream>
-
 #include "tests/support/foot_oracle.hpp"
 
 namespace palpate::tests {

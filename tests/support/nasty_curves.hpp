@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-
 #include "tests/support/nasty_families.hpp"
-#include "tests/support/nurbs_oracle.hpp"
 
 /// Queries that break closest-point solvers: degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3
 /// m.

@@ -1,10 +1,5 @@
 #include "tests/support/nasty_families.hpp"
 
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <utility>
-
 namespace palpate::tests {
 namespace {
 

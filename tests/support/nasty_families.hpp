@@ -1,11 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "tests/support/nurbs_oracle.hpp"
-#include "tests/support/random.hpp"
 
 namespace palpate::tests {
 

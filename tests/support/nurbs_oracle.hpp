@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
-#include "engine/geometry/vec.hpp"
 #include "tests/support/random.hpp"
 
 namespace palpate::tests {

@@ -1,17 +1,8 @@
 #include "tests/support/postgres_server.hpp"
 
-#include <chrono>
-#include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <thread>
-
 #include <arpa/inet.h>
-#include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 namespace palpate::tests {
 namespace {

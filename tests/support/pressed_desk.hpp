@@ -1,18 +1,8 @@
 #pragma once
 
-#include <cmath>
-#include <fstream>
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include "engine/base/clock.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"
 

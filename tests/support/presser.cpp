@@ -1,13 +1,6 @@
 #include "tests/support/presser.hpp"
 
-#include <atomic>
-#include <csignal>
-#include <new>
-#include <stdexcept>
-
 #include <sys/mman.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/guard_process.hpp"

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <string>
-
-#include <sys/types.h>
-
 #include "engine/device/calibration.hpp"
 #include "tests/support/child.hpp"
 

@@ -1,16 +1,5 @@
 #include "tests/support/process.hpp"
 
-#include <algorithm>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <iterator>
-#include <stdexcept>
-
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include "tests/support/child.hpp"
 #include "tests/support/slurp.hpp"
 

@@ -1,14 +1,6 @@
 #pragma once
 
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <string_view>
-#include <thread>
-#include <vector>
-
-#include <sys/types.h>
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

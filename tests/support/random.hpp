@@ -1,11 +1,7 @@
 #pragma once
 
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <random>
-
 #include "engine/geometry/vec.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,13 +1,5 @@
 #pragma once
 
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "engine/commissioning/commissioning.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/session/version.hpp"

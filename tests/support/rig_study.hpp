@@ -2,7 +2,6 @@
 
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
-#include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
 
 /// The study of a commissioned rig's first session, and the words that run it.

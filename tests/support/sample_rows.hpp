@@ -1,9 +1,7 @@
 #pragma once
 
 #include "data/extension/sample_module.hpp"
-#include "data/store/database.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/chunk.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "tests/support/program.hpp"
 

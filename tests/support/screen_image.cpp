@@ -1,7 +1,5 @@
 #include "tests/support/screen_image.hpp"
 
-#include <stdexcept>
-
 #include <png.h>
 
 namespace palpate::tests {

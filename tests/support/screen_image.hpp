@@ -1,9 +1,6 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <string>
-#include <vector>
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,16 +1,10 @@
 #pragma once
 
-#include <cstdlib>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <nlohmann/json.hpp>
 
 #include "data/csv/json_text.hpp"
 #include "data/store/database.hpp"
 #include "ui/live/live_segment.hpp"
-#include "ui/rig/control_line.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/process.hpp"

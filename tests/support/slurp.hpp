@@ -1,16 +1,6 @@
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

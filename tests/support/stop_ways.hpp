@@ -1,15 +1,8 @@
 #pragma once
 
-#include <cstring>
-#include <memory>
-#include <stdexcept>
-#include <string>
-
-#include <fcntl.h>
 #include <linux/input.h>
 #include <sys/stat.h>
 #include <termios.h>
-#include <unistd.h>
 
 #include "tests/support/pressed_desk.hpp"
 

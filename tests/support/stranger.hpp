@@ -1,10 +1,6 @@
 #pragma once
 
-#include <functional>
-
 #include <grp.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "tests/support/catch.hpp"
 

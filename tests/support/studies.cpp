@@ -1,15 +1,8 @@
 #include "tests/support/studies.hpp"
 
-#include <cstring>
-#include <utility>
-
-#include <fmt/format.h>
-
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
-#include "protocols/trial/presentation.hpp"
-#include "data/store/database.hpp"
 #include "data/verify/verify.hpp"
 
 namespace palpate::tests {

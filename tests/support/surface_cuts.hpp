@@ -1,10 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <memory>
-#include <utility>
-#include <vector>
-
 #include "tests/support/surfaces.hpp"
 
 /// Surfaces in pieces: cut apart without a change of shape, and put together from plane sides.

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <vector>
-
 #include "engine/surface/nurbs_surface.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "engine/surface/surface_scene.hpp"
 #include "tests/support/surfaces.hpp"
 

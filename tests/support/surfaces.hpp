@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 #include "tests/support/surface_oracle.hpp"
 
 namespace palpate::tests {

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <cstdlib>
-#include <map>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,13 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <span>
-#include <vector>
-
 #include "engine/geometry/nurbs_curve.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

@@ -1,15 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <fstream>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
+
+#include "tests/support/std.hpp"
 
 namespace palpate::tests {
 

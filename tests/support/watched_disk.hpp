@@ -1,11 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <vector>
-
 #include "tests/support/disk_model.hpp"
 
 namespace palpate::tests {

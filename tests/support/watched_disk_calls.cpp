@@ -1,16 +1,8 @@
 #undef _FORTIFY_SOURCE  // it would put functions of the same names into the headers
-#include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <cstdarg>
-#include <cstdio>
-#include <cstring>
-#include <string>
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
-#include <unistd.h>
 
 #include "tests/support/watched_disk_state.hpp"
 

@@ -1,16 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <atomic>
-#include <cerrno>
-#include <cstdint>
-#include <map>
 #include <mutex>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <system_error>
-#include <vector>
 
 #include "tests/support/watched_disk.hpp"
 

@@ -1,12 +1,5 @@
 #include "tests/support/window_session.hpp"
 
-#include <chrono>
-#include <filesystem>
-#include <stdexcept>
-#include <thread>
-
-#include <fmt/format.h>
-
 #include "data/store/database.hpp"
 
 namespace palpate::tests {

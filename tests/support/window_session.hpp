@@ -1,11 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
-
-#include "tests/support/process.hpp"
 #include "tests/support/x_hand.hpp"
 #include "tests/support/xvfb.hpp"
 

@@ -1,12 +1,5 @@
 #include "tests/support/x_hand.hpp"
 
-#include <atomic>
-#include <chrono>
-#include <functional>
-#include <stdexcept>
-#include <string_view>
-#include <thread>
-
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>

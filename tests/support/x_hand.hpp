@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <string>
-
 #include "tests/support/screen_image.hpp"
 
 namespace palpate::tests {

@@ -1,14 +1,5 @@
 #include "tests/support/xvfb.hpp"
 
-#include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <thread>
-
-#include <fmt/format.h>
-#include <unistd.h>
-
 namespace palpate::tests {
 
 namespace {

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <string>
-
 #include "tests/support/process.hpp"
 
 namespace palpate::tests {

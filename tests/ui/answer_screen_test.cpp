@@ -1,14 +1,9 @@
-#include <atomic>
-
-#include "ui/subject/answer_row.hpp"
 #include "ui/subject/paragraph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/ui/keys.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::ui;
-using namespace palpate::tests;
 
 namespace {
 

@@ -1,16 +1,10 @@
-#include <atomic>
 #include <type_traits>
 
-#include "protocols/design/session_plan.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/session/session.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/ui/keys.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

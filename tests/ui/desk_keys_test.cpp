@@ -1,12 +1,8 @@
-#include <atomic>
-
 #include "tests/support/catch.hpp"
 #include "tests/ui/keys.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::ui;
-using namespace palpate::tests;
 
 namespace {
 

@@ -2,7 +2,6 @@
 #include "ui/doctor/checks.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::ui;
 
 namespace {

@@ -1,16 +1,12 @@
-#include <tuple>
-
 #include "engine/safety/trip.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/file/keys.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/paragraph.hpp"
-#include "ui/subject/window.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::ui;
 using engine::Vec2;

@@ -1,19 +1,15 @@
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
-#include <functional>
 #include <mutex>
-#include <span>
 #include <stop_token>
-#include <thread>
-#include <vector>
 
 #include <SDL.h>
 
 #include "stimuli/two_curve.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/dummy_window.hpp"
+#include "tests/support/std.hpp"
 
 /// Hands at the subject's screen, through SDL's queue.
 namespace palpate::tests {

@@ -1,17 +1,10 @@
-#include <vector>
-
-#include <unistd.h>
-
 #include "protocols/design/session_plan.hpp"
-#include "protocols/file/protocol_file.hpp"
 #include "ui/live/live_board.hpp"
-#include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/short_text.hpp"
 
 // What a session shows to other programs, byte for byte.
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

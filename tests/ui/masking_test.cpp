@@ -1,10 +1,3 @@
-#include <cstdlib>
-#include <cstring>
-
-#include <unistd.h>
-
-#include "protocols/design/session_plan.hpp"
-#include "protocols/session/session.hpp"
 #include "ui/cli/study_advice.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/sound/masked_observer.hpp"
@@ -12,7 +5,6 @@
 #include "tests/support/faulty.hpp"
 #include "tests/support/slurp.hpp"
 
-using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

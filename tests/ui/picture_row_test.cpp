@@ -1,4 +1,3 @@
-#include "ui/subject/answer_row.hpp"
 #include "ui/subject/picking.hpp"
 #include "tests/support/catch.hpp"
 

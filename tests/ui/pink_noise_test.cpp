@@ -3,7 +3,6 @@
 #include "ui/sound/faded_noise.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using namespace palpate::ui;
 
 namespace {

@@ -1,12 +1,7 @@
-#include <bit>
-
-#include "engine/safety/trip.hpp"
-#include "protocols/session/operator_desk.hpp"
 #include "protocols/session/trouble.hpp"
 #include "ui/subject/words.hpp"
 #include "tests/support/catch.hpp"
 
-using namespace palpate;
 using protocols::Language;
 using ui::Words;
 

@@ -1,12 +1,3 @@
-#include <charconv>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "tests/bench/data/trace_store.hpp"
 #include "tests/support/slurp.hpp"
 

@@ -1,18 +1,7 @@
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <iostream>
-#include <memory>
-#include <stdexcept>
-
-#include <fmt/format.h>
-#include <unistd.h>
 
 #include "tests/bench/commands.hpp"
-#include "tests/bench/core.hpp"
-#include "tests/bench/data/made_trials.hpp"
 #include "tests/bench/data/own_store.hpp"
-#include "tests/bench/data/trace_store.hpp"
 #include "tests/bench/report.hpp"
 
 namespace palpate::bench {

@@ -1,12 +1,6 @@
 #include "tests/bench/data/made_trials.hpp"
 
-#include <array>
-#include <cmath>
-
-#include "engine/device/simulated_pantograph.hpp"
-#include "engine/realtime/servo.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/design/streams.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/trial/servo_apparatus.hpp"

@@ -1,12 +1,8 @@
 #pragma once
 
-#include <cstddef>
-#include <string>
-#include <vector>
-
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/design/plan.hpp"
-#include "protocols/protocol/protocol.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::bench {
 

@@ -1,13 +1,5 @@
 #include "tests/bench/data/own_store.hpp"
 
-#include <algorithm>
-#include <filesystem>
-#include <functional>
-#include <numeric>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "engine/base/side_by_side.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
@@ -16,10 +8,8 @@
 #include "data/store/own_schema.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "data/trace/chunk.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/replay.hpp"
-#include "data/trace/retrace.hpp"
 #include "data/verify/verify.hpp"
 
 namespace palpate::bench {

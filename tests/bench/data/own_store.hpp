@@ -1,9 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "tests/bench/data/made_trials.hpp"
 #include "tests/bench/data/stopwatch.hpp"
 #include "tests/bench/data/trace_store.hpp"

@@ -1,7 +1,3 @@
-#include <filesystem>
-#include <stdexcept>
-
-#include <fmt/format.h>
 #include <sqlite3.h>
 
 #include "data/trace/columns.hpp"

@@ -1,12 +1,7 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <string>
-
 #include "engine/realtime/tick_record.hpp"
+#include "tests/support/std.hpp"
 
 namespace palpate::bench {
 

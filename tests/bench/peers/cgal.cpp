@@ -1,6 +1,4 @@
 // CGAL 5.5 (Debian's libcgal-dev): closest point on a mesh by a tree of boxes.
-#include <memory>
-#include <vector>
 
 #include <CGAL/AABB_segment_primitive.h>
 #include <CGAL/AABB_traits.h>

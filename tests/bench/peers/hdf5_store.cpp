@@ -1,8 +1,3 @@
-#include <filesystem>
-#include <stdexcept>
-#include <vector>
-
-#include <fmt/format.h>
 #include <hdf5.h>
 
 #include "data/trace/columns.hpp"

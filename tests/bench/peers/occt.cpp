@@ -1,7 +1,4 @@
 // Open CASCADE Technology 7.6 (Debian's libocct-modeling-algorithms-dev).
-#include <limits>
-#include <memory>
-#include <vector>
 
 #include <Extrema_ExtPC2d.hxx>
 #include <Extrema_ExtPS.hxx>

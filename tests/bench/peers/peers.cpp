@@ -1,7 +1,5 @@
 #include "tests/bench/peers/peers.hpp"
 
-#include <iterator>
-
 namespace palpate::bench {
 namespace {
 

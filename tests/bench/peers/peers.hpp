@@ -1,7 +1,5 @@
 #pragma once
 
-#include "tests/bench/method.hpp"
-#include "tests/bench/objects.hpp"
 #include "tests/bench/surfaces.hpp"
 
 /// Other people's libraries behind our interface. Only in builds with -DPALPATE_BENCH_PEERS=ON.

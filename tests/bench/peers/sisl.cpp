@@ -1,13 +1,7 @@
 // SINTEF Spline Library 4.6 (Debian's libsisl-dev), GNU AGPL: linked into this benchmark alone.
-#include <array>
-#include <cstdlib>
-#include <limits>
-#include <memory>
-#include <stdexcept>
 
 #include <sisl.h>
 
-#include "engine/geometry/vec.hpp"
 #include "tests/bench/peers/peers.hpp"
 
 namespace palpate::bench {
