@@ -9,6 +9,7 @@ bool Words::flag(const std::string& name) {
     if (found == words_.end()) {
         return false;
     }
+    peers_ = peers_ || name == "--peers";
     words_.erase(found);
     return true;
 }
@@ -26,35 +27,44 @@ std::string Words::value(const std::string& name, const std::string& otherwise) 
     return value;
 }
 
-void Words::finish(const std::string& usage) const {
-    if (!words_.empty()) {
-        throw WrongWord("\"" + words_.front() + "\" means nothing here: " + usage);
+double Words::number(const std::string& name, double otherwise, double min, double max) {
+    const std::string text = value(name, fmt::format("{}", otherwise));
+    double number = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, number);
+    if (read.ec != std::errc() || read.ptr != end || !(number >= min && number <= max)) {
+        throw WrongWord(fmt::format("{} is {}: give {} to {}", name, text, min, max));
     }
+    return number;
 }
 
-void need_peers_if(bool wanted) {
-    if (wanted && !have_peers()) {
+void Words::finish() const {
+    if (!words_.empty()) {
+        throw WrongWord("\"" + words_.front() + "\" means nothing here");
+    }
+    if (peers_ && !have_peers()) {
         throw WrongWord(
             "this build has no peers: call it as ./palpate bench, which makes one, or configure "
             "with -DPALPATE_BENCH_PEERS=ON");
     }
 }
 
-std::ofstream open_output(const std::string& name) {
-    std::ofstream out;
-    if (!name.empty()) {
-        out.open(name);
-        if (!out) {
-            throw WrongWord("cannot write " + name);
+Output::Output(std::string name, const char* head) : name_(std::move(name)) {
+    if (!name_.empty()) {
+        open(name_);
+        if (!*this) {
+            throw WrongWord("cannot write " + name_);
         }
+        *this << head;
     }
-    return out;
 }
 
-void close_output(std::ofstream& out, const std::string& name) {
-    out.close();
-    if (!out) {
-        throw std::runtime_error("could not write all of " + name);
+void Output::finish() {
+    if (is_open()) {
+        close();
+        if (!*this) {
+            throw std::runtime_error("could not write all of " + name_);
+        }
     }
 }
 

@@ -10,26 +10,6 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// nasty [--peers] [--csv FILE]
-int nasty_command(const std::vector<std::string>& words);
-/// contact [--peers] [--objects LETTERS] [--seconds S] [--against BINARY] [--csv FILE] [--svg
-/// FILE], or --from FILE --svg FILE
-int contact_command(const std::vector<std::string>& words);
-/// scaling [--csv FILE]
-int scaling_command(const std::vector<std::string>& words);
-/// passivity [--csv FILE]
-int passivity_command(const std::vector<std::string>& words);
-/// servo [--rounds N] [--seconds S] [--spin SHARE] [--csv FILE]
-int servo_command(const std::vector<std::string>& words);
-/// friction [--csv FILE] [--svg FILE]
-int friction_command(const std::vector<std::string>& words);
-/// guard [--kills N] [--csv FILE]
-int guard_command(const std::vector<std::string>& words);
-/// data [--peers] [--trials N] [--seconds S] [--cores 1|2] [--csv FILE]
-int data_command(const std::vector<std::string>& words);
-/// procedure [--csv FILE]
-int procedure_command(const std::vector<std::string>& words);
-
 /// The words after a command. Every word must be taken, or `finish` refuses.
 class Words {
 public:
@@ -39,19 +19,38 @@ public:
     [[nodiscard]] bool flag(const std::string& name);
     /// Takes `name VALUE`; `otherwise` if it is not there.
     [[nodiscard]] std::string value(const std::string& name, const std::string& otherwise = {});
-    /// @throws WrongWord for a word that nobody took
-    void finish(const std::string& usage) const;
+    /// Takes `name NUMBER`. @throws WrongWord if it is not from `min` to `max`
+    [[nodiscard]] double number(const std::string& name, double otherwise, double min, double max);
+    /// @throws WrongWord for a word that nobody took, and for --peers where this build has none
+    void finish() const;
 
 private:
     std::vector<std::string> words_;
+    bool peers_ = false;
 };
 
-/// @throws WrongWord if the peers are wanted and this build has none
-void need_peers_if(bool wanted);
-/// A file for results, opened before the long run that makes them; none for an empty name.
-/// @throws WrongWord if it cannot be written
-[[nodiscard]] std::ofstream open_output(const std::string& name);
-/// @throws std::runtime_error if not all of it was written
-void close_output(std::ofstream& out, const std::string& name);
+/// What a command takes says the table of main.cpp. @return exit code
+int nasty_command(Words words);
+int contact_command(Words words);
+int scaling_command(Words words);
+int passivity_command(Words words);
+int servo_command(Words words);
+int friction_command(Words words);
+int guard_command(Words words);
+int data_command(Words words);
+int procedure_command(Words words);
+
+/// A file for results, opened before the long run that makes them. Without a name there is none,
+/// and what is written to it is forgotten.
+class Output : public std::ofstream {
+public:
+    /// @throws WrongWord if it cannot be written
+    explicit Output(std::string name, const char* head = "");
+    /// @throws std::runtime_error if not all of it was written
+    void finish();
+
+private:
+    std::string name_;
+};
 
 }  // namespace palpate::bench

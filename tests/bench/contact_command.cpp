@@ -8,24 +8,6 @@
 namespace palpate::bench {
 namespace {
 
-constexpr const char* kContactUsage =
-    "contact takes --peers, --objects LETTERS, --seconds S, --against BINARY, --csv FILE and "
-    "--svg FILE, or --from FILE and --svg FILE";
-
-double seconds_of(const std::string& text) {
-    std::size_t used = 0;
-    double seconds = 0.0;
-    try {
-        seconds = std::stod(text, &used);
-    } catch (const std::exception&) {
-        used = 0;
-    }
-    if (used != text.size() || !(seconds >= 0.1 && seconds <= 600.0)) {
-        throw WrongWord("--seconds is " + text + ": give 0.1 to 600");
-    }
-    return seconds;
-}
-
 /// At a terminal, what is being measured.
 void show(const Place& place) {
     if (isatty(STDERR_FILENO) != 0) {
@@ -156,36 +138,34 @@ void draw_again(const std::string& table, const std::string& svg_name) {
     if (!in || svg_name.empty()) {
         throw WrongWord("--from takes a table of contact --csv, and needs --svg FILE beside it");
     }
-    std::ofstream svg = open_output(svg_name);
+    Output svg(svg_name);
     svg << picture(read_csv(in));
-    close_output(svg, svg_name);
+    svg.finish();
 }
 
 }  // namespace
 
-int contact_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
+int contact_command(Words words) {
     const CoursePlan plan{.objects = words.value("--objects", "ABCDES"),
-                          .seconds = seconds_of(words.value("--seconds", "20")),
+                          .seconds = words.number("--seconds", 20.0, 0.1, 600.0),
                           .peers = words.flag("--peers")};
     const bool answers = words.flag("--answer");
     const std::string against = words.value("--against");
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
     const std::string table = words.value("--from");
-    words.finish(kContactUsage);
+    words.finish();
     if (!table.empty()) {
         draw_again(table, svg_name);
         return 0;
     }
-    need_peers_if(plan.peers);
     pin_to(1);
     if (answers) {
         answer_requests(plan);
         return 0;
     }
-    std::ofstream csv = open_output(csv_name);
-    std::ofstream svg = open_output(svg_name);
+    Output csv(csv_name);
+    Output svg(svg_name);
     Stand stand;
     const Counting counted = counting();
     std::cout << machine() << "; reading the clock twice takes " << stand.clock.cost()
@@ -205,14 +185,10 @@ int contact_command(const std::vector<std::string>& arguments) {
         rows.insert(rows.end(), more.begin(), more.end());
     }
     print_stability(std::cout, plan);
-    if (csv.is_open()) {
-        write_csv(csv, rows);
-        close_output(csv, csv_name);
-    }
-    if (svg.is_open()) {
-        svg << picture(rows);
-        close_output(svg, svg_name);
-    }
+    write_csv(csv, rows);
+    csv.finish();
+    svg << picture(rows);
+    svg.finish();
     return 0;
 }
 

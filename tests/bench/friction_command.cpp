@@ -96,13 +96,12 @@ std::string picture_of(const std::vector<FrictionRow>& rows, const std::vector<E
 
 }  // namespace
 
-int friction_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
+int friction_command(Words words) {
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
-    words.finish("friction takes --csv FILE and --svg FILE");
-    std::ofstream csv = open_output(csv_name);
-    std::ofstream svg = open_output(svg_name);
+    words.finish();
+    Output csv(csv_name);
+    Output svg(svg_name);
     std::vector<FrictionRow> rows;
     for (const RubbedLaw& law : rubbed_laws()) {
         rows.push_back(run_of(law));
@@ -111,14 +110,10 @@ int friction_command(const std::vector<std::string>& arguments) {
     std::cout << machine() << '\n';
     print_rows(rows);
     print_euler(runs);
-    if (csv.is_open()) {
-        write_rows(csv, rows);
-        close_output(csv, csv_name);
-    }
-    if (svg.is_open()) {
-        svg << picture_of(rows, runs);
-        close_output(svg, svg_name);
-    }
+    write_rows(csv, rows);
+    csv.finish();
+    svg << picture_of(rows, runs);
+    svg.finish();
     return 0;
 }
 

@@ -1,4 +1,3 @@
-#include <ctime>
 #include <iostream>
 
 #include "engine/device/drivers/serial_link.hpp"
@@ -16,20 +15,19 @@ namespace {
 
 using namespace palpate::engine;
 
-std::int64_t now_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+/// @throws std::runtime_error unless `seen`
+void need(bool seen, const char* else_what) {
+    if (!seen) {
+        throw std::runtime_error(else_what);
+    }
 }
 
-int number(const std::string& text, const std::string& name) {
-    int value = 0;
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc{} || stop != end || value < 1) {
-        throw WrongWord(name + " " + text + ": give a whole number above 0");
-    }
-    return value;
+constexpr const char* kNoTorque = "the emulated board got no torque";
+constexpr const char* kStaysOn = "the motors stayed on";
+
+/// Since `start`, ms, until the board had no torque.
+double ms_to_zero(const EmulatedBoard& board, std::int64_t start) {
+    return 1e-6 * static_cast<double>(board.motors().since_ns - start);
 }
 
 /// ms from the signal to zero torque at the board, for each kill.
@@ -40,21 +38,17 @@ std::vector<double> delays(
     tests::Random random(1);
     for (int i = 0; i < kills; ++i) {
         tests::Presser presser(board.path(), machine, {0.4, -0.5});
-        if (!tests::eventually([&] { return !board.motors().off(); })) {
-            throw std::runtime_error("the emulated board got no torque");
-        }
+        need(tests::eventually([&] { return !board.motors().off(); }), kNoTorque);
         for (int wait = random.below(30); wait > 0; --wait) {
             tests::wait_a_little();
         }
-        const std::int64_t start = now_ns();
+        const std::int64_t start = monotonic_ns();
         if (both) {
             kill(presser.guard(), SIGKILL);
         }
         presser.signal(signal);
-        if (!tests::eventually([&] { return board.motors().off(); })) {
-            throw std::runtime_error("the motors stayed on");
-        }
-        ms.push_back(1e-6 * static_cast<double>(board.motors().since_ns - start));
+        need(tests::eventually([&] { return board.motors().off(); }), kStaysOn);
+        ms.push_back(ms_to_zero(board, start));
         presser.signal(SIGKILL);
         presser.reap();
         SerialLink port(board.path());
@@ -111,15 +105,11 @@ void stops(int times) {
                   {"--stop-button", folder.file("button")});
         std::vector<double> ms;
         for (int i = 0; i < times; ++i) {
-            if (!desk.feel()) {
-                throw std::runtime_error("the emulated board got no torque");
-            }
-            const std::int64_t start = now_ns();
+            need(desk.feel(), kNoTorque);
+            const std::int64_t start = monotonic_ns();
             act(desk);
-            if (!desk.force_ends()) {
-                throw std::runtime_error("the motors stayed on");
-            }
-            ms.push_back(1e-6 * static_cast<double>(desk.board.motors().since_ns - start));
+            need(desk.force_ends(), kStaysOn);
+            ms.push_back(ms_to_zero(desk.board, start));
             hand(desk).release("space");
             undo();
             desk.goes_on();
@@ -134,15 +124,11 @@ std::vector<double> windowed_delays(int kills) {
     std::vector<double> ms;
     for (int i = 0; i < kills; ++i) {
         tests::PressedDesk desk(tests::PressingHand::Does::presses);
-        if (!desk.feel()) {
-            throw std::runtime_error("the emulated board got no torque");
-        }
-        const std::int64_t start = now_ns();
+        need(desk.feel(), kNoTorque);
+        const std::int64_t start = monotonic_ns();
         desk.session->program().signal(SIGKILL);
-        if (!desk.force_ends()) {
-            throw std::runtime_error("the motors stayed on");
-        }
-        ms.push_back(1e-6 * static_cast<double>(desk.board.motors().since_ns - start));
+        need(desk.force_ends(), kStaysOn);
+        ms.push_back(ms_to_zero(desk.board, start));
     }
     std::sort(ms.begin(), ms.end());
     return ms;
@@ -155,17 +141,15 @@ int held(double seconds, int runs, int busy) {
     int broken = 0;
     for (int run = 0; run < runs; ++run) {
         tests::PressedDesk desk(tests::PressingHand::Does::presses);
-        if (!desk.feel()) {
-            throw std::runtime_error("the emulated board got no torque");
-        }
+        need(desk.feel(), kNoTorque);
         const std::vector<std::string> rests_never{"sh", "-c", "while :; do :; done"};
         std::vector<std::unique_ptr<tests::Process>> others;
         for (int i = 0; i < busy; ++i) {
             others.push_back(std::make_unique<tests::Process>(rests_never));
         }
-        const std::int64_t start = now_ns();
+        const std::int64_t start = monotonic_ns();
         const auto since = [&] {
-            return 1e-9 * static_cast<double>(now_ns() - start);
+            return 1e-9 * static_cast<double>(monotonic_ns() - start);
         };
         // A hand that turns back or lets up has no force for a moment: what counts is a fault.
         const auto fault = [&] {
@@ -217,31 +201,28 @@ constexpr const char* kHead = "%-34s %7s %9s %9s %9s\n";
 
 }  // namespace
 
-int guard_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
-    const int kills = number(words.value("--kills", "100"), "--kills");
+int guard_command(Words words) {
+    const auto number = [&](const char* name, double otherwise) {
+        return static_cast<int>(words.number(name, otherwise, otherwise > 0.0 ? 1 : 0, 1e6));
+    };
+    const int kills = number("--kills", 100);
     const std::string csv_name = words.value("--csv");
-    const std::string hold = words.value("--hold");
-    const int busy = number(words.value("--busy", "2"), "--busy");
-    const std::string stopped = words.value("--stops");
-    words.finish(
-        "guard takes --kills N and --csv FILE, or --hold SECONDS and --busy PROGRAMS, or --stops "
-        "N");
-    if (!stopped.empty()) {
+    const int hold = number("--hold", 0);
+    const int busy = number("--busy", 2);
+    const int stopped = number("--stops", 0);
+    words.finish();
+    if (stopped > 0) {
         std::cout << machine() << "\nfrom what somebody does to zero torque, in its window, ms\n";
         std::printf(kHead, "stop", "times", "p50", "p99", "worst");
-        stops(number(stopped, "--stops"));
+        stops(stopped);
         return 0;
     }
-    if (!hold.empty()) {
+    if (hold > 0) {
         std::cout << machine() << "\nforce in its window on a busy machine, three sessions\n";
         std::printf("%-34s %7s %9s\n", "palpate", "busy", "s");
-        return held(number(hold, "--hold"), 3, busy) == 0 ? 0 : 1;
+        return held(hold, 3, busy) == 0 ? 0 : 1;
     }
-    std::ofstream csv = open_output(csv_name);
-    if (csv.is_open()) {
-        csv << "machine,end,kills,p50_ms,p99_ms,worst_ms\n";
-    }
+    Output csv(csv_name, "machine,end,kills,p50_ms,p99_ms,worst_ms\n");
     const Calibration haply = tests::emulated_calibration();
     const Calibration open = tests::open_machine();
     const auto hand = [&] {
@@ -276,9 +257,7 @@ int guard_command(const std::vector<std::string>& arguments) {
         csv << '"' << machine() << "\",\"" << name << "\"," << kills << ',' << at(ms, 0.5) << ','
             << at(ms, 0.99) << ',' << ms.back() << '\n';
     }
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 

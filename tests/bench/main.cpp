@@ -8,7 +8,7 @@ using namespace palpate::bench;
 
 struct Command {
     const char* name;
-    int (*run)(const std::vector<std::string>& words);
+    int (*run)(Words words);
     const char* usage;
 };
 
@@ -47,7 +47,7 @@ constexpr Command kCommands[] = {
      "and\n"
      "            HDF5; on one core unless two are asked for\n"},
     {"guard", guard_command,
-     "  guard [--kills N] [--csv FILE]\n"
+     "  guard [--kills N] [--csv FILE], or --hold SECONDS [--busy PROGRAMS], or --stops N\n"
      "            from palpate's death (kill -9) or stop to zero torque at an emulated board\n"},
 };
 
@@ -79,7 +79,7 @@ int run(std::vector<std::string> words) {
     }
     for (const Command& command : kCommands) {
         if (name == command.name) {
-            return command.run(words);
+            return command.run(Words(words));
         }
     }
     throw WrongWord("there is no benchmark \"" + name + "\": there are " + names());

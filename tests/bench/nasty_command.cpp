@@ -63,8 +63,7 @@ Reply ask(const Maker& maker, std::size_t method, const Case& one) {
         const auto start = std::chrono::steady_clock::now();
         methods[method]->reset(one.nasty.query);
         const double distance = methods[method]->answer(one.nasty.query).distance;
-        reply.seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        reply.seconds = seconds_since(start);
         reply.error = static_cast<double>(std::fabs(distance - one.exact) / one.scale);
     } catch (...) {  // the libraries' own types
     }
@@ -130,13 +129,13 @@ std::vector<Case> all_cases() {
 
 }  // namespace
 
-int nasty_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
+int nasty_command(Words words) {
     const bool with_peers = words.flag("--peers");
     const std::string csv_name = words.value("--csv");
-    words.finish("nasty takes --peers and --csv FILE");
-    need_peers_if(with_peers);
-    std::ofstream csv = open_output(csv_name);
+    words.finish();
+    Output csv(csv_name,
+               "machine,method,asked,no_answer,crashed,above_1e_6,above_1e_9,above_1e_12,"
+               "above_16_ulp,worst,worst_seed,mean_us\n");
     const std::vector<Case> cases = all_cases();
     std::vector<Maker> makers{any_curve_methods};
     if (with_peers) {
@@ -149,10 +148,6 @@ int nasty_command(const std::vector<std::string>& arguments) {
               << " nasty queries, each cold; errors relative to max(size of the curve, distance)\n";
     std::printf("%-34s %9s %9s %7s %7s %7s %7s %9s %9s %9s\n", "method", "no answer", "(crashed)",
                 "> 1e-6", "> 1e-9", "> 1e-12", "> 16ulp", "worst", "its seed", "mean us");
-    if (csv.is_open()) {
-        csv << "machine,method,asked,no_answer,crashed,above_1e_6,above_1e_9,above_1e_12,"
-               "above_16_ulp,worst,worst_seed,mean_us\n";
-    }
     for (const Maker& maker : makers) {
         const Methods<2> named = maker(contact_objects().front());
         for (std::size_t i = 0; i < named.size(); ++i) {
@@ -170,9 +165,7 @@ int nasty_command(const std::vector<std::string>& arguments) {
                 << s.worst_seed << ',' << each << '\n';
         }
     }
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 

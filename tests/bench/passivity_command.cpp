@@ -65,15 +65,12 @@ void print_rest() {
 
 }  // namespace
 
-int passivity_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
+int passivity_command(Words words) {
     const std::string csv_name = words.value("--csv");
-    words.finish("passivity takes --csv FILE");
-    std::ofstream csv = open_output(csv_name);
-    if (csv.is_open()) {
-        csv << "machine,rate_hz,delay_ticks,damping_n_s_per_m,mass_kg,measured_n_per_m,exact_n_per_"
-               "m,formula_n_per_m\n";
-    }
+    words.finish();
+    Output csv(csv_name,
+               "machine,rate_hz,delay_ticks,damping_n_s_per_m,mass_kg,measured_n_per_m,"
+               "exact_n_per_m,formula_n_per_m\n");
     std::cout << machine() << '\n'
               << "The stiffest flat wall on which the simulated pantograph comes to rest, "
                  "bisected, against the\nexact limit of a sampled mass and damper, and against K = "
@@ -93,23 +90,16 @@ int passivity_command(const std::vector<std::string>& arguments) {
                 std::printf("%7.0f %6d %9.3f %7.4f %12.4f %12.4f %12.4f %+11.4f %+13.4f\n", rate,
                             delay, row.scalar.damping, row.scalar.mass, row.measured, row.exact,
                             row.formula, to_exact, to_formula);
-                if (csv.is_open()) {
-                    std::array<char, 256> line{};
-                    std::snprintf(line.data(), line.size(),
-                                  "\"%s\",%.0f,%d,%.9g,%.9g,%.9g,%.9g,%.9g\n", machine().c_str(),
-                                  rate, delay, row.scalar.damping, row.scalar.mass, row.measured,
-                                  row.exact, row.formula);
-                    csv << line.data();
-                }
+                csv << printed("\"%s\",%.0f,%d,%.9g,%.9g,%.9g,%.9g,%.9g\n", machine().c_str(), rate,
+                               delay, row.scalar.damping, row.scalar.mass, row.measured, row.exact,
+                               row.formula);
             }
         }
     }
     std::printf("worst deviation: %.4f %% from the exact limit, %.4f %% from the formula\n",
                 worst_exact, worst_formula);
     print_rest();
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 

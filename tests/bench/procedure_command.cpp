@@ -14,10 +14,6 @@ struct Case {
     QuestPlusSpec spec;
 };
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// Threshold, slope and lapse: 20,000 cells, 40 stimuli, 2 outcomes.
 QuestPlusSpec three_parameters() {
     return {.model = psychometric_model(Family::weibull_log10, LapseForm::upper),
@@ -47,16 +43,13 @@ QuestPlusSpec marginal() {
 
 }  // namespace
 
-int procedure_command(const std::vector<std::string>& arguments) {
+int procedure_command(Words words) {
     constexpr int kChoices = 200;
-    Words words(arguments);
     const std::string csv_name = words.value("--csv");
-    words.finish("procedure takes --csv FILE");
-    std::ofstream csv = open_output(csv_name);
-    if (csv.is_open()) {
-        csv << "machine,procedure,stimuli,cells,outcomes,table_mb,build_ms,choose_p50_ms,"
-               "choose_p99_ms,update_p50_ms\n";
-    }
+    words.finish();
+    Output csv(csv_name,
+               "machine,procedure,stimuli,cells,outcomes,table_mb,build_ms,choose_p50_ms,"
+               "choose_p99_ms,update_p50_ms\n");
     const std::array<Case, 3> cases{Case{"quest_plus", three_parameters()},
                                     Case{"quest_plus marginal", marginal()},
                                     Case{"quest_plus identification", five_outcomes()}};
@@ -86,17 +79,10 @@ int procedure_command(const std::vector<std::string>& arguments) {
         const double update = percentile(updating, 0.5);
         std::printf("%-26s %8zu %7zu %9zu %9.1f %9.1f %11.3f %11.3f %11.3f\n", one.name, stimuli,
                     cells, outcomes, megabytes, build, p50, p99, update);
-        if (csv.is_open()) {
-            std::array<char, 256> line{};
-            std::snprintf(line.data(), line.size(),
-                          "\"%s\",\"%s\",%zu,%zu,%zu,%.1f,%.1f,%.4f,%.4f,%.4f\n", machine().c_str(),
-                          one.name, stimuli, cells, outcomes, megabytes, build, p50, p99, update);
-            csv << line.data();
-        }
+        csv << printed("\"%s\",\"%s\",%zu,%zu,%zu,%.1f,%.1f,%.4f,%.4f,%.4f\n", machine().c_str(),
+                       one.name, stimuli, cells, outcomes, megabytes, build, p50, p99, update);
     }
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 

@@ -18,6 +18,8 @@ struct Row {
     Errors error{};  ///< none for Kind::floor
 };
 
+/// What printf makes of it, up to 511 letters.
+[[nodiscard, gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
 /// Processor, number of its cores, compiler: a time means nothing without.
 [[nodiscard]] std::string machine();
 [[nodiscard]] const char* name_of(Kind kind);

@@ -13,10 +13,6 @@ constexpr std::array<std::size_t, 9> kCounts{2, 10, 30, 100, 300, 1000, 10000, 3
 constexpr std::size_t kReached = 600;
 constexpr double kSecondsPerRow = 2.0;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// The part of a ring that the hand can reach, and a margin on either side, as an object of its
 /// own.
 Object reached(const Object& ring) {
@@ -40,15 +36,12 @@ std::size_t affordable(Method<2>& method, const std::vector<Vec2>& path) {
 
 }  // namespace
 
-int scaling_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
+int scaling_command(Words words) {
     const std::string csv_name = words.value("--csv");
-    words.finish("scaling takes --csv FILE");
-    std::ofstream csv = open_output(csv_name);
-    if (csv.is_open()) {
-        csv << "machine,curves,method,build_s,ticks,ratio,ratio_low,ratio_high,warm_ns,tick_p50_ns,"
-               "tick_p99_ns,tick_p999_ns,distance_error_max_m,miss_share\n";
-    }
+    words.finish();
+    Output csv(csv_name,
+               "machine,curves,method,build_s,ticks,ratio,ratio_low,ratio_high,warm_ns,tick_p50_ns,"
+               "tick_p99_ns,tick_p999_ns,distance_error_max_m,miss_share\n");
     pin_to(1);
     Stand stand;
     std::cout << machine() << '\n';
@@ -78,21 +71,14 @@ int scaling_command(const std::vector<std::string>& arguments) {
                         count, method->name().c_str(), build, hips.size(), time.ratio.value,
                         time.warm, time.p50, time.p99, time.p999, error.distance_max,
                         100.0 * error.misses);
-            if (csv.is_open()) {
-                std::array<char, 256> line{};
-                std::snprintf(
-                    line.data(), line.size(),
-                    "\"%s\",%zu,\"%s\",%.6f,%zu,%.4f,%.4f,%.4f,%.2f,%.1f,%.1f,%.1f,%.6g,%.6g\n",
-                    machine().c_str(), count, method->name().c_str(), build, hips.size(),
-                    time.ratio.value, time.ratio.low, time.ratio.high, time.warm, time.p50,
-                    time.p99, time.p999, error.distance_max, error.misses);
-                csv << line.data();
-            }
+            csv << printed(
+                "\"%s\",%zu,\"%s\",%.6f,%zu,%.4f,%.4f,%.4f,%.2f,%.1f,%.1f,%.1f,%.6g,%.6g\n",
+                machine().c_str(), count, method->name().c_str(), build, hips.size(),
+                time.ratio.value, time.ratio.low, time.ratio.high, time.warm, time.p50, time.p99,
+                time.p999, error.distance_max, error.misses);
         }
     }
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 

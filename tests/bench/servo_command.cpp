@@ -1,4 +1,3 @@
-#include <ctime>
 #include <iostream>
 
 #include "engine/device/simulated_pantograph.hpp"
@@ -7,6 +6,7 @@
 #include "stimuli/two_curve.hpp"
 #include "ui/doctor/wake_up.hpp"
 #include "tests/bench/commands.hpp"
+#include "tests/bench/data/stopwatch.hpp"
 #include "tests/bench/logging_cost.hpp"
 #include "tests/bench/report.hpp"
 
@@ -15,36 +15,11 @@ namespace {
 
 using namespace palpate::engine;
 
-constexpr const char* kUsage =
-    "servo takes --rounds N, --seconds S, --spin SHARE (0 to 0.5), --csv FILE";
-
 struct Plan {
     int rounds = 5;
     double seconds = 10.0;
     double spin = 0.3;
 };
-
-std::string short_text(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%g", value);
-    return text.data();
-}
-
-double number(Words& words, const std::string& name, double otherwise, double least, double max) {
-    const std::string text = words.value(name, short_text(otherwise));
-    std::size_t end = 0;
-    double value = 0.0;
-    try {
-        value = std::stod(text, &end);
-    } catch (const std::exception&) {
-        end = 0;
-    }
-    if (end == 0 || end != text.size() || !(value >= least && value <= max)) {
-        throw WrongWord(name + " " + text + " is not a number from " + short_text(least) + " to " +
-                        short_text(max));
-    }
-    return value;
-}
 
 /// One line of the table and of the CSV.
 struct Line {
@@ -101,12 +76,7 @@ Line line_of(std::vector<double> ns) {
 
 class Table {
 public:
-    explicit Table(std::ofstream& csv) : csv_(csv) {
-        if (csv_.is_open()) {
-            csv_ << "machine,part,method,rate_hz,round,ticks,p50_us,p99_us,p999_us,max_us,late,"
-                    "missed,processor_share\n";
-        }
-    }
+    explicit Table(Output& csv) : csv_(csv) {}
 
     void heading(const char* text) {
         std::printf("\n%s\n%-26s %6s %5s %8s %9s %9s %9s %10s %6s %6s %6s\n", text, "", "Hz",
@@ -133,16 +103,10 @@ public:
 
 private:
     void write(const Line& line) {
-        if (!csv_.is_open()) {
-            return;
-        }
-        std::array<char, 320> text{};
-        std::snprintf(text.data(), text.size(),
-                      "\"%s\",%s,\"%s\",%.0f,%d,%lld,%.4f,%.4f,%.4f,%.4f,", machine().c_str(),
-                      line.part.c_str(), line.method.c_str(), line.rate_hz, line.round,
-                      static_cast<long long>(line.ticks), line.p50_us, line.p99_us, line.p999_us,
-                      line.max_us);
-        csv_ << text.data();
+        csv_ << printed("\"%s\",%s,\"%s\",%.0f,%d,%lld,%.4f,%.4f,%.4f,%.4f,", machine().c_str(),
+                        line.part.c_str(), line.method.c_str(), line.rate_hz, line.round,
+                        static_cast<long long>(line.ticks), line.p50_us, line.p99_us, line.p999_us,
+                        line.max_us);
         if (line.late >= 0) {
             csv_ << line.late << ',' << line.missed << ',' << line.processor_share << '\n';
         } else {
@@ -150,7 +114,7 @@ private:
         }
     }
 
-    std::ofstream& csv_;
+    Output& csv_;
 };
 
 struct Ratios {
@@ -217,12 +181,6 @@ void logging(const Plan& plan, Table& table) {
                 percentile(cost.logged_ns, 0.99) - percentile(cost.bare_ns, 0.99));
 }
 
-double processor_s() {
-    timespec used{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
-
 Line simulated(double rate_hz, double seconds, double spin) {
     engine::SimulatedPantograph device({}, 1.0 / rate_hz);
     device.begin({});
@@ -234,14 +192,15 @@ Line simulated(double rate_hz, double seconds, double spin) {
                                .realtime = RealtimeWish::everything(),
                                .spin_share = spin});
     servo.begin(scene);
-    const double before = processor_s();
+    const Stopwatch processor;
+    const double before = processor.now();
     std::array<engine::TickRecord, 256> some{};
     while (servo.elapsed_s() < seconds && servo.advance() == engine::ServoStatus::running) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
         while (servo.ring().pop(some) > 0) {
         }
     }
-    const double share = (processor_s() - before) / servo.elapsed_s();
+    const double share = (processor.now() - before) / servo.elapsed_s();
     servo.end();
     if (servo.trip() != engine::Trip::none || servo.dropped() > 0) {
         throw std::runtime_error("the simulated session tripped (" +
@@ -260,22 +219,21 @@ void rates(const Plan& plan, Table& table) {
 
 }  // namespace
 
-int servo_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
+int servo_command(Words words) {
     const std::string csv_name = words.value("--csv");
-    const Plan plan{.rounds = static_cast<int>(number(words, "--rounds", 5, 1, 1000)),
-                    .seconds = number(words, "--seconds", 10.0, 0.1, 3600.0),
-                    .spin = number(words, "--spin", 0.3, 0.0, 0.5)};
-    words.finish(kUsage);
-    std::ofstream csv = open_output(csv_name);
+    const Plan plan{.rounds = static_cast<int>(words.number("--rounds", 5, 1, 1000)),
+                    .seconds = words.number("--seconds", 10.0, 0.1, 3600.0),
+                    .spin = words.number("--spin", 0.3, 0.0, 0.5)};
+    words.finish();
+    Output csv(csv_name,
+               "machine,part,method,rate_hz,round,ticks,p50_us,p99_us,p999_us,max_us,late,missed,"
+               "processor_share\n");
     std::cout << machine() << std::endl;
     Table table(csv);
     wake_ups(plan, table);
     logging(plan, table);
     rates(plan, table);
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 

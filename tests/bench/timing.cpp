@@ -20,10 +20,6 @@ constexpr std::size_t kLitter = 16U << 20U;
 constexpr std::size_t kLine = 64;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// Puts other things into every cache.
 void touch(std::vector<std::uint8_t>& litter) {
     for (std::size_t i = 0; i < litter.size(); i += kLine) {
@@ -109,6 +105,10 @@ std::vector<double> cold(Method<D>& method, std::span<const Vec<D>> path, int co
 }
 
 }  // namespace
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 Median median(std::vector<double> values) {
     if (values.empty()) {

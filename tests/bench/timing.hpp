@@ -14,6 +14,7 @@ struct Median {
 };
 
 [[nodiscard]] Median median(std::vector<double> values);
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point start);
 /// Value below which the share `share` of `values` lies; 0 for none.
 [[nodiscard]] double percentile(std::vector<double> values, double share);
 

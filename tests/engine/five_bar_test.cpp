@@ -115,14 +115,12 @@ TEST_CASE("the Jacobian is the derivative of the handle, and its transpose conse
 }
 
 TEST_CASE("singular values are those of the turned and stretched circle", "[device][law]") {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
-        Random random(seed);
-        const Jacobian j{.row_x = random.point(-1.0, 1.0), .row_y = random.point(-1.0, 1.0)};
-        const SingularValues s = singular_values(j);
-        CHECK(std::fabs(s.largest * s.smallest - std::fabs(j.determinant())) < 1e-14);
-        CHECK(std::fabs(s.largest * s.largest + s.smallest * s.smallest -
-                        glm::dot(j.row_x, j.row_x) - glm::dot(j.row_y, j.row_y)) < 1e-14);
-    }
+    SEEDED(random, std::uint64_t{300});
+    const Jacobian j{.row_x = random.point(-1.0, 1.0), .row_y = random.point(-1.0, 1.0)};
+    const SingularValues s = singular_values(j);
+    CHECK(std::fabs(s.largest * s.smallest - std::fabs(j.determinant())) < 1e-14);
+    CHECK(std::fabs(s.largest * s.largest + s.smallest * s.smallest - glm::dot(j.row_x, j.row_x) -
+                    glm::dot(j.row_y, j.row_y)) < 1e-14);
 }
 
 TEST_CASE("inverse and forward undo each other in every working mode, and keep it",
@@ -166,23 +164,20 @@ TEST_CASE("inverse and forward undo each other in every working mode, and keep i
 
 TEST_CASE("the serial clearance is the way to the place where the links lie in line",
           "[device][law]") {
-    for (std::uint64_t seed = 0; seed < 500; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const FiveBar linkage;
-        const Vec2 handle{random.in(-0.03, 0.055), random.in(0.05, 0.12)};
-        const auto pose = linkage.forward(linkage.inverse(handle).value());
-        REQUIRE(pose);
-        const Clearance clearance = linkage.clearance(*pose);
-        const double r = glm::length(handle);
-        const double outward = linkage.driven_1 + linkage.free_1 - r;
-        CHECK(clearance.serial_1 < outward + 1e-15);
-        // Just short of that way the handle can be reached, just beyond it cannot.
-        const Vec2 away = handle / r;
-        if (clearance.serial_1 > outward - 1e-15 && clearance.serial_2 > 2.0 * outward) {
-            CHECK(linkage.inverse(handle + away * (outward - 1e-9)));
-            CHECK_FALSE(linkage.inverse(handle + away * (outward + 1e-9)));
-        }
+    SEEDED(random, std::uint64_t{500});
+    const FiveBar linkage;
+    const Vec2 handle{random.in(-0.03, 0.055), random.in(0.05, 0.12)};
+    const auto pose = linkage.forward(linkage.inverse(handle).value());
+    REQUIRE(pose);
+    const Clearance clearance = linkage.clearance(*pose);
+    const double r = glm::length(handle);
+    const double outward = linkage.driven_1 + linkage.free_1 - r;
+    CHECK(clearance.serial_1 < outward + 1e-15);
+    // Just short of that way the handle can be reached, just beyond it cannot.
+    const Vec2 away = handle / r;
+    if (clearance.serial_1 > outward - 1e-15 && clearance.serial_2 > 2.0 * outward) {
+        CHECK(linkage.inverse(handle + away * (outward - 1e-9)));
+        CHECK_FALSE(linkage.inverse(handle + away * (outward + 1e-9)));
     }
 }
 

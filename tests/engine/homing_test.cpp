@@ -66,21 +66,18 @@ std::string refusal(const PantographSpec& spec, const std::vector<MarkReading>& 
 }  // namespace
 
 TEST_CASE("one mark gives both zeros exactly, several give them to half a count", "[homing][law]") {
-    for (std::uint64_t seed = 0; seed < 500; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const Desk desk = any_desk(random, false);
-        const double count = 2.0 * kPi / desk.known.axes[0].counts_per_turn;
-        const Homing one = find_home(desk.known, read_all(desk.real, {{0.01, 0.02}}), false);
-        const Homing three = find_home(desk.known, read_all(desk.real, kTriangle), false);
-        CHECK(one.worst < 1e-12);
-        CHECK(three.worst < 20e-6);
-        for (std::size_t i = 0; i < 2; ++i) {
-            CHECK(turned(one.axes[i].zero - desk.real.axes[i].zero) <= 0.5001 * count);
-            CHECK(turned(three.axes[i].zero - desk.real.axes[i].zero) <= 0.5001 * count);
-            CHECK(std::fabs(one.axes[i].zero) <= kPi);
-            CHECK(one.axes[i].counts_per_turn == desk.known.axes[i].counts_per_turn);
-        }
+    SEEDED(random, std::uint64_t{500});
+    const Desk desk = any_desk(random, false);
+    const double count = 2.0 * kPi / desk.known.axes[0].counts_per_turn;
+    const Homing one = find_home(desk.known, read_all(desk.real, {{0.01, 0.02}}), false);
+    const Homing three = find_home(desk.known, read_all(desk.real, kTriangle), false);
+    CHECK(one.worst < 1e-12);
+    CHECK(three.worst < 20e-6);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(turned(one.axes[i].zero - desk.real.axes[i].zero) <= 0.5001 * count);
+        CHECK(turned(three.axes[i].zero - desk.real.axes[i].zero) <= 0.5001 * count);
+        CHECK(std::fabs(one.axes[i].zero) <= kPi);
+        CHECK(one.axes[i].counts_per_turn == desk.known.axes[i].counts_per_turn);
     }
 }
 
@@ -109,25 +106,22 @@ TEST_CASE("a person's aim is averaged: several marks are nearer to the truth tha
 }
 
 TEST_CASE("three marks give the counts per turn as well", "[homing][law]") {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const Desk desk = any_desk(random, true);
-        const Homing found = find_home(desk.known, read_all(desk.real, kTriangle), true);
-        CHECK(found.worst < 20e-6);
-        for (std::size_t i = 0; i < 2; ++i) {
-            CHECK(std::fabs(found.axes[i].counts_per_turn / desk.real.axes[i].counts_per_turn -
-                            1.0) < 5e-4);
-        }
-        // What counts: the handle is found elsewhere as well.
-        PantographSpec calibrated = desk.known;
-        calibrated.axes = found.axes;
-        const Pantograph real(desk.real);
-        const Pantograph::Counts counts = real.counts(real.reach({0.015, 0.02}).value());
-        const auto fix = Pantograph(calibrated).locate(Pantograph(calibrated).angles(counts));
-        REQUIRE(fix);
-        CHECK(glm::length(fix->hip - Vec2{0.015, 0.02}) < 40e-6);
+    SEEDED(random, std::uint64_t{300});
+    const Desk desk = any_desk(random, true);
+    const Homing found = find_home(desk.known, read_all(desk.real, kTriangle), true);
+    CHECK(found.worst < 20e-6);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(std::fabs(found.axes[i].counts_per_turn / desk.real.axes[i].counts_per_turn - 1.0) <
+              5e-4);
     }
+    // What counts: the handle is found elsewhere as well.
+    PantographSpec calibrated = desk.known;
+    calibrated.axes = found.axes;
+    const Pantograph real(desk.real);
+    const Pantograph::Counts counts = real.counts(real.reach({0.015, 0.02}).value());
+    const auto fix = Pantograph(calibrated).locate(Pantograph(calibrated).angles(counts));
+    REQUIRE(fix);
+    CHECK(glm::length(fix->hip - Vec2{0.015, 0.02}) < 40e-6);
 }
 
 TEST_CASE("readings that cannot be are refused with a number and a remedy", "[homing]") {

@@ -126,68 +126,62 @@ double kinetic_energy(const PantographPlant& plant) {
 }  // namespace
 
 TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        PlantModel model = bare();
-        FiveBar& linkage = model.machine.linkage;
-        linkage = {.driven_1 = random.in(0.055, 0.070),
-                   .driven_2 = random.in(0.055, 0.070),
-                   .free_1 = random.in(0.070, 0.085),
-                   .free_2 = random.in(0.070, 0.085),
-                   .base = random.in(0.0, 0.030)};
-        model.inertia = Vec2{random.in(0.5e-4, 2e-4), random.in(0.5e-4, 2e-4)};
-        model.damping = random.point(0.0, 5e-3);
-        model.current_time = random.coin() ? random.in(0.2e-3, 2e-3) : 0.0;
-        model.hand = {.mass = 0.1, .stiffness = 200.0, .damping = 3.0, .strength = 100.0};
-        PantographPlant plant(model);
-        plant.begin(kStill);
-        Lagrangian truth(model, plant.angles(), kStill.start + model.machine.origin);
-        double worst = 0.0;
-        double moved = 0.0;
-        const JointAngles start = plant.angles();
-        for (int tick = 0; tick < 200; ++tick) {
-            const Vec2 torque = random.point(-0.3, 0.3);
-            plant.set_torque(torque);
-            plant.advance(1e-3);
-            for (int i = 0; i < 4; ++i) {
-                truth.advance(0.25e-3, torque);
-            }
-            for (std::size_t i = 0; i < 2; ++i) {
-                worst = std::max(worst, std::fabs(plant.angles()[i] - truth.angle(i)));
-                moved = std::max(moved, std::fabs(plant.angles()[i] - start[i]));
-            }
+    SEEDED(random, std::uint64_t{20});
+    PlantModel model = bare();
+    FiveBar& linkage = model.machine.linkage;
+    linkage = {.driven_1 = random.in(0.055, 0.070),
+               .driven_2 = random.in(0.055, 0.070),
+               .free_1 = random.in(0.070, 0.085),
+               .free_2 = random.in(0.070, 0.085),
+               .base = random.in(0.0, 0.030)};
+    model.inertia = Vec2{random.in(0.5e-4, 2e-4), random.in(0.5e-4, 2e-4)};
+    model.damping = random.point(0.0, 5e-3);
+    model.current_time = random.coin() ? random.in(0.2e-3, 2e-3) : 0.0;
+    model.hand = {.mass = 0.1, .stiffness = 200.0, .damping = 3.0, .strength = 100.0};
+    PantographPlant plant(model);
+    plant.begin(kStill);
+    Lagrangian truth(model, plant.angles(), kStill.start + model.machine.origin);
+    double worst = 0.0;
+    double moved = 0.0;
+    const JointAngles start = plant.angles();
+    for (int tick = 0; tick < 200; ++tick) {
+        const Vec2 torque = random.point(-0.3, 0.3);
+        plant.set_torque(torque);
+        plant.advance(1e-3);
+        for (int i = 0; i < 4; ++i) {
+            truth.advance(0.25e-3, torque);
         }
-        CHECK_FALSE(plant.lost());
-        CHECK(moved > 0.02);
-        CHECK(worst < 1e-4 * moved);
+        for (std::size_t i = 0; i < 2; ++i) {
+            worst = std::max(worst, std::fabs(plant.angles()[i] - truth.angle(i)));
+            moved = std::max(moved, std::fabs(plant.angles()[i] - start[i]));
+        }
     }
+    CHECK_FALSE(plant.lost());
+    CHECK(moved > 0.02);
+    CHECK(worst < 1e-4 * moved);
 }
 
 TEST_CASE("without friction and hand the plant keeps its energy, and gains what the motors give",
           "[plant][law]") {
-    for (std::uint64_t seed = 0; seed < 30; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        PantographPlant plant(bare());
-        plant.begin(kStill);
-        plant.set_torque(random.point(-0.1, 0.1));
-        double work = 0.0;
-        for (int i = 0; i < 200; ++i) {
-            const JointAngles before = plant.angles();
-            plant.advance(1e-4);
-            const JointAngles after = plant.angles();
-            work += plant.torque().x * (after[0] - before[0]) +
-                    plant.torque().y * (after[1] - before[1]);
-        }
-        const double energy = kinetic_energy(plant);
-        CHECK(std::fabs(work - energy) < 1e-5 * energy);
-        plant.set_torque(Vec2{});
-        for (int i = 0; i < 60; ++i) {
-            plant.advance(1e-3);
-            REQUIRE_FALSE(plant.lost());
-            CHECK(std::fabs(kinetic_energy(plant) / energy - 1.0) < 1e-4);
-        }
+    SEEDED(random, std::uint64_t{30});
+    PantographPlant plant(bare());
+    plant.begin(kStill);
+    plant.set_torque(random.point(-0.1, 0.1));
+    double work = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        const JointAngles before = plant.angles();
+        plant.advance(1e-4);
+        const JointAngles after = plant.angles();
+        work +=
+            plant.torque().x * (after[0] - before[0]) + plant.torque().y * (after[1] - before[1]);
+    }
+    const double energy = kinetic_energy(plant);
+    CHECK(std::fabs(work - energy) < 1e-5 * energy);
+    plant.set_torque(Vec2{});
+    for (int i = 0; i < 60; ++i) {
+        plant.advance(1e-3);
+        REQUIRE_FALSE(plant.lost());
+        CHECK(std::fabs(kinetic_energy(plant) / energy - 1.0) < 1e-4);
     }
 }
 
@@ -221,26 +215,23 @@ TEST_CASE("a joint that its motor cannot break loose stands still to the last bi
 
 TEST_CASE("what nobody holds rests and moves to the bit as in a hand without strength",
           "[plant][law]") {
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        PlantModel model = bare();
-        model.coulomb = random.coin() ? random.point(0.0, 2e-3) : Vec2{};
-        model.current_time = random.coin() ? 0.15e-3 : 0.0;
-        model.handle_friction = random.coin() ? random.in(0.0, 0.02) : 0.0;
-        PantographPlant alone(model);
-        model.hand = {.mass = 0.0, .stiffness = 1.0, .damping = 0.0, .strength = 0.0};
-        PantographPlant weak(model);  // its every step is computed
-        alone.begin(kStill);
-        weak.begin(kStill);
-        for (int i = 0; i < 60; ++i) {
-            const Vec2 torque = random.coin() ? random.point(-3e-3, 3e-3) : Vec2{};
-            alone.set_torque(torque);
-            weak.set_torque(torque);
-            alone.advance(0.01);
-            weak.advance(0.01);
-            CHECK(alone.angles() == weak.angles());
-        }
+    SEEDED(random, std::uint64_t{40});
+    PlantModel model = bare();
+    model.coulomb = random.coin() ? random.point(0.0, 2e-3) : Vec2{};
+    model.current_time = random.coin() ? 0.15e-3 : 0.0;
+    model.handle_friction = random.coin() ? random.in(0.0, 0.02) : 0.0;
+    PantographPlant alone(model);
+    model.hand = {.mass = 0.0, .stiffness = 1.0, .damping = 0.0, .strength = 0.0};
+    PantographPlant weak(model);  // its every step is computed
+    alone.begin(kStill);
+    weak.begin(kStill);
+    for (int i = 0; i < 60; ++i) {
+        const Vec2 torque = random.coin() ? random.point(-3e-3, 3e-3) : Vec2{};
+        alone.set_torque(torque);
+        weak.set_torque(torque);
+        alone.advance(0.01);
+        weak.advance(0.01);
+        CHECK(alone.angles() == weak.angles());
     }
 }
 

@@ -36,16 +36,14 @@ TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polyno
 }
 
 TEST_CASE("with the delay that is spare the damping is just what is needed", "[passivity][law]") {
-    for (std::uint64_t seed = 0; seed < 50; ++seed) {
-        Random random(seed);
-        const double stiffness = random.in(50.0, 4000.0);
-        const double period = 1.0 / random.in(1000.0, 10000.0);
-        const double delay = random.in(0.0, 3.0);
-        const double contact = random.in(-0.5, 0.5);
-        const double device = random.in(0.0, 5.0);
-        const double spare = spare_delay(stiffness, period, delay, contact, device);
-        CHECK(min_damping(stiffness, period, delay + spare, contact) == Approx(device));
-    }
+    SEEDED(random, std::uint64_t{50});
+    const double stiffness = random.in(50.0, 4000.0);
+    const double period = 1.0 / random.in(1000.0, 10000.0);
+    const double delay = random.in(0.0, 3.0);
+    const double contact = random.in(-0.5, 0.5);
+    const double device = random.in(0.0, 5.0);
+    const double spare = spare_delay(stiffness, period, delay, contact, device);
+    CHECK(min_damping(stiffness, period, delay + spare, contact) == Approx(device));
 }
 
 TEST_CASE("the simulated pantograph on a wall is stable up to the passivity bound and no further",
@@ -62,38 +60,35 @@ TEST_CASE("the simulated pantograph on a wall is stable up to the passivity boun
 
 TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at any rate",
           "[passivity][law]") {
-    for (std::uint64_t seed = 0; seed < 60; ++seed) {
-        Random random(seed);
-        CAPTURE(seed);
-        const double period = 1.0 / random.in(1000.0, 10000.0);
-        PantographModel model;
-        model.delay_ticks = random.below(2);
-        if (random.coin()) {
-            model.plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0};
-        }
-        SimulatedPantograph device(model, period);
-        const DeviceTraits traits = device.traits();
-        const double bound = *traits.damping / (period * (0.5 + traits.delay_ticks));
-        const double stiffness = random.in(0.1, 0.95) * bound;
-        const double surface = random.in(0.015, 0.040);
-        const Vec2 start{random.in(-0.03, 0.03), surface + 0.001};
-        CAPTURE(period, model.delay_ticks, stiffness, start.x, start.y);
-        device.begin({.start = start, .speed = 1e-6, .tremor = 0.0});
-        double early = 0.0;
-        double late = 0.0;
-        Vec2 before = start;
-        const int ticks = static_cast<int>(1.5 / period);
-        for (int i = 0; i < ticks; ++i) {
-            const Reading reading = device.read();
-            REQUIRE(reading.ok());
-            const double speed = glm::length(Vec2(reading.hip) - before) / period;
-            (i < ticks / 3 ? early : late) += i < ticks / 3 || i >= 2 * (ticks / 3) ? speed : 0.0;
-            before = Vec2(reading.hip);
-            device.write({0.0, std::fmax(0.0, stiffness * (surface - reading.hip.y)) - 1.5, 0.0});
-        }
-        CHECK(glm::length(before - start) < 0.02);
-        CHECK(late < 0.1 * early);
+    SEEDED(random, std::uint64_t{60});
+    const double period = 1.0 / random.in(1000.0, 10000.0);
+    PantographModel model;
+    model.delay_ticks = random.below(2);
+    if (random.coin()) {
+        model.plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0};
     }
+    SimulatedPantograph device(model, period);
+    const DeviceTraits traits = device.traits();
+    const double bound = *traits.damping / (period * (0.5 + traits.delay_ticks));
+    const double stiffness = random.in(0.1, 0.95) * bound;
+    const double surface = random.in(0.015, 0.040);
+    const Vec2 start{random.in(-0.03, 0.03), surface + 0.001};
+    CAPTURE(period, model.delay_ticks, stiffness, start.x, start.y);
+    device.begin({.start = start, .speed = 1e-6, .tremor = 0.0});
+    double early = 0.0;
+    double late = 0.0;
+    Vec2 before = start;
+    const int ticks = static_cast<int>(1.5 / period);
+    for (int i = 0; i < ticks; ++i) {
+        const Reading reading = device.read();
+        REQUIRE(reading.ok());
+        const double speed = glm::length(Vec2(reading.hip) - before) / period;
+        (i < ticks / 3 ? early : late) += i < ticks / 3 || i >= 2 * (ticks / 3) ? speed : 0.0;
+        before = Vec2(reading.hip);
+        device.write({0.0, std::fmax(0.0, stiffness * (surface - reading.hip.y)) - 1.5, 0.0});
+    }
+    CHECK(glm::length(before - start) < 0.02);
+    CHECK(late < 0.1 * early);
 }
 
 TEST_CASE(

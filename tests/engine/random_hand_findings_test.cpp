@@ -24,24 +24,20 @@ std::shared_ptr<const Outline> chain(const std::vector<Vec2>& points, bool close
 
 TEST_CASE("straight below the end of one edge the foot on the other is not missed",
           "[contact][law]") {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
-        CAPTURE(seed);
-        Random random(seed);
-        const double heading = random.in(-kPi, kPi);
-        const double turn = -random.in(0.05, 3.0);  // convex
-        const Vec2 in{std::cos(heading), std::sin(heading)};
-        const Vec2 out{std::cos(heading + turn), std::sin(heading + turn)};
-        const Vec2 tip = random.point(-1.0, 1.0);
-        const auto outline = chain({tip - in, tip, tip + out}, false);
-        const CertifiedTracker tracker(*outline);
-        TrackState state;
-        const Vec2 normal = random.coin() ? perp(in) : perp(out);
-        for (int i = 10; i >= -10;
-             --i) {  // along the very line on which the vertex stops being a foot
-            const Vec2 h = tip + (0.002 * i) * normal;
-            const double distance = tracker.track(state, h).distance;
-            REQUIRE(std::fabs(distance - tracker.feet().closest(h).distance) < 1e-14);
-        }
+    SEEDED(random, std::uint64_t{300});
+    const double heading = random.in(-kPi, kPi);
+    const double turn = -random.in(0.05, 3.0);  // convex
+    const Vec2 in{std::cos(heading), std::sin(heading)};
+    const Vec2 out{std::cos(heading + turn), std::sin(heading + turn)};
+    const Vec2 tip = random.point(-1.0, 1.0);
+    const auto outline = chain({tip - in, tip, tip + out}, false);
+    const CertifiedTracker tracker(*outline);
+    TrackState state;
+    const Vec2 normal = random.coin() ? perp(in) : perp(out);
+    for (int i = 10; i >= -10; --i) {  // along the very line on which the vertex stops being a foot
+        const Vec2 h = tip + (0.002 * i) * normal;
+        const double distance = tracker.track(state, h).distance;
+        REQUIRE(std::fabs(distance - tracker.feet().closest(h).distance) < 1e-14);
     }
 }
 
@@ -106,52 +102,45 @@ TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve
 }
 
 TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out", "[contact]") {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
-        CAPTURE(seed);
-        Random random(seed);
-        const double turn = (random.coin() ? 1.0 : -1.0) * random.decade(-8.5, -6.0);
-        const Vec2 out{std::cos(turn), std::sin(turn)};
-        const auto outline = chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, out}, false);
-        const OutlineFeet feet(*outline);
-        const double depth = random.decade(-10.0, -3.0);
-        const Vec2 beside{random.in(-2.0, 2.0) * std::fabs(turn) * depth, 0.0};
-        CHECK(feet.closest(beside - Vec2{0.0, depth}).inside);
-        CHECK_FALSE(feet.closest(beside + Vec2{0.0, depth}).inside);
-    }
+    SEEDED(random, std::uint64_t{300});
+    const double turn = (random.coin() ? 1.0 : -1.0) * random.decade(-8.5, -6.0);
+    const Vec2 out{std::cos(turn), std::sin(turn)};
+    const auto outline = chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, out}, false);
+    const OutlineFeet feet(*outline);
+    const double depth = random.decade(-10.0, -3.0);
+    const Vec2 beside{random.in(-2.0, 2.0) * std::fabs(turn) * depth, 0.0};
+    CHECK(feet.closest(beside - Vec2{0.0, depth}).inside);
+    CHECK_FALSE(feet.closest(beside + Vec2{0.0, depth}).inside);
 }
 
 TEST_CASE("left of an open end whose control points repeat nothing is felt, however light the rest",
           "[contact][law]") {
     // Worst found by search: weights 0.0107 and 1000, felt at 11 of 40 distances along the normal
     // of the end.
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        CAPTURE(seed);
-        Random random(seed + 2912);
-        std::vector<Vec2> points{random.point(-0.1, 0.1), random.point(-0.1, 0.1),
-                                 random.point(-0.1, 0.1), random.point(-0.1, 0.1)};
-        points.push_back(points.back());
-        const std::vector<double> weights{1.0, random.decade(-2.0, 0.0), random.decade(-2.0, 0.0),
-                                          1.0, random.decade(0.0, 3.0)};
-        const auto outline = std::make_shared<const Outline>(
-            std::vector<RationalBezier<2>>{RationalBezier<2>(points, weights)}, false);
-        const Scene scene(outline, {.friction = {.mu_s = 0.7, .mu_d = 0.7}});
-        const Vec2 end = points.back();
-        const Vec2 along = (end - points[2]) / glm::length(end - points[2]);
-        for (int k = 0; k < 40; ++k) {
-            const double distance = random.decade(-5.0, -3.0);
-            CAPTURE(distance);
-            const Vec2 left = end + distance * perp(along) + random.in(-1e-8, 1e-8) * along;
-            const Vec2 right = end - distance * perp(along) - 1e-3 * distance * along;
-            ContactState state;
-            if (glm::length(scene.tick(state, left).go - end) <
-                1e-6) {  // else another part is nearer
-                REQUIRE_FALSE(state.touching);
-            }
-            ContactState inside;
-            const Contact felt = scene.tick(inside, right);
-            if (glm::length(felt.go - end) < 1e-6) {
-                REQUIRE(felt.mode != Mode::free);
-            }
+    SEEDED(random, std::uint64_t{200}, 2912);
+    std::vector<Vec2> points{random.point(-0.1, 0.1), random.point(-0.1, 0.1),
+                             random.point(-0.1, 0.1), random.point(-0.1, 0.1)};
+    points.push_back(points.back());
+    const std::vector<double> weights{1.0, random.decade(-2.0, 0.0), random.decade(-2.0, 0.0), 1.0,
+                                      random.decade(0.0, 3.0)};
+    const auto outline = std::make_shared<const Outline>(
+        std::vector<RationalBezier<2>>{RationalBezier<2>(points, weights)}, false);
+    const Scene scene(outline, {.friction = {.mu_s = 0.7, .mu_d = 0.7}});
+    const Vec2 end = points.back();
+    const Vec2 along = (end - points[2]) / glm::length(end - points[2]);
+    for (int k = 0; k < 40; ++k) {
+        const double distance = random.decade(-5.0, -3.0);
+        CAPTURE(distance);
+        const Vec2 left = end + distance * perp(along) + random.in(-1e-8, 1e-8) * along;
+        const Vec2 right = end - distance * perp(along) - 1e-3 * distance * along;
+        ContactState state;
+        if (glm::length(scene.tick(state, left).go - end) < 1e-6) {  // else another part is nearer
+            REQUIRE_FALSE(state.touching);
+        }
+        ContactState inside;
+        const Contact felt = scene.tick(inside, right);
+        if (glm::length(felt.go - end) < 1e-6) {
+            REQUIRE(felt.mode != Mode::free);
         }
     }
 }

@@ -97,70 +97,61 @@ std::vector<double> some_weights(std::size_t n, Random& random) {
 }  // namespace
 
 TEST_CASE("expected entropy is what its definition says", "[quest_plus][law]") {
-    for (std::uint64_t seed = 0; seed < 150; ++seed) {
-        Random random(seed);
-        const QuestPlusSpec spec = some_problem(random);
-        const LikelihoodTable table(spec.model, spec.stimuli, spec.parameters);
-        const std::vector<double> weights = some_weights(spec.parameters.size(), random);
-        std::vector<std::size_t> all(spec.parameters.dimensions());
-        std::iota(all.begin(), all.end(), std::size_t{0});
-        const std::vector<double> wanted =
-            by_definition(spec.model, spec.stimuli, spec.parameters, weights, all);
-        const std::vector<double> got = expected_entropies(table, weights);
-        CAPTURE(seed);
-        for (std::size_t x = 0; x < wanted.size(); ++x) {
-            REQUIRE(got[x] == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
-        }
+    SEEDED(random, std::uint64_t{150});
+    const QuestPlusSpec spec = some_problem(random);
+    const LikelihoodTable table(spec.model, spec.stimuli, spec.parameters);
+    const std::vector<double> weights = some_weights(spec.parameters.size(), random);
+    std::vector<std::size_t> all(spec.parameters.dimensions());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const std::vector<double> wanted =
+        by_definition(spec.model, spec.stimuli, spec.parameters, weights, all);
+    const std::vector<double> got = expected_entropies(table, weights);
+    for (std::size_t x = 0; x < wanted.size(); ++x) {
+        REQUIRE(got[x] == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
     }
 }
 
 TEST_CASE("expected marginal entropy is what its definition says", "[psi][law]") {
-    for (std::uint64_t seed = 0; seed < 100; ++seed) {
-        Random random(seed + 1000);
-        QuestPlusSpec spec = some_problem(random);
-        std::vector<std::size_t> kept{0};
-        for (std::size_t k = 1; k < spec.parameters.dimensions(); ++k) {
-            if (random.coin()) {
-                spec.nuisance.push_back(spec.parameters.axis(k).name);
-            } else {
-                kept.push_back(k);
-            }
+    SEEDED(random, std::uint64_t{100}, 1000);
+    QuestPlusSpec spec = some_problem(random);
+    std::vector<std::size_t> kept{0};
+    for (std::size_t k = 1; k < spec.parameters.dimensions(); ++k) {
+        if (random.coin()) {
+            spec.nuisance.push_back(spec.parameters.axis(k).name);
+        } else {
+            kept.push_back(k);
         }
-        const QuestPlus quest(spec);
-        const std::vector<double> wanted = by_definition(spec.model, spec.stimuli, spec.parameters,
-                                                         quest.posterior().weights(), kept);
-        const std::vector<double> got = quest.expected();
-        CAPTURE(seed, spec.nuisance);
-        for (std::size_t x = 0; x < wanted.size(); ++x) {
-            REQUIRE(got[x] == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
-        }
+    }
+    const QuestPlus quest(spec);
+    const std::vector<double> wanted =
+        by_definition(spec.model, spec.stimuli, spec.parameters, quest.posterior().weights(), kept);
+    const std::vector<double> got = quest.expected();
+    CAPTURE(seed, spec.nuisance);
+    for (std::size_t x = 0; x < wanted.size(); ++x) {
+        REQUIRE(got[x] == Approx(wanted[x]).epsilon(1e-12).margin(1e-12));
     }
 }
 
 TEST_CASE("no stimulus is expected to raise the entropy", "[quest_plus][law]") {
-    for (std::uint64_t seed = 0; seed < 150; ++seed) {
-        Random random(seed + 2000);
-        const QuestPlusSpec spec = some_problem(random);
-        QuestPlus quest(spec);
-        const std::vector<double> truth =
-            spec.parameters.point(random.index(spec.parameters.size()));
-        for (int trial = 0; trial < 10; ++trial) {
-            CAPTURE(seed, trial);
-            const std::vector<double> expected = quest.expected();
-            for (const double entropy : expected) {
-                REQUIRE(entropy <= quest.entropy() + 1e-12);
-                REQUIRE(entropy >= -1e-12);
-            }
-            const std::vector<double> x = quest.next();
-            // What is shown is within the tie of the least.
-            REQUIRE(expected[spec.stimuli.cell_at(x)] <=
-                    *std::min_element(expected.begin(), expected.end()) +
-                        1e-12 * std::max(1.0, quest.entropy()));
-            quest.update(x, answer_of(spec.model, x, truth, random));
-            const auto weights = quest.posterior().weights();
-            REQUIRE(std::accumulate(weights.begin(), weights.end(), 0.0) ==
-                    Approx(1.0).epsilon(1e-12));
+    SEEDED(random, std::uint64_t{150}, 2000);
+    const QuestPlusSpec spec = some_problem(random);
+    QuestPlus quest(spec);
+    const std::vector<double> truth = spec.parameters.point(random.index(spec.parameters.size()));
+    for (int trial = 0; trial < 10; ++trial) {
+        CAPTURE(seed, trial);
+        const std::vector<double> expected = quest.expected();
+        for (const double entropy : expected) {
+            REQUIRE(entropy <= quest.entropy() + 1e-12);
+            REQUIRE(entropy >= -1e-12);
         }
+        const std::vector<double> x = quest.next();
+        // What is shown is within the tie of the least.
+        REQUIRE(expected[spec.stimuli.cell_at(x)] <=
+                *std::min_element(expected.begin(), expected.end()) +
+                    1e-12 * std::max(1.0, quest.entropy()));
+        quest.update(x, answer_of(spec.model, x, truth, random));
+        const auto weights = quest.posterior().weights();
+        REQUIRE(std::accumulate(weights.begin(), weights.end(), 0.0) == Approx(1.0).epsilon(1e-12));
     }
 }
 

@@ -86,90 +86,84 @@ TEST_CASE("QUEST+ finds noise and bias from five alternatives", "[quest_plus][la
 TEST_CASE("the identification model is counted out by its percepts", "[quest_plus][law]") {
     const std::vector<double> items{-10, -5, 0, 5, 10};
     const OutcomeModel model = identification_model(items);
-    for (std::uint64_t seed = 0; seed < 6; ++seed) {
-        Random random(seed);
-        const std::vector<double> s{random.in(1, 8), random.in(-3, 3), random.in(0, 0.2)};
-        const std::vector<double> x{random.in(-12, 12)};
-        std::vector<double> chances(5);
-        model.chances(x, s, chances);
-        CHECK(std::accumulate(chances.begin(), chances.end(), 0.0) == Approx(1.0).epsilon(1e-14));
-        std::array<int, 5> counts{};
-        std::mt19937_64 words(seed);
-        constexpr int kDraws = 100'000;
-        for (int i = 0; i < kDraws; ++i) {
-            const double u = random.in(1e-12, 1.0);
-            const double percept = x[0] + s[1] +
-                                   s[0] * std::sqrt(-2.0 * std::log(u)) *
-                                       std::cos(6.283185307179586 * random.in(0, 1));
-            std::size_t nearest = 0;
-            for (std::size_t j = 1; j < 5; ++j) {
-                if (std::fabs(percept - items[j]) < std::fabs(percept - items[nearest])) {
-                    nearest = j;
-                }
+    SEEDED(random, std::uint64_t{6});
+    const std::vector<double> s{random.in(1, 8), random.in(-3, 3), random.in(0, 0.2)};
+    const std::vector<double> x{random.in(-12, 12)};
+    std::vector<double> chances(5);
+    model.chances(x, s, chances);
+    CHECK(std::accumulate(chances.begin(), chances.end(), 0.0) == Approx(1.0).epsilon(1e-14));
+    std::array<int, 5> counts{};
+    std::mt19937_64 words(seed);
+    constexpr int kDraws = 100'000;
+    for (int i = 0; i < kDraws; ++i) {
+        const double u = random.in(1e-12, 1.0);
+        const double percept =
+            x[0] + s[1] +
+            s[0] * std::sqrt(-2.0 * std::log(u)) * std::cos(6.283185307179586 * random.in(0, 1));
+        std::size_t nearest = 0;
+        for (std::size_t j = 1; j < 5; ++j) {
+            if (std::fabs(percept - items[j]) < std::fabs(percept - items[nearest])) {
+                nearest = j;
             }
-            if (random.in(0, 1) < s[2]) {
-                nearest = random.index(5);
-            }
-            ++counts[nearest];
         }
-        for (std::size_t j = 0; j < 5; ++j) {
-            const double deviation = std::sqrt(chances[j] * (1.0 - chances[j]) / kDraws);
-            CAPTURE(seed, j);
-            CHECK(std::fabs(counts[j] / double(kDraws) - chances[j]) < 5.0 * deviation + 1e-5);
+        if (random.in(0, 1) < s[2]) {
+            nearest = random.index(5);
         }
+        ++counts[nearest];
+    }
+    for (std::size_t j = 0; j < 5; ++j) {
+        const double deviation = std::sqrt(chances[j] * (1.0 - chances[j]) / kDraws);
+        CAPTURE(seed, j);
+        CHECK(std::fabs(counts[j] / double(kDraws) - chances[j]) < 5.0 * deviation + 1e-5);
     }
 }
 
 TEST_CASE("the order of the responses does not matter to the posterior", "[quest_plus][law]") {
-    for (std::uint64_t seed = 0; seed < 30; ++seed) {
-        Random random(seed);
-        const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
-        std::vector<std::pair<std::vector<double>, std::size_t>> trials;
-        for (int i = 0; i < 40; ++i) {
-            const auto x = random.index(spec.stimuli.size());
-            const auto r = random.index(spec.model.outcomes);
-            trials.emplace_back(spec.stimuli.point(x), r);
-        }
-        QuestPlus forward(spec);
-        QuestPlus backward = forward;
-        for (std::size_t i = 0; i < trials.size(); ++i) {
-            forward.update(trials[i].first, trials[i].second);
-            const auto& other = trials[trials.size() - 1 - i];
-            backward.update(other.first, other.second);
-        }
-        const auto a = forward.posterior().weights();
-        const auto b = backward.posterior().weights();
-        for (std::size_t c = 0; c < a.size(); ++c) {
-            CAPTURE(seed, c);
-            REQUIRE(b[c] == Approx(a[c]).epsilon(1e-11).margin(1e-300));
-        }
+    SEEDED(random, std::uint64_t{30});
+    const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
+    std::vector<std::pair<std::vector<double>, std::size_t>> trials;
+    for (int i = 0; i < 40; ++i) {
+        const auto x = random.index(spec.stimuli.size());
+        const auto r = random.index(spec.model.outcomes);
+        trials.emplace_back(spec.stimuli.point(x), r);
+    }
+    QuestPlus forward(spec);
+    QuestPlus backward = forward;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        forward.update(trials[i].first, trials[i].second);
+        const auto& other = trials[trials.size() - 1 - i];
+        backward.update(other.first, other.second);
+    }
+    const auto a = forward.posterior().weights();
+    const auto b = backward.posterior().weights();
+    for (std::size_t c = 0; c < a.size(); ++c) {
+        CAPTURE(seed, c);
+        REQUIRE(b[c] == Approx(a[c]).epsilon(1e-11).margin(1e-300));
     }
 }
 
 TEST_CASE("a run that is rebuilt from its responses has the hash of the run", "[procedure][law]") {
-    for (std::uint64_t seed = 0; seed < 10; ++seed) {
-        Random random(seed);
-        const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
-        Procedure run(spec, Pcg32(1, 1));
-        std::vector<std::vector<double>> shown;
-        std::vector<std::size_t> answers;
-        std::vector<std::string> hashes{run.state_hash()};
-        for (int i = 0; i < 15; ++i) {
-            shown.push_back(run.next());
-            answers.push_back(random.index(2));
-            run.update(shown.back(), answers.back());
-            hashes.push_back(run.state_hash());
-        }
-        Procedure rebuilt(spec, Pcg32(1, 1));
-        for (std::size_t i = 0; i < shown.size(); ++i) {
-            CHECK(rebuilt.state_hash() == hashes[i]);
-            CHECK(rebuilt.next() == shown[i]);
-            rebuilt.update(shown[i], answers[i]);
-        }
-        CHECK(rebuilt.state_hash() == hashes.back());
-        std::sort(hashes.begin(), hashes.end());
-        CHECK(std::unique(hashes.begin(), hashes.end()) == hashes.end());
+    SEEDED(random, std::uint64_t{10});
+    const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
+    Procedure run(spec, Pcg32(1, 1));
+    std::vector<std::vector<double>> shown;
+    std::vector<std::size_t> answers;
+    std::vector<std::string> hashes{run.state_hash()};
+    for (int i = 0; i < 15; ++i) {
+        shown.push_back(run.next());
+        answers.push_back(random.index(2));
+        run.update(shown.back(), answers.back());
+        hashes.push_back(run.state_hash());
     }
+    Procedure rebuilt(spec, Pcg32(1, 1));
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+        CHECK(rebuilt.state_hash() == hashes[i]);
+        CHECK(rebuilt.next() == shown[i]);
+        rebuilt.update(shown[i], answers[i]);
+    }
+    CHECK(rebuilt.state_hash() == hashes.back());
+    std::sort(hashes.begin(), hashes.end());
+    CHECK(std::unique(hashes.begin(), hashes.end()) == hashes.end());
 }
 
 TEST_CASE("the state of a run is the same to the bit with every compiler and C library",

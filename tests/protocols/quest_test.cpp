@@ -67,56 +67,53 @@ TEST_CASE("QUEST finds the threshold of a simulated observer", "[quest][law]") {
 }
 
 TEST_CASE("QUEST's posterior is Bayes on a grid", "[quest][law]") {
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        Random random(seed);
-        const QuestSpec spec{.guess = random.in(-2, 2),
-                             .sd = random.in(0.3, 2),
-                             .p_threshold = random.in(0.6, 0.9),
-                             .beta = random.in(1, 5),
-                             .delta = random.in(0.001, 0.05),
-                             .gamma = random.in(0.01, 0.5),
-                             .grain = 0.05,
-                             .range = 4.0};
-        Quest quest(spec);
-        const PsychometricFunction f{.family = Family::weibull_log10,
-                                     .form = LapseForm::guessing,
-                                     .slope = spec.beta,
-                                     .guess = spec.gamma,
-                                     .lapse = spec.delta};
-        // At the threshold the chance is p_threshold.
-        const double offset = stimulus_at(f, spec.p_threshold);
-        std::vector<double> weights;
-        std::vector<double> cells;
-        for (int i = -40; i <= 40; ++i) {
-            cells.push_back(spec.guess + 0.05 * i);
-            const double z = 0.05 * i / spec.sd;
-            weights.push_back(std::exp(-0.5 * z * z));
-        }
-        for (int trial = 0; trial < 30; ++trial) {
-            const double x = spec.guess + 0.05 * (random.below(81) - 40);
-            const bool right = random.coin();
-            quest.update(std::vector<double>{x}, right ? 1 : 0);
-            for (std::size_t i = 0; i < cells.size(); ++i) {
-                const double p = probability(f, x - cells[i] + offset);
-                weights[i] *= right ? p : 1.0 - p;
-            }
-        }
-        double sum = 0.0;
-        double mean = 0.0;
-        double entropy = 0.0;
-        for (const double w : weights) {
-            sum += w;
-        }
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            mean += weights[i] / sum * cells[i];
-            entropy -= weights[i] / sum * std::log2(weights[i] / sum);
-        }
-        CAPTURE(seed);
-        CHECK(quest.mean() == Approx(mean).margin(1e-9));
-        CHECK(quest.entropy() == Approx(entropy).epsilon(1e-9));
-        CHECK(quest.quantile(0.0) <= quest.quantile(0.3));
-        CHECK(quest.quantile(0.3) <= quest.quantile(1.0));
+    SEEDED(random, std::uint64_t{20});
+    const QuestSpec spec{.guess = random.in(-2, 2),
+                         .sd = random.in(0.3, 2),
+                         .p_threshold = random.in(0.6, 0.9),
+                         .beta = random.in(1, 5),
+                         .delta = random.in(0.001, 0.05),
+                         .gamma = random.in(0.01, 0.5),
+                         .grain = 0.05,
+                         .range = 4.0};
+    Quest quest(spec);
+    const PsychometricFunction f{.family = Family::weibull_log10,
+                                 .form = LapseForm::guessing,
+                                 .slope = spec.beta,
+                                 .guess = spec.gamma,
+                                 .lapse = spec.delta};
+    // At the threshold the chance is p_threshold.
+    const double offset = stimulus_at(f, spec.p_threshold);
+    std::vector<double> weights;
+    std::vector<double> cells;
+    for (int i = -40; i <= 40; ++i) {
+        cells.push_back(spec.guess + 0.05 * i);
+        const double z = 0.05 * i / spec.sd;
+        weights.push_back(std::exp(-0.5 * z * z));
     }
+    for (int trial = 0; trial < 30; ++trial) {
+        const double x = spec.guess + 0.05 * (random.below(81) - 40);
+        const bool right = random.coin();
+        quest.update(std::vector<double>{x}, right ? 1 : 0);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const double p = probability(f, x - cells[i] + offset);
+            weights[i] *= right ? p : 1.0 - p;
+        }
+    }
+    double sum = 0.0;
+    double mean = 0.0;
+    double entropy = 0.0;
+    for (const double w : weights) {
+        sum += w;
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        mean += weights[i] / sum * cells[i];
+        entropy -= weights[i] / sum * std::log2(weights[i] / sum);
+    }
+    CHECK(quest.mean() == Approx(mean).margin(1e-9));
+    CHECK(quest.entropy() == Approx(entropy).epsilon(1e-9));
+    CHECK(quest.quantile(0.0) <= quest.quantile(0.3));
+    CHECK(quest.quantile(0.3) <= quest.quantile(1.0));
 }
 
 TEST_CASE("QUEST's quirks are those of its publication", "[quest]") {

@@ -137,29 +137,27 @@ TEST_CASE("a staircase settles at its target on a simulated logistic observer",
 }
 
 TEST_CASE("a staircase never leaves its bounds, and ends by reversals", "[staircase][law]") {
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        Random random(seed);
-        StaircaseSpec spec{.start = random.in(1.0, 3.0),
-                           .up = static_cast<std::size_t>(1 + random.below(3)),
-                           .down = static_cast<std::size_t>(1 + random.below(3)),
-                           .steps_up = {random.decade(-1, 0.5), random.decade(-2, 0)},
-                           .steps_down = {random.decade(-1, 0.5)},
-                           .scale = static_cast<StepScale>(random.below(3)),
-                           .fast_start = random.coin(),
-                           .lowest = 0.5,
-                           .highest = 4.0,
-                           .reversals = static_cast<std::size_t>(1 + random.below(12))};
-        Staircase staircase(spec);
-        while (!staircase.finished()) {
-            REQUIRE(staircase.level() >= 0.5);
-            REQUIRE(staircase.level() <= 4.0);
-            staircase.update(staircase.level(), random.coin());
-            REQUIRE(staircase.trials() < 10'000);
-        }
-        CHECK(staircase.reversals().size() == spec.reversals);
-        CHECK(staircase.estimate().mean.value() >= 0.5);
-        CHECK(staircase.estimate().mean.value() <= 4.0);
+    SEEDED(random, std::uint64_t{200});
+    StaircaseSpec spec{.start = random.in(1.0, 3.0),
+                       .up = static_cast<std::size_t>(1 + random.below(3)),
+                       .down = static_cast<std::size_t>(1 + random.below(3)),
+                       .steps_up = {random.decade(-1, 0.5), random.decade(-2, 0)},
+                       .steps_down = {random.decade(-1, 0.5)},
+                       .scale = static_cast<StepScale>(random.below(3)),
+                       .fast_start = random.coin(),
+                       .lowest = 0.5,
+                       .highest = 4.0,
+                       .reversals = static_cast<std::size_t>(1 + random.below(12))};
+    Staircase staircase(spec);
+    while (!staircase.finished()) {
+        REQUIRE(staircase.level() >= 0.5);
+        REQUIRE(staircase.level() <= 4.0);
+        staircase.update(staircase.level(), random.coin());
+        REQUIRE(staircase.trials() < 10'000);
     }
+    CHECK(staircase.reversals().size() == spec.reversals);
+    CHECK(staircase.estimate().mean.value() >= 0.5);
+    CHECK(staircase.estimate().mean.value() <= 4.0);
 }
 
 TEST_CASE("interleaving is fair and each track goes its own way", "[staircase][law]") {
@@ -258,28 +256,26 @@ TEST_CASE("a staircase that makes no sense is refused with the remedy", "[stairc
 }
 
 TEST_CASE("staircases and constant stimuli are rebuilt from their responses", "[procedure][law]") {
-    for (std::uint64_t seed = 0; seed < 40; ++seed) {
-        const ProcedureSpec spec =
-            seed % 2 == 0
-                ? ProcedureSpec(ConstantStimuliSpec{.values = evenly(0, 5, 6), .repetitions = 5})
-                : ProcedureSpec(std::vector<StaircaseSpec>{
-                      {.name = "a", .start = 3.0, .trials = 15},
-                      {.name = "b", .start = 5.0, .down = 3, .reversals = 6, .average = 4},
-                      {.name = "c", .start = 1.0, .down = 1, .trials = 9}});
-        Procedure run(spec, Pcg32(seed, 5));
-        Procedure rebuilt(spec, Pcg32(seed, 5));
-        const Procedure other(spec, Pcg32(seed + 100, 5));
-        CHECK(run.state_hash() != other.state_hash());
-        Random random(seed);
-        for (int i = 0; i < 20; ++i) {
-            const std::vector<double> x = run.next();
-            const auto r = random.index(2);
-            const std::string before = run.state_hash();
-            run.update(x, r);
-            REQUIRE(run.state_hash() != before);
-            REQUIRE(rebuilt.next() == x);
-            rebuilt.update(x, r);
-            REQUIRE(rebuilt.state_hash() == run.state_hash());
-        }
+    SEEDED(random, std::uint64_t{40});
+    const ProcedureSpec spec =
+        seed % 2 == 0
+            ? ProcedureSpec(ConstantStimuliSpec{.values = evenly(0, 5, 6), .repetitions = 5})
+            : ProcedureSpec(std::vector<StaircaseSpec>{
+                  {.name = "a", .start = 3.0, .trials = 15},
+                  {.name = "b", .start = 5.0, .down = 3, .reversals = 6, .average = 4},
+                  {.name = "c", .start = 1.0, .down = 1, .trials = 9}});
+    Procedure run(spec, Pcg32(seed, 5));
+    Procedure rebuilt(spec, Pcg32(seed, 5));
+    const Procedure other(spec, Pcg32(seed + 100, 5));
+    CHECK(run.state_hash() != other.state_hash());
+    for (int i = 0; i < 20; ++i) {
+        const std::vector<double> x = run.next();
+        const auto r = random.index(2);
+        const std::string before = run.state_hash();
+        run.update(x, r);
+        REQUIRE(run.state_hash() != before);
+        REQUIRE(rebuilt.next() == x);
+        rebuilt.update(x, r);
+        REQUIRE(rebuilt.state_hash() == run.state_hash());
     }
 }

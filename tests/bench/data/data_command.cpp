@@ -85,20 +85,15 @@ std::vector<std::unique_ptr<TraceStore>> stores(const std::string& folder, const
 
 }  // namespace
 
-int data_command(const std::vector<std::string>& arguments) {
-    Words words(arguments);
-    const bool peers = words.flag("--peers");
-    const int trials = std::stoi(words.value("--trials", "60"));
-    const double seconds = std::stod(words.value("--seconds", "30"));
-    const Stopwatch watch{std::stoi(words.value("--cores", "1"))};
+int data_command(Words words) {
+    static_cast<void>(words.flag("--peers"));  // where they are built in they are measured
+    const int trials = static_cast<int>(words.number("--trials", 60, 1, 1e6));
+    const double seconds = words.number("--seconds", 30.0, 0.1, 3600.0);
+    const Stopwatch watch{static_cast<int>(words.number("--cores", 1, 1, 2))};
     const std::string csv_name = words.value("--csv");
-    words.finish("data takes --peers, --trials N, --seconds S, --cores 1 or 2, and --csv FILE");
-    need_peers_if(peers);
+    words.finish();
     pin_to(watch.cores);
-    std::ofstream csv = open_output(csv_name);
-    if (csv.is_open()) {
-        csv << "machine,cores,trials,seconds,store,figure,unit,median,low,high\n";
-    }
+    Output csv(csv_name, "machine,cores,trials,seconds,store,figure,unit,median,low,high\n");
     std::cout << fmt::format(
         "{}; {} trials of {} s at 1 kHz; {}\n", machine(), trials, seconds,
         watch.cores == 1 ? "on one core, seconds of the processor" : "seconds of the wall clock");
@@ -108,11 +103,9 @@ int data_command(const std::vector<std::string>& arguments) {
                                      one.name, one.value.value, one.value.low, one.value.high,
                                      one.unit)
                       << std::flush;
-            if (csv.is_open()) {
-                csv << fmt::format("\"{}\",{},{},{},\"{}\",\"{}\",{},{:.5g},{:.5g},{:.5g}\n",
-                                   machine(), watch.cores, trials, seconds, store, one.name,
-                                   one.unit, one.value.value, one.value.low, one.value.high);
-            }
+            csv << fmt::format("\"{}\",{},{},{},\"{}\",\"{}\",{},{:.5g},{:.5g},{:.5g}\n", machine(),
+                               watch.cores, trials, seconds, store, one.name, one.unit,
+                               one.value.value, one.value.low, one.value.high);
         }
     };
     const MadeStudy study = made_study();
@@ -126,9 +119,7 @@ int data_command(const std::vector<std::string>& arguments) {
     for (const auto& store : stores(folder.name(), study)) {
         report(store->name(), measure(*store, made, trials, watch, mean_force));
     }
-    if (csv.is_open()) {
-        close_output(csv, csv_name);
-    }
+    csv.finish();
     return 0;
 }
 
