@@ -62,9 +62,7 @@ TEST_CASE("no torque is sent before the board answered, and none that is not fin
 }
 
 TEST_CASE("the first reading after a rest is not one from before it", "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({}, 10);
+    OpenHaply bench({}, 10);
     bench.plant.lead({0.03, 0.02});
     SECTION("a long one") {
         bench.cable.pass(3'000'000'000);

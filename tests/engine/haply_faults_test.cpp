@@ -5,9 +5,7 @@
 using namespace palpate::engine;
 
 TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.5, -0.4}, 20);
+    OpenHaply bench({0.5, -0.4}, 20);
     REQUIRE_FALSE(bench.board.torque() == Vec3{});
     SECTION("the destructor") {}
     SECTION("an exception") {
@@ -45,8 +43,7 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
 TEST_CASE("an answer on its way at a rest is never taken for another: no garbage, no old reading",
           "[haply][law]") {
     SEEDED(random, 60U);
-    HaplyBench bench;
-    bench.open();
+    OpenHaply bench;
     const double delay = random.in(0.0, 9e-3);
     bench.board.set_faults({.delay = delay});
     int asked_anew = 0;
@@ -71,9 +68,7 @@ TEST_CASE("an answer on its way at a rest is never taken for another: no garbage
 }
 
 TEST_CASE("a late answer is no fault but not fresh, and one that stays away is", "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.1, 0.0}, 10);
+    OpenHaply bench({0.1, 0.0}, 10);
     bench.board.set_faults({.delay = 3.2e-3});
     const int exchanges = bench.board.journal().exchanges;
     int fresh = 0;
@@ -103,8 +98,7 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
 }
 
 TEST_CASE("an answer in pieces is put together", "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
+    OpenHaply bench;
     const int at_once = GENERATE(0, 1, 2, 5, 8);
     bench.board.set_faults({.at_once = at_once, .rest_delay = 1.1e-3});
     Random random(23);
@@ -124,9 +118,7 @@ TEST_CASE("an answer in pieces is put together", "[haply][law]") {
 
 TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconnection mends it",
           "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.3, 0.3}, 10);
+    OpenHaply bench({0.3, 0.3}, 10);
     bench.plant.lead({0.02, 0.04});
     bench.ticks({0.3, 0.3}, 3);
     BoardFaults faults;
@@ -188,8 +180,7 @@ TEST_CASE("unplugged and plugged in again it asks for the handle at home, then g
 }
 
 TEST_CASE("a handle that moves is not taken for one at home", "[haply]") {
-    HaplyBench bench;
-    bench.open();
+    OpenHaply bench;
     bench.cable.plug(false);
     bench.ticks({}, 2);
     bench.cable.plug(true);
@@ -202,9 +193,7 @@ TEST_CASE("a handle that moves is not taken for one at home", "[haply]") {
 
 TEST_CASE("without a guard there is no force, and one that was started again gives it back",
           "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.3, 0.3}, 5);
+    OpenHaply bench({0.3, 0.3}, 5);
     CHECK(bench.guard.force);
     DeviceFault expected = DeviceFault::unguarded;
     SECTION("it died") {
@@ -324,9 +313,7 @@ TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", 
 }
 
 TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.3, 0.3}, 3);
+    OpenHaply bench({0.3, 0.3}, 3);
     bench.board.set_faults({.delay = 10e-3});
     bench.ticks({0.3, 0.3}, 3);
     REQUIRE_FALSE(bench.board.torque() == Vec3{});

@@ -35,9 +35,7 @@ TEST_CASE("a board that took a packet for a reset is at zero within 50 ms, whoev
 
 TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that does not answer",
           "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.4, -0.5}, 20);
+    OpenHaply bench({0.4, -0.5}, 20);
     const std::int64_t before = bench.cable.now_ns();
     SECTION("sound: its counts stay") {
         CHECK(bench.device->prove_zero());
@@ -79,9 +77,7 @@ TEST_CASE("zero is proved in 50 ms on a sound board, and never said of one that 
 
 TEST_CASE("whoever else speaks to the board while nobody ticks is answered with zero at once",
           "[haply][law]") {
-    HaplyBench bench;
-    bench.open();
-    bench.ticks({0.4, -0.5}, 20);
+    OpenHaply bench({0.4, -0.5}, 20);
     CHECK(bench.device->prove_zero());
     CHECK(bench.guard.repeats);
     const HaplyPacket foreign = *torque_packet(5, {0.1, 0.1});

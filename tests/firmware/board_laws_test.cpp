@@ -11,6 +11,7 @@ using namespace palpate::engine;
 #else
 #define BOARDS OnHost
 #endif
+#define BOARD_CASE(name) TEMPLATE_TEST_CASE(name, "[firmware][law]", BOARDS)
 
 namespace {
 
@@ -27,9 +28,7 @@ constexpr double kStep = 123000.0 / 800.0;  // uN m
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("a board says what it is, and repeats its limits to the byte",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("a board says what it is, and repeats its limits to the byte") {
     Talk<TestType> talk;
     CHECK(talk.peek().state == OpenState::boot);
     const auto ident = talk.hello();
@@ -50,9 +49,7 @@ TEMPLATE_TEST_CASE("a board says what it is, and repeats its limits to the byte"
     CHECK_FALSE(talk.board.enabled());
 }
 
-TEMPLATE_TEST_CASE("no state but armed has motors on, and every way between states is the table's",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("no state but armed has motors on, and every way between states is the table's") {
     Talk<TestType> talk;
     CHECK(is_nak(talk.config(kConfig), 2));
     CHECK(is_nak(talk.arm(), 2));
@@ -104,9 +101,7 @@ TEMPLATE_TEST_CASE("no state but armed has motors on, and every way between stat
     CHECK(is_nak(talk.ask(open_token(OpenType::peek, 78, 1)), 6));
 }
 
-TEMPLATE_TEST_CASE("torques come out as asked, and never beyond the limit",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("torques come out as asked, and never beyond the limit") {
     Talk<TestType> talk;
     const std::int32_t limit = 80000;
     talk.make_ready(50, limit);
@@ -134,9 +129,7 @@ TEMPLATE_TEST_CASE("torques come out as asked, and never beyond the limit",
     }
 }
 
-TEMPLATE_TEST_CASE("motors are off when no torque came for as long as was asked",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("motors are off when no torque came for as long as was asked") {
     Talk<TestType> talk;
     const int ms = GENERATE(5, 20, 50);
     talk.make_ready(static_cast<std::uint8_t>(ms));
@@ -160,10 +153,7 @@ TEMPLATE_TEST_CASE("motors are off when no torque came for as long as was asked"
     CHECK((talk.peek().flags & kOpenWatchdog) == 0);
 }
 
-TEMPLATE_TEST_CASE(
-    "the emergency stop switches off within a tick, and must be released and forgiven",
-    "[firmware][law]",
-    BOARDS) {
+BOARD_CASE("the emergency stop switches off within a tick, and must be released and forgiven") {
     Talk<TestType> talk;
     talk.make_ready();
     talk.torque(60000, 60000);
@@ -184,9 +174,7 @@ TEMPLATE_TEST_CASE(
     CHECK(is_state(talk.arm(), OpenState::armed));
 }
 
-TEMPLATE_TEST_CASE("a torque is obeyed only in the order of its number",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("a torque is obeyed only in the order of its number") {
     Talk<TestType> talk;
     const int start = GENERATE(100, 65400);
     talk.seq = static_cast<std::uint16_t>(start);
@@ -211,9 +199,7 @@ TEMPLATE_TEST_CASE("a torque is obeyed only in the order of its number",
     CHECK(obeyed(257, 50000));
 }
 
-TEMPLATE_TEST_CASE("an ARM that comes late, or again, switches nothing on",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("an ARM that comes late, or again, switches nothing on") {
     Talk<TestType> talk;
     const int start = GENERATE(100, 65530);
     talk.seq = static_cast<std::uint16_t>(start);
@@ -244,9 +230,7 @@ TEMPLATE_TEST_CASE("an ARM that comes late, or again, switches nothing on",
     CHECK(is_state(arm(10), OpenState::armed));
 }
 
-TEMPLATE_TEST_CASE("a spoilt frame is never obeyed, and the next one always",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("a spoilt frame is never obeyed, and the next one always") {
     Talk<TestType> talk;
     const bool sim = !std::is_same_v<TestType, OnHost>;
     const int trials = sim ? 300 : 6000;
@@ -291,7 +275,7 @@ TEMPLATE_TEST_CASE("a spoilt frame is never obeyed, and the next one always",
     CHECK(talk.peek().bad_frames != 0);
 }
 
-TEMPLATE_TEST_CASE("nonsense is not answered and switches nothing on", "[firmware][law]", BOARDS) {
+BOARD_CASE("nonsense is not answered and switches nothing on") {
     Talk<TestType> talk;
     const int bytes = std::is_same_v<TestType, OnHost> ? 60000 : 10000;
     Random random(7);
@@ -311,9 +295,7 @@ TEMPLATE_TEST_CASE("nonsense is not answered and switches nothing on", "[firmwar
     CHECK(talk.peek().state == OpenState::configured);
 }
 
-TEMPLATE_TEST_CASE("a reset switches off, and the board has to be begun anew",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("a reset switches off, and the board has to be begun anew") {
     Talk<TestType> talk;
     talk.make_ready();
     talk.torque(60000, 60000);
@@ -327,9 +309,7 @@ TEMPLATE_TEST_CASE("a reset switches off, and the board has to be begun anew",
     CHECK_FALSE(talk.board.enabled());
 }
 
-TEMPLATE_TEST_CASE("counts follow the joints both ways, and begin where they are asked to",
-                   "[firmware][law]",
-                   BOARDS) {
+BOARD_CASE("counts follow the joints both ways, and begin where they are asked to") {
     Talk<TestType> talk;
     talk.hello();
     talk.config(kConfig);
@@ -352,7 +332,7 @@ TEMPLATE_TEST_CASE("counts follow the joints both ways, and begin where they are
     CHECK(talk.peek().counts == OpenAxes{});
 }
 
-TEMPLATE_TEST_CASE("the board's clock runs as time does", "[firmware][law]", BOARDS) {
+BOARD_CASE("the board's clock runs as time does") {
     Talk<TestType> talk;
     talk.hello();
     const OpenReport first = talk.peek();

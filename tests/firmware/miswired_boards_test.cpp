@@ -5,7 +5,6 @@
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/miswired_handle.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
 
@@ -24,21 +23,18 @@ CommissioningResult commissioned_on(Board& board,
                                     const Calibration& machine,
                                     MakeLine make_line) {
     static const std::vector<Vec3> places = places_to_commission(machine, *machine.home);
-    BoardCable cable(board);
-    ScriptedGuard::Script guard;
-    BoardDevice device(machine, std::make_unique<BoardLink>(cable), make_line,
-                       std::make_unique<ScriptedGuard>(guard));
-    const auto tick = [&, next = std::int64_t{0}]() mutable {
-        next = std::max(next + 1'000'000, cable.now_ns());
-        cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+    BoardDesk desk(board, make_line);
+    desk.open(machine);
+    const auto tick = [&] {
+        desk.pass_tick();
         return true;
     };
     const auto bring = [&](const Vec3& place) {
         handle.bring(Vec2(place));
-        cable.pass(200'000'000);
+        desk.cable.pass(200'000'000);
         return true;
     };
-    return commission(device, machine, places, Vec3(PlantModel{}.handle_mass),
+    return commission(*desk.device, machine, places, Vec3(PlantModel{}.handle_mass),
                       {.bring = bring, .wait = tick, .period = 1e-3});
 }
 

@@ -5,7 +5,6 @@
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
 
@@ -15,46 +14,27 @@ using namespace palpate::engine;
 #else
 #define DESKS OnHost
 #endif
+#define DESK_CASE(name) TEMPLATE_TEST_CASE(name, "[open][law]", DESKS)
 
 namespace {
 
 template <class On>
-struct Desk {
-    /// @param machine  the truth   @param says  what the calibration says of it
-    explicit Desk(const Calibration& machine = open_machine(),
-                  const std::optional<Calibration>& says = std::nullopt)
-        : claimed(says.value_or(machine)), truth(machine) {}
-
+struct DeskParts {
     Calibration claimed;
     Calibration truth;
     GuidedHand plant{truth};
     typename On::Board board = On::make(plant, truth);
-    BoardCable cable{board};
-    ScriptedGuard::Script guard;
-    std::unique_ptr<BoardDevice> device;
+};
 
-    void open(const BoardTiming& timing = {.still = 0.05}) {
-        device =
-            std::make_unique<BoardDevice>(claimed, std::make_unique<BoardLink>(cable), open_line,
-                                          std::make_unique<ScriptedGuard>(guard), timing);
-    }
-    Reading tick(const Vec2& force) {
-        const Reading reading = device->read();
-        device->write(Vec3(force, 0.0));
-        next_ = std::max(next_ + 1'000'000, cable.now_ns());
-        cable.pass(std::max<std::int64_t>(next_ - cable.now_ns(), 100'000));
-        return reading;
-    }
-    Reading ticks(const Vec2& force, int number) {
-        Reading reading;
-        for (int i = 0; i < number; ++i) {
-            reading = tick(force);
-        }
-        return reading;
-    }
+template <class On>
+struct Desk : DeskParts<On>, BoardDesk {
+    /// @param machine  the truth   @param says  what the calibration says of it
+    explicit Desk(const Calibration& machine = open_machine(),
+                  const std::optional<Calibration>& says = std::nullopt)
+        : DeskParts<On>{.claimed = says.value_or(machine), .truth = machine},
+          BoardDesk(this->board, open_line) {}
 
-private:
-    std::int64_t next_ = 0;
+    void open() { BoardDesk::open(this->claimed, {.still = 0.05}); }
 };
 
 constexpr Vec2 kGuardedPress{0.3, -0.4};
@@ -74,9 +54,7 @@ struct PressedDesk : Desk<On> {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the force",
-                   "[open][law]",
-                   DESKS) {
+DESK_CASE("over an open board HIP follows the hand and the motors the force") {
     Calibration machine = open_machine();
     machine.board->channel = {2, 1};
     machine.board->motor_clockwise = {false, true};
@@ -115,9 +93,7 @@ TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the f
     CHECK(desk.guard.releases > 0);
 }
 
-TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the remedy",
-                   "[open][law]",
-                   DESKS) {
+DESK_CASE("a board that is not the calibration's is refused with the remedy") {
     const Calibration truth = open_machine();
     const auto refused = [&](const Calibration& claimed, const std::string& why) {
         Desk<TestType> desk(truth, claimed);
@@ -151,9 +127,7 @@ TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the re
     CHECK_THROWS_WITH(unguarded.open(), Has("no guard process"));
 }
 
-TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released and forgiven",
-                   "[open][law]",
-                   DESKS) {
+DESK_CASE("an emergency stop in a trial is a fault until it is released and forgiven") {
     PressedDesk<TestType> desk(20);
     CHECK(desk.board.enabled());
     desk.board.press_stop(true);
@@ -173,7 +147,7 @@ TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released
     CHECK(desk.board.torque() != Vec3{});
 }
 
-TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten", "[open][law]", DESKS) {
+DESK_CASE("an emergency stop while nothing ticks is not forgotten") {
     PressedDesk<TestType> desk(5);
     desk.ticks({}, 5);
     desk.board.press_stop(true);
@@ -185,10 +159,7 @@ TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten", "[o
     desk.comes_back();
 }
 
-TEMPLATE_TEST_CASE(
-    "a host that stalls with the force on finds its motors off, and a rest is no stall",
-    "[open][law]",
-    DESKS) {
+DESK_CASE("a host that stalls with the force on finds its motors off, and a rest is no stall") {
     PressedDesk<TestType> desk(20);
     desk.ticks({}, 2);
     desk.cable.pass(1'000'000'000);  // a rest: the board has stopped by itself
@@ -202,9 +173,7 @@ TEMPLATE_TEST_CASE(
     desk.comes_back();
 }
 
-TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was",
-                   "[open][law]",
-                   DESKS) {
+DESK_CASE("a board that is reset in a trial has forgotten where it was") {
     PressedDesk<TestType> desk(30);
     desk.board.power_cycle();
     const bool at_once = GENERATE(true, false);
@@ -224,9 +193,7 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
     CHECK(glm::length(Vec2(reading.hip) - *desk.truth.home) < 3e-4);
 }
 
-TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and comes back",
-                   "[open][law]",
-                   DESKS) {
+DESK_CASE("a cable pulled with the force on has its motors off, and comes back") {
     PressedDesk<TestType> desk(20);
     desk.cable.plug(false);
     CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::lost);
@@ -291,11 +258,8 @@ TEST_CASE("a handle that moves while the board is opened is refused", "[open][la
     const Calibration machine = open_machine();
     Moving plant(machine);
     OpenBoard board(plant, machine, *machine.board);
-    BoardCable cable(board);
-    ScriptedGuard::Script guard;
-    CHECK_THROWS_WITH(BoardDevice(machine, std::make_unique<BoardLink>(cable), open_line,
-                                  std::make_unique<ScriptedGuard>(guard)),
-                      Has("moves: let it rest at home"));
+    BoardDesk desk(board, open_line);
+    CHECK_THROWS_WITH(desk.open(machine), Has("moves: let it rest at home"));
 }
 
 TEST_CASE("a port where something else speaks is distinguished from one where nobody does",
@@ -304,11 +268,8 @@ TEST_CASE("a port where something else speaks is distinguished from one where no
     Calibration haply = emulated_calibration("gen3");
     GuidedHand plant(haply);
     HaplyBoard other(plant, haply.pantograph, *haply.haply);
-    BoardCable cable(other);
-    ScriptedGuard::Script guard;
-    CHECK_THROWS_WITH(BoardDevice(machine, std::make_unique<BoardLink>(cable), open_line,
-                                  std::make_unique<ScriptedGuard>(guard)),
-                      Has("open board"));
+    BoardDesk desk(other, open_line);
+    CHECK_THROWS_WITH(desk.open(machine), Has("open board"));
     CHECK(other.journal().exchanges == 0);  // what it took our greeting for turned no motor
     CHECK(other.torque() == Vec3{});
     Desk<OnHost> silent;
@@ -328,22 +289,19 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is
     Calibration truth = machine;
     truth.board->motor_clockwise[0] = reversed;
     auto board = TestType::make(handle, truth);
-    BoardCable cable(board);
-    ScriptedGuard::Script guard;
-    BoardDevice device(machine, std::make_unique<BoardLink>(cable), open_line,
-                       std::make_unique<ScriptedGuard>(guard));
+    BoardDesk desk(board, open_line);
+    desk.open(machine);
     const CommissioningResult done =
-        commission(device, machine, places_to_commission(machine, *machine.home), Vec3(0.060),
+        commission(*desk.device, machine, places_to_commission(machine, *machine.home), Vec3(0.060),
                    {.bring =
                         [&](const Vec3& place) {
                             handle.bring(Vec2(place));
-                            cable.pass(200'000'000);
+                            desk.cable.pass(200'000'000);
                             return true;
                         },
                     .wait =
-                        [&, next = std::int64_t{0}]() mutable {
-                            next = std::max(next + 1'000'000, cable.now_ns());
-                            cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+                        [&] {
+                            desk.pass_tick();
                             return true;
                         },
                     .period = 1e-3});
@@ -354,5 +312,5 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is
         CHECK(done.record.dynamics.handle_mass == Approx(plant.handle_mass).epsilon(0.1));
         CHECK(done.record.round_trip > 0.0);
     }
-    CHECK_FALSE(guard.force);
+    CHECK_FALSE(desk.guard.force);
 }

@@ -6,6 +6,8 @@ using namespace palpate::engine;
 
 // What only the chip itself can show: its own watchdog, its load, its times.
 
+#define CHIP_CASE(name) TEMPLATE_TEST_CASE(name, "[firmware][law]", On328p, On2560)
+
 namespace {
 
 constexpr double kStill = 1e-9;  // counts/s: it stays where it is
@@ -27,10 +29,7 @@ std::vector<double> talk_at_1_khz(Talk<On>& talk, int ms) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("a program that hangs has its motors off within 17 ms, whatever hangs",
-                   "[firmware][law]",
-                   On328p,
-                   On2560) {
+CHIP_CASE("a program that hangs has its motors off within 17 ms, whatever hangs") {
     const bool interrupts = GENERATE(false, true);
     Talk<TestType> talk;
     talk.make_ready(50);
@@ -43,10 +42,7 @@ TEMPLATE_TEST_CASE("a program that hangs has its motors off within 17 ms, whatev
     CHECK_FALSE(talk.board.enabled());
 }
 
-TEMPLATE_TEST_CASE("a torque that comes with the tick that stops the motors does not start them",
-                   "[firmware][law]",
-                   On328p,
-                   On2560) {
+CHIP_CASE("a torque that comes with the tick that stops the motors does not start them") {
     Talk<TestType> talk;
     talk.hello();
     int stopped = 0;
@@ -72,10 +68,7 @@ TEMPLATE_TEST_CASE("a torque that comes with the tick that stops the motors does
     CHECK(stopped < 110);
 }
 
-TEMPLATE_TEST_CASE("the host's watchdog is there while the program's loop hangs",
-                   "[firmware][law]",
-                   On328p,
-                   On2560) {
+CHIP_CASE("the host's watchdog is there while the program's loop hangs") {
     Talk<TestType> talk;
     talk.make_ready(10);
     talk.torque(60000, 60000);
@@ -84,10 +77,7 @@ TEMPLATE_TEST_CASE("the host's watchdog is there while the program's loop hangs"
     CHECK(talk.board.resets() == 0);
 }
 
-TEMPLATE_TEST_CASE("at the fastest that encoders may turn no count, byte or answer is lost",
-                   "[firmware][law]",
-                   On328p,
-                   On2560) {
+CHIP_CASE("at the fastest that encoders may turn no count, byte or answer is lost") {
     Talk<TestType> talk;
     talk.make_ready(50);
     const OpenReport first = talk.peek();
@@ -109,10 +99,7 @@ TEMPLATE_TEST_CASE("at the fastest that encoders may turn no count, byte or answ
     CHECK(last.bad_frames == 0);
 }
 
-TEMPLATE_TEST_CASE("encoders that turn too fast are reported, or the motors are off",
-                   "[firmware][law]",
-                   On328p,
-                   On2560) {
+CHIP_CASE("encoders that turn too fast are reported, or the motors are off") {
     Talk<TestType> talk;
     talk.make_ready(20);
     talk.torque(60000, 60000);

@@ -4,7 +4,6 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/led_gantry.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
 
@@ -128,18 +127,15 @@ TEMPLATE_TEST_CASE(
     machine.board->encoder_clockwise = {true, false, true};
     LedGantry plant(machine);
     auto board = TestType::make(plant, machine);
-    BoardCable cable(board);
-    ScriptedGuard::Script guard;
-    auto device = std::make_unique<BoardDevice>(machine, std::make_unique<BoardLink>(cable),
-                                                open_line, std::make_unique<ScriptedGuard>(guard),
-                                                BoardTiming{.still = 0.05});
+    BoardDesk desk(board, open_line);
+    desk.open(machine, {.still = 0.05});
+    const auto& device = desk.device;
     CHECK(device->traits().axes == 3);
     CHECK(device->traits().delay_ticks == 1.0);
     CHECK(device->traits().round_trip < 0.8e-3);
     CHECK(device->traits().damping == 3.0);
     Random random(23);
     Vec3 led = machine.gantry->home();
-    std::int64_t next = cable.now_ns();
     for (int i = 0; i < 200; ++i) {
         const Vec3 force(random.in(-5.0, 5.0), random.in(-5.0, 5.0), random.in(-5.0, 5.0));
         const Vec3 before = led;
@@ -147,8 +143,7 @@ TEMPLATE_TEST_CASE(
         plant.lead(led);
         const Reading reading = device->read();
         const AppliedForce applied = device->write(force);
-        next = std::max(next + 1'000'000, cable.now_ns());
-        cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+        desk.pass_tick();
         REQUIRE(reading.ok());
         if (i < 3) {
             continue;
@@ -160,7 +155,7 @@ TEMPLATE_TEST_CASE(
         CHECK_FALSE(applied.saturated);
     }
     device->write(Vec3(0.0, 0.0, 20.0));
-    cable.pass(900'000);
+    desk.cable.pass(900'000);
     CHECK(std::fabs(plant.torque().z - 0.12) < 160e-6);
     // Outside its ends nothing is pushed.
     plant.lead(Vec3(0.0, 0.0, 0.0605));
@@ -168,11 +163,11 @@ TEMPLATE_TEST_CASE(
     for (int i = 0; i < 60; ++i) {
         reading = device->read();
         device->write(Vec3(0.0, 0.0, 1.0));
-        cable.pass(1'000'000);
+        desk.cable.pass(1'000'000);
     }
     CHECK(reading.fault != DeviceFault::none);
     CHECK(plant.torque() == Vec3{});
-    device.reset();
+    desk.device.reset();
     CHECK_FALSE(board.enabled());
 }
 
@@ -180,11 +175,9 @@ TEST_CASE("a board of another number of axes is refused with the remedy", "[open
     const auto refusal = [](const Calibration& truth, BoardPlant& plant,
                             const Calibration& claimed) {
         OpenBoard board(plant, truth, *truth.board);
-        BoardCable cable(board);
-        ScriptedGuard::Script guard;
+        BoardDesk desk(board, open_line);
         try {
-            BoardDevice(claimed, std::make_unique<BoardLink>(cable), open_line,
-                        std::make_unique<ScriptedGuard>(guard), BoardTiming{});
+            desk.open(claimed);
         } catch (const std::runtime_error& error) {
             return std::string(error.what());
         }

@@ -71,4 +71,30 @@ std::string BoardLink::trouble() const {
     return open() ? "" : "the cable is not plugged in: plug it in";
 }
 
+void BoardDesk::open(const engine::Calibration& machine, const engine::BoardTiming& timing) {
+    device =
+        std::make_unique<engine::BoardDevice>(machine, std::make_unique<BoardLink>(cable), line_,
+                                              std::make_unique<ScriptedGuard>(guard), timing);
+}
+
+void BoardDesk::pass_tick() {
+    next_ = std::max(next_ + kMillisecond, cable.now_ns());
+    cable.pass(std::max(next_ - cable.now_ns(), kMillisecond / 10));
+}
+
+engine::Reading BoardDesk::tick(const engine::Vec2& force) {
+    const engine::Reading reading = device->read();
+    device->write(engine::Vec3(force, 0.0));
+    pass_tick();
+    return reading;
+}
+
+engine::Reading BoardDesk::ticks(const engine::Vec2& force, int number) {
+    engine::Reading reading;
+    for (int i = 0; i < number; ++i) {
+        reading = tick(force);
+    }
+    return reading;
+}
+
 }  // namespace palpate::tests

@@ -2,8 +2,9 @@
 
 #include <vector>
 
-#include "engine/device/drivers/byte_link.hpp"
+#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/emulator/port_board.hpp"
+#include "tests/support/scripted_guard.hpp"
 
 namespace palpate::tests {
 
@@ -73,6 +74,29 @@ private:
 
     BoardCable* cable_;
     int opened_ = -1;  ///< pulls of the plug when it was opened
+};
+
+/// A board in memory, its driver, and the clock that both live on.
+class BoardDesk {
+public:
+    /// @param board  outlives the desk; need not live yet
+    BoardDesk(engine::PortBoard& board, engine::MakeLine line) : cable(board), line_(line) {}
+
+    /// @throws std::runtime_error as the driver does
+    void open(const engine::Calibration& machine, const engine::BoardTiming& timing = {});
+    /// To the next millisecond of a servo, and a tenth of one at least.
+    void pass_tick();
+    engine::Reading tick(const engine::Vec2& force);
+    /// @return the last of so many
+    engine::Reading ticks(const engine::Vec2& force, int number);
+
+    BoardCable cable;
+    ScriptedGuard::Script guard;
+    std::unique_ptr<engine::BoardDevice> device;
+
+private:
+    engine::MakeLine line_;
+    std::int64_t next_ = 0;  ///< deadline, ns
 };
 
 }  // namespace palpate::tests

@@ -8,52 +8,38 @@
 namespace palpate::tests {
 
 inline constexpr std::int64_t kPeriodNs = 1'000'000;  // ns
-using Packets = std::vector<tests::BoardCable::Packet>;
+using Packets = std::vector<BoardCable::Packet>;
 
-/// A board in memory, its driver, and the clock that both live on.
-struct HaplyBench {
-    explicit HaplyBench(const engine::Calibration& calibration = emulated_calibration())
-        : machine(calibration) {}
-
+struct HaplyParts {
     engine::Calibration machine;
     engine::Pantograph pantograph{machine.pantograph};
-    tests::GuidedHand plant{machine};
+    GuidedHand plant{machine};
     engine::HaplyBoard board{plant, machine.pantograph, *machine.haply};
-    tests::BoardCable cable{board};
-    ScriptedGuard::Script guard;
-    std::unique_ptr<engine::BoardDevice> device;
-
-    void open(const engine::BoardTiming& timing = {}) {
-        device = std::make_unique<engine::BoardDevice>(
-            machine, std::make_unique<tests::BoardLink>(cable), engine::haply_line,
-            std::make_unique<ScriptedGuard>(guard), timing);
-    }
-    engine::Reading tick(const engine::Vec2& force) {
-        const engine::Reading reading = device->read();
-        device->write(engine::Vec3(force, 0.0));
-        next_ = std::max(next_ + kPeriodNs, cable.now_ns());
-        cable.pass(std::max(next_ - cable.now_ns(), kPeriodNs / 10));
-        return reading;
-    }
-    engine::Reading ticks(const engine::Vec2& force, int number) {
-        engine::Reading reading;
-        for (int i = 0; i < number; ++i) {
-            reading = tick(force);
-        }
-        return reading;
-    }
-
-private:
-    std::int64_t next_ = 0;  ///< deadline, ns
 };
 
-inline bool is_zero_torque(const tests::BoardCable::Packet& packet) {
+/// A Haply board in memory, a hand, and their driver.
+struct HaplyBench : HaplyParts, BoardDesk {
+    explicit HaplyBench(const engine::Calibration& of = emulated_calibration())
+        : HaplyParts{.machine = of}, BoardDesk(board, engine::haply_line) {}
+
+    void open(const engine::BoardTiming& timing = {}) { BoardDesk::open(machine, timing); }
+};
+
+/// One that is open, after so many ticks with a force.
+struct OpenHaply : HaplyBench {
+    explicit OpenHaply(const engine::Vec2& force = {}, int number = 0) {
+        open();
+        ticks(force, number);
+    }
+};
+
+inline bool is_zero_torque(const BoardCable::Packet& packet) {
     return packet.size() == 10 && packet[0] == 2 &&
            std::all_of(packet.begin() + 2, packet.end(), [](auto byte) { return byte == 0; });
 }
 
 /// Zero torque that a board without this id takes for nothing.
-inline bool is_quiet(const tests::BoardCable::Packet& packet) {
+inline bool is_quiet(const BoardCable::Packet& packet) {
     return packet.size() >= 10 && packet[0] == 2 &&
            std::all_of(packet.begin() + 2, packet.end(),
                        [](auto byte) { return byte == engine::kHaplyNoCommand; });
