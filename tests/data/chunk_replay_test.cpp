@@ -2,7 +2,7 @@
 #include "data/trace/chunk_replay.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/verify/stored_trace.hpp"
-#include "tests/support/led_gantry.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sample_rows.hpp"
 

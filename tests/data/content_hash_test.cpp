@@ -1,5 +1,4 @@
 #include "tests/support/catch.hpp"
-#include "tests/support/content_hash.hpp"
 #include "tests/support/studies.hpp"
 #include "tests/support/test_text.hpp"
 

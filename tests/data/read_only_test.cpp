@@ -3,7 +3,6 @@
 #include "data/analysis/summary.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/content_hash.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate::data;

@@ -1,7 +1,7 @@
 #include "engine/rendering/scene.hpp"
 #include "stimuli/two_curve.hpp"
+#include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/gos_oracle.hpp"
 #include "tests/support/hands.hpp"
 
 using namespace palpate::engine;

@@ -1,8 +1,8 @@
 #include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/led_gantry.hpp"
-#include "tests/support/miswired_gantry.hpp"
+#include "tests/support/emulated_machine.hpp"
+#include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;

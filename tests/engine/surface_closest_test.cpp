@@ -1,8 +1,7 @@
-#include "engine/surface/surface_closest.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
-#include "tests/support/surface_hands.hpp"
+#include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;
 

@@ -1,6 +1,5 @@
+#include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/gos_oracle.hpp"
-#include "tests/support/surface_hands.hpp"
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;

@@ -1,5 +1,4 @@
 #include "tests/support/catch.hpp"
-#include "tests/support/curvatures.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace palpate::engine;

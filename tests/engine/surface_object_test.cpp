@@ -1,6 +1,5 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
-#include "tests/support/surface_hands.hpp"
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;

@@ -1,7 +1,6 @@
 #include "engine/surface/surface_trim.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
-#include "tests/support/surface_hands.hpp"
 #include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;

@@ -4,7 +4,7 @@
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/miswired_handle.hpp"
+#include "tests/support/miswired_machine.hpp"
 
 using namespace palpate::engine;
 

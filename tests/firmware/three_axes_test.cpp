@@ -2,7 +2,6 @@
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/led_gantry.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;

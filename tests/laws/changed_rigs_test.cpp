@@ -9,7 +9,7 @@
 #include "tests/support/cases.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
-#include "tests/support/miswired_handle.hpp"
+#include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/scripted_guard.hpp"
 

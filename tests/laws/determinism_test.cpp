@@ -1,6 +1,6 @@
-#include "tests/support/content_hash.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/sql_first.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using namespace palpate::tests;

@@ -1,5 +1,5 @@
+#include "tests/support/arc_oracle.hpp"
 #include "tests/support/foot_oracle.hpp"
-#include "tests/support/gos_oracle.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/test_text.hpp"

@@ -1,8 +1,8 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/secret.hpp"
-#include "tests/support/content_hash.hpp"
 #include "tests/support/program.hpp"
+#include "tests/support/studies.hpp"
 
 // What somebody outside the lab makes of an export: protocol, seed, the list of all codes and this
 // program's own code are known, the file is not.

@@ -3,7 +3,7 @@
 #include "data/store/reader.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/picking.hpp"
-#include "tests/support/gos_oracle.hpp"
+#include "tests/support/arc_oracle.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 

@@ -4,7 +4,6 @@
 
 #include "protocols/file/observer_file.hpp"
 #include "data/store/database.hpp"
-#include "tests/support/content_hash.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/studies.hpp"

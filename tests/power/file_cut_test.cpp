@@ -6,7 +6,6 @@
 #include "data/sync/merge.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/content_hash.hpp"
 
 using namespace palpate::data;
 

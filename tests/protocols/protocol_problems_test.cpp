@@ -1,3 +1,4 @@
+#include "tests/support/placed_lines.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/test_text.hpp"
 
@@ -92,4 +93,38 @@ TEST_CASE("a file that cannot be read says so in the same form", "[protocol]") {
         load_protocol("/nowhere/p.toml"),
         "/nowhere/p.toml:1:1: cannot be read: No such file or directory; check the path");
     CHECK_THROWS_WITH(load_protocol("/"), "/:1:1: cannot be read: it is a folder; check the path");
+}
+
+namespace {
+
+/// Tables that the default study leaves out.
+constexpr std::string_view kYounger =
+    "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
+    "\"Feel.\\nAnswer.\"\n"
+    "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
+
+}  // namespace
+
+TEST_CASE("no file, however broken, does more than be refused line by line", "[protocol][fuzz]") {
+    const std::string file = GENERATE(
+        as<std::string>{}, "protocols/library/shape_friction.toml", "tests/golden/free_forms.toml",
+        "protocols/library/curvature_2afc.toml", "protocols/library/friction_threshold.toml");
+    std::string study = palpate::tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
+    study += kYounger;
+    int accepted = 0;
+    for (std::uint64_t seed = 0; seed < palpate::tests::cases(250U); ++seed) {
+        Random random(seed);
+        const std::string text = palpate::tests::broken(study, random);
+        CAPTURE(seed, text);
+        try {
+            const Protocol protocol = parse_protocol(text, "p.toml");
+            ++accepted;
+            CHECK(parse_protocol(to_toml(protocol), "again.toml") == protocol);
+        } catch (const ProtocolError& error) {
+            palpate::tests::check_places(error.what());
+        }
+    }
+    // Both ways are taken: most of the first text is comments.
+    CHECK(accepted > palpate::tests::cases(file.starts_with("tests") ? 7 : 25));
+    CHECK(accepted < palpate::tests::cases(225));
 }

@@ -1,6 +1,6 @@
 #include "tests/stress/stress_scene.hpp"
 
-#include "tests/support/nasty_families.hpp"
+#include "tests/support/nasty_curves.hpp"
 
 namespace palpate::stress {
 namespace {

@@ -1,6 +1,5 @@
 #include "tests/stress/surface_cases.hpp"
 
-#include "tests/support/curvatures.hpp"
 #include "tests/support/surfaces.hpp"
 
 namespace palpate::stress {

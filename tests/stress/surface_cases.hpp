@@ -2,7 +2,7 @@
 
 #include "engine/surface/surface_scene.hpp"
 #include "tests/stress/stress_scene.hpp"
-#include "tests/support/surface_definition.hpp"
+#include "tests/support/surface_oracle.hpp"
 
 /// Random surfaces and random hands over them.
 namespace palpate::stress {

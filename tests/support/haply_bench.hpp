@@ -3,7 +3,6 @@
 #include "engine/device/drivers/haply_line.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/guided_hand.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 namespace palpate::tests {
 

@@ -1,10 +1,23 @@
 #pragma once
 
-#include "tests/support/nasty_families.hpp"
+#include "tests/support/nurbs_oracle.hpp"
 
 /// Queries that break closest-point solvers: degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3
 /// m.
 namespace palpate::tests {
+
+/// A curve, and the places where it is at its worst.
+struct NastyFamily {
+    std::string name;
+    NurbsData<2> curve;
+    std::vector<double> u;              ///< of cusps, kinks, crossings; may be empty
+    std::vector<engine::Vec2> centres;  ///< points with many feet; may be empty
+};
+
+inline constexpr std::uint64_t kNastyCurves = 19;
+
+/// Family `index`, drawn once: about 1 m large.
+[[nodiscard]] NastyFamily nasty_family(std::uint64_t index, Random& random);
 
 struct NastyCase {
     std::string name;  ///< "cusp, on the axis of symmetry"

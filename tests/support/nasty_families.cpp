@@ -1,4 +1,4 @@
-#include "tests/support/nasty_families.hpp"
+#include "tests/support/nasty_curves.hpp"
 
 namespace palpate::tests {
 namespace {

@@ -1,6 +1,6 @@
-#include "tests/support/screen_image.hpp"
-
 #include <png.h>
+
+#include "tests/support/x_hand.hpp"
 
 namespace palpate::tests {
 

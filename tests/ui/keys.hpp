@@ -8,11 +8,16 @@
 
 #include "stimuli/two_curve.hpp"
 #include "ui/subject/subject_screen.hpp"
-#include "tests/support/dummy_window.hpp"
 #include "tests/support/std.hpp"
 
 /// Hands at the subject's screen, through SDL's queue.
 namespace palpate::tests {
+
+/// Windows of this program are drawn into memory from now on: no display is needed, and none is
+/// used.
+inline void draw_into_memory() {
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+}
 
 inline void press(SDL_Keycode key, SDL_Keymod modifiers = KMOD_NONE, bool repeat = false) {
     SDL_Event event{};

@@ -2,7 +2,7 @@
 #include "tests/figures/thesis/surface_tracker.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
-#include "tests/support/surface_hands.hpp"
+#include "tests/support/surface_scenes.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::figures;
