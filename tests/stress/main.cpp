@@ -1,4 +1,4 @@
-#include "tests/stress/surface_run.hpp"
+#include "tests/stress/stress_run.hpp"
 
 /// Hours of random hands in minutes: every tick of random contacts held to the laws.
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "tests/stress/stress_scene.hpp"
+#include "tests/stress/surface_cases.hpp"
 #include "tests/stress/tick_laws.hpp"
 
 /// One random hand in one random scene, and how a failure becomes small enough to look at.
@@ -28,10 +29,6 @@ struct Case {
     std::vector<engine::Vec2> path;
 };
 
-/// Of the processor, by this thread alone, s: on a busy machine the clock on the wall tells of
-/// others.
-[[nodiscard]] double processor_seconds();
-
 /// Scene and hand of a seed; nothing if Outline refuses the chain.
 [[nodiscard]] std::optional<Case> random_case(std::uint64_t seed, Mood mood);
 
@@ -41,6 +38,8 @@ struct Case {
 /// Feels the path and holds every tick to the laws; then feels its second half again, bit for bit.
 /// @param watch  ticks that seem slow are timed again
 [[nodiscard]] std::optional<Breach> feel(const Case& c, Tally& tally, bool watch);
+/// The same over a surface; every eighth tick is felt again.
+[[nodiscard]] std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch);
 
 /// The same breach in a path as short as it can be made by leaving ticks out: the last few ticks
 /// that suffice, then these without what is not needed.

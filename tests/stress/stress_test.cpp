@@ -1,4 +1,4 @@
-#include "tests/stress/surface_run.hpp"
+#include "tests/stress/stress_run.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::stress;

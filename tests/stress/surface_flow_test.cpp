@@ -1,5 +1,5 @@
 #include "tests/stress/exact_flow.hpp"
-#include "tests/stress/surface_run.hpp"
+#include "tests/stress/stress_run.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_cuts.hpp"
 

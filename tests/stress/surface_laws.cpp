@@ -63,12 +63,6 @@ SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene, const std::vector<Su
     }
 }
 
-void SurfaceLaws::check(const char* law, double value, double limit) {
-    if (!breach_ && !(value <= limit)) {
-        breach_ = Breach{.law = law, .tick = ticks_, .value = value, .limit = limit};
-    }
-}
-
 std::optional<Breach> SurfaceLaws::look(const Vec3& h,
                                         const SurfaceState& before,
                                         const SurfaceState& after,
@@ -95,7 +89,16 @@ std::optional<Breach> SurfaceLaws::look(const Vec3& h,
         check_rest(now, before, after);
     }
     check_flow(now, before);
-    check_energy(now);
+    const double k = scene_->spec().contact.stiffness;
+    const Vec3 stretch = contact.go - h;
+    const Vec3 dh = h - last_.h;
+    check_energy({.free = free(contact),
+                  .springy = glm::length(contact.force - k * stretch) <= k * same_,
+                  .stiffness = k,
+                  .energy = 0.5 * k * glm::dot(stretch, stretch),
+                  .done = glm::dot(last_.contact.force, dh),
+                  .way2 = glm::dot(dh, dh),
+                  .rounding = k * same_ * std::max(extent_, largest(h))});
     started_ = true;
     last_ = now;
     ++ticks_;
@@ -314,33 +317,6 @@ void SurfaceLaws::check_rest(const Tick& now,
         check("at rest the god-object rests", glm::length(c.go - now.contact.go), limit);
     }
     check("at rest the force rests", glm::length(c.force - now.contact.force), k * limit);
-}
-
-/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
-void SurfaceLaws::check_energy(const Tick& now) {
-    const double k = scene_->spec().contact.stiffness;
-    const SurfaceContact& c = now.contact;
-    const bool springy = glm::length(c.force - k * (c.go - now.h)) <= k * same_;
-    const double energy = 0.5 * k * glm::dot(c.go - now.h, c.go - now.h);
-    if (ledger_ && started_ && (springy || free(c))) {
-        const Vec3 dh = now.h - last_.h;
-        const double work = glm::dot(last_.contact.force, dh);
-        const double leak = 0.5 * k * glm::dot(dh, dh);
-        work_ += work;
-        leak_ += leak;
-        const double kept = free(c) ? 0.0 : energy;
-        scale_ += std::fabs(work) + leak + kept;
-        check(
-            "a contact gives no more work than K/2 sum |dh|^2", work_,
-            start_ - kept + leak_ + 1e-12 * scale_ + k * same_ * std::max(extent_, largest(now.h)));
-    }
-    if (free(c) || !springy) {
-        ledger_ = false;
-    } else if (!ledger_) {
-        ledger_ = true;
-        work_ = leak_ = 0.0;
-        start_ = scale_ = energy;
-    }
 }
 
 }  // namespace palpate::stress

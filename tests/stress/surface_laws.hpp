@@ -8,7 +8,7 @@
 /// those of the definition in long double, which shares no code with the engine.
 namespace palpate::stress {
 
-class SurfaceLaws {
+class SurfaceLaws : private Ledger {
 public:
     SurfaceLaws(const engine::SurfaceScene& scene, const std::vector<tests::SurfaceData>& data);
 
@@ -28,8 +28,6 @@ private:
         engine::Vec3 h{};
         engine::SurfaceContact contact{};
     };
-    void check(const char* law, double value, double limit);
-    void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
     void check_contact(const Tick& now);
     void check_walk(const Tick& now,
                     const engine::SurfaceState& before,
@@ -38,7 +36,6 @@ private:
                     const engine::SurfaceState& before,
                     const engine::SurfaceState& after);
     void check_flow(const Tick& now, const engine::SurfaceState& before);
-    void check_energy(const Tick& now);
     [[nodiscard]] const tests::SurfaceOracle& oracle(const engine::SurfaceContact& c) const {
         return oracles_[static_cast<std::size_t>(c.surface)];
     }
@@ -53,15 +50,7 @@ private:
     std::uint64_t ties_ = 0;
     double extent_ = 0.0;
     double same_ = 0.0;
-    std::size_t ticks_ = 0;
-    bool started_ = false;
     Tick last_{};
-    bool ledger_ = false;
-    double start_ = 0.0;
-    double work_ = 0.0;
-    double leak_ = 0.0;
-    double scale_ = 0.0;
-    std::optional<Breach> breach_;
 };
 
 }  // namespace palpate::stress

@@ -49,9 +49,28 @@ TickLaws::TickLaws(const engine::Scene& scene)
       size_(size_of(scene.outline())),
       extent_(extent_of(scene.outline())) {}
 
-void TickLaws::check(const char* law, double value, double limit) {
+void Ledger::check(const char* law, double value, double limit) {
     if (!breach_ && !(value <= limit)) {
         breach_ = Breach{.law = law, .tick = ticks_, .value = value, .limit = limit};
+    }
+}
+
+void Ledger::check_energy(const Work& now) {
+    const double kept = now.free ? 0.0 : now.energy;
+    if (ledger_ && started_ && (now.springy || now.free)) {
+        const double leak = 0.5 * now.stiffness * now.way2;
+        work_ += now.done;
+        leak_ += leak;
+        scale_ += std::fabs(now.done) + leak + kept;
+        check("a contact gives no more work than K/2 sum |dh|^2", work_,
+              start_ - kept + leak_ + 1e-12 * scale_ + now.rounding);
+    }
+    if (now.free || !now.springy) {
+        ledger_ = false;
+    } else if (!ledger_) {
+        ledger_ = true;
+        work_ = leak_ = 0.0;
+        start_ = scale_ = now.energy;
     }
 }
 
@@ -97,7 +116,15 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
     }
     check_first_root(now, before, after);
     check_step(now);
-    check_energy(now);
+    const double k = scene_->spec().stiffness;
+    const Vec2 dh = h - last_.h;
+    check_energy({.free = free(contact),
+                  .springy = now.springy,
+                  .stiffness = k,
+                  .energy = 0.5 * k * glm::dot(contact.go - h, contact.go - h),
+                  .done = glm::dot(last_.contact.force, dh),
+                  .way2 = glm::dot(dh, dh),
+                  .rounding = k * same_ * std::max(extent_, largest(h))});
     if (after_refusal_) {
         check_recovery(now);
     }
@@ -257,32 +284,6 @@ void TickLaws::check_step(const Tick& now) {
         const double depth = c.normal_force / spec.stiffness;
         check("on a line GO moves as far as HIP and mu let it", dg,
               dh * (1.0 + l.mu) + relaxed * depth + 4.0 * same_ + resolution(c.place));
-    }
-}
-
-/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
-void TickLaws::check_energy(const Tick& now) {
-    const double k = scene_->spec().stiffness;
-    const double energy = 0.5 * k * glm::dot(now.contact.go - now.h, now.contact.go - now.h);
-    const bool goes_on = ledger_ && started_ && (now.springy || free(now.contact));
-    if (goes_on) {
-        const Vec2 dh = now.h - last_.h;
-        const double work = glm::dot(last_.contact.force, dh);
-        const double leak = 0.5 * k * glm::dot(dh, dh);
-        work_ += work;
-        leak_ += leak;
-        scale_ += std::fabs(work) + leak + (free(now.contact) ? 0.0 : energy);
-        const double kept = free(now.contact) ? 0.0 : energy;
-        const double size = std::max(extent_, largest(now.h));
-        check("a contact gives no more work than K/2 sum |dh|^2", work_,
-              start_ - kept + leak_ + 1e-12 * scale_ + k * same_ * size);
-    }
-    if (free(now.contact) || !now.springy) {
-        ledger_ = false;
-    } else if (!ledger_) {
-        ledger_ = true;
-        work_ = leak_ = 0.0;
-        start_ = scale_ = energy;
     }
 }
 

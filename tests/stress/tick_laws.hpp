@@ -24,10 +24,41 @@ inline constexpr double kConeSlack = 100.0;
 /// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
 inline constexpr double kFar = 1e9;
 
+/// What the laws of every kind of contact add up, and the first that did not hold.
+class Ledger {
+protected:
+    /// What a tick adds to an episode of contact.
+    struct Work {
+        bool free = false;
+        bool springy = false;  ///< the force was K (GO - HIP)
+        double stiffness = 0.0;
+        double energy = 0.0;    ///< of the spring, J
+        double done = 0.0;      ///< on the user since the last tick, J
+        double way2 = 0.0;      ///< |dh|^2 since then, m^2
+        double rounding = 0.0;  ///< J
+    };
+
+    void check(const char* law, double value, double limit);
+    void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
+    /// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
+    void check_energy(const Work& now);
+
+    std::size_t ticks_ = 0;
+    bool started_ = false;
+    bool ledger_ = false;  ///< an episode of springy ticks is being added up
+    std::optional<Breach> breach_;
+
+private:
+    double start_ = 0.0;  ///< energy it began with, J
+    double work_ = 0.0;   ///< on the user, J
+    double leak_ = 0.0;   ///< K/2 sum |dh|^2, J
+    double scale_ = 0.0;  ///< sum of magnitudes, for rounding, J
+};
+
 /// Watches one hand in one scene. Lengths count as equal within kSameLength of the largest length
 /// in play (size of the outline, HIP's distance from the world's origin), forces within K times
 /// that.
-class TickLaws {
+class TickLaws : private Ledger {
 public:
     explicit TickLaws(const engine::Scene& scene);
 
@@ -52,8 +83,6 @@ private:
         bool springy = false;       ///< the force was K (GO - HIP)
     };
 
-    void check(const char* law, double value, double limit);
-    void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
     void check_refused(const engine::Contact& contact);
     void check_free(const Tick& now);
     void check_closest(Tick& now);
@@ -63,7 +92,6 @@ private:
                           const engine::ContactState& before,
                           const engine::ContactState& after);
     void check_step(const Tick& now);
-    void check_energy(const Tick& now);
     void check_recovery(const Tick& now);
     [[nodiscard]] double resolution(const engine::Place& place) const noexcept;
     [[nodiscard]] double turn_of_last_bits(const engine::Place& place) const noexcept;
@@ -80,17 +108,9 @@ private:
     double size_ = 0.0;    ///< diagonal of the control points, m
     double extent_ = 0.0;  ///< largest coordinate or size of the outline, m
     double same_ = 0.0;    ///< lengths nearer than this are the same in this tick, m
-    std::size_t ticks_ = 0;
-    bool started_ = false;
     bool after_refusal_ = false;
     bool last_far_ = false;  ///< the last tick was too far away to be looked at
     Tick last_{};
-    bool ledger_ = false;  ///< an episode of springy ticks is being added up
-    double start_ = 0.0;   ///< energy it began with, J
-    double work_ = 0.0;    ///< on the user, J
-    double leak_ = 0.0;    ///< K/2 sum |dh|^2, J
-    double scale_ = 0.0;   ///< sum of magnitudes, for rounding, J
-    std::optional<Breach> breach_;
 };
 
 }  // namespace palpate::stress
