@@ -36,15 +36,13 @@ TEST_CASE("those who really ran decide the next row of pictures, simulated ones 
     const std::size_t rows = picture_rows(protocol).size();
     REQUIRE(rows == 6);
     for (int i = 0; i < 8; ++i) {
-        open(database, protocol, std::string("S").append(std::to_string(i)),
-             data::RunKind::simulated);
-        open(database, protocol, std::string("L").append(std::to_string(i)), data::RunKind::pilot);
+        open(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
+        open(database, protocol, fmt::format("L{}", i), data::RunKind::pilot);
     }
     CHECK(data::picture_orders(database, "small", {"R0", 1}).others.empty());
     std::set<std::vector<std::size_t>> orders;
     for (std::size_t i = 0; i < rows; ++i) {
-        orders.insert(open(database, protocol, std::string("R").append(std::to_string(i)),
-                           data::RunKind::real));
+        orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
     }
     CHECK(orders.size() == rows);
     CHECK(data::picture_orders(database, "small", {"R0", 1}).others.size() == rows - 1);
@@ -58,7 +56,7 @@ TEST_CASE("a session goes on with its own pictures, and so does the participant'
     const protocols::Protocol protocol = tests::small_protocol();
     const auto first = open(database, protocol, "R0", data::RunKind::real);
     for (int i = 1; i < 12; ++i) {
-        open(database, protocol, std::string("R").append(std::to_string(i)), data::RunKind::real);
+        open(database, protocol, fmt::format("R{}", i), data::RunKind::real);
         // Another plan would be refused here.
         CHECK(open(database, protocol, "R0", data::RunKind::real) == first);
     }
@@ -98,10 +96,9 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
     protocol.design.friction_blocks = protocols::FrictionBlocks::abba;
     std::vector<std::size_t> begun;
     for (int i = 0; i < 8; ++i) {
-        open_blocks(database, protocol, std::string("S").append(std::to_string(i)),
-                    data::RunKind::simulated);
-        begun.push_back(open_blocks(database, protocol, std::string("R").append(std::to_string(i)),
-                                    data::RunKind::real));
+        open_blocks(database, protocol, fmt::format("S{}", i), data::RunKind::simulated);
+        begun.push_back(
+            open_blocks(database, protocol, fmt::format("R{}", i), data::RunKind::real));
         // The same session goes on: another plan would be refused.
         CHECK(open_blocks(database, protocol, "R0", data::RunKind::real) == begun[0]);
         if (i % 2 == 1) {
@@ -129,8 +126,7 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
     CHECK(data::picture_orders(database, "small", {"R0", 1}).others.empty());
     std::set<std::vector<std::size_t>> orders;
     for (std::size_t i = 0; i + 1 < rows; ++i) {
-        orders.insert(open(database, protocol, std::string("R").append(std::to_string(i)),
-                           data::RunKind::real));
+        orders.insert(open(database, protocol, fmt::format("R{}", i), data::RunKind::real));
     }
     CHECK(orders.size() == rows - 1);
     // The last row is left for whoever comes back, whichever it was before; a note on the session

@@ -43,15 +43,12 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
           "[session][desk][law]") {
     const auto seed = GENERATE(palpate::tests::seeds(4ULL));
     CAPTURE(seed);
-    const tests::TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
     Protocol protocol = tests::short_protocol();
     protocol.invalid.max_requeues = seed % 2;  // 0: what is marked is not run again
-    const data::SessionSpec spec = tests::session_spec(protocol);
+    tests::SmallSession session(protocol);
+    Database& database = session.database;
     tests::World world{.seed = seed, .fault_share = 0.3};
     tests::FaultyApparatus apparatus(world);
-    const data::OpenedSession opened = data::open_session(database, spec);
-    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     OperatorDesk desk;
     Marking observer(seed, desk);
     std::vector<MarkReply> replies;
@@ -66,10 +63,11 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                                    "LIMIT 1") == "complete \n"));
         CHECK(said.number == (said.found ? observer.felt : TrialNumber{}));
     };
-    static_cast<void>(run_session(spec.protocol, spec.plan, {}, opened.progress,
+    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {},
+                                  session.opened.progress,
                                   {.apparatus = apparatus,
                                    .observer = observer,
-                                   .recorder = recorder,
+                                   .recorder = session.recorder,
                                    .marked = answered,
                                    .pause = [](double) {},
                                    .desk = &desk}));
@@ -111,19 +109,17 @@ private:
 }  // namespace
 
 TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk][law]") {
-    const tests::TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
-    const data::SessionSpec spec = tests::session_spec(tests::short_protocol());
-    const data::OpenedSession opened = data::open_session(database, spec);
-    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    tests::SmallSession session(tests::short_protocol());
+    Database& database = session.database;
     tests::World world;
     tests::FaultyApparatus apparatus(world);
     OperatorDesk desk;
     InABreak observer(database, desk);
-    static_cast<void>(run_session(spec.protocol, spec.plan, {}, opened.progress,
+    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {},
+                                  session.opened.progress,
                                   {.apparatus = apparatus,
                                    .observer = observer,
-                                   .recorder = recorder,
+                                   .recorder = session.recorder,
                                    .pause = [](double) {},
                                    .desk = &desk}));
     CHECK(observer.kept == "1 \n");

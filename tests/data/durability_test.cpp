@@ -72,13 +72,10 @@ std::vector<Saved> record_and_kill(const std::string& file,
                                    std::chrono::milliseconds later) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
-    const pid_t test = getpid();
-    const pid_t child = fork();
-    if (child == 0) {
-        tests::die_with(test);
+    const pid_t child = tests::in_a_child([&] {
         close(ends[0]);
         record_in_real_time(file, spec, ends[1]);
-    }
+    });
     close(ends[1]);
     std::vector<Saved> said;
     Saved one;

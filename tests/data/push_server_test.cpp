@@ -9,10 +9,7 @@
 using namespace palpate::data;
 
 TEST_CASE("a damaged session does not reach the server", "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     Database(file, Access::write)
@@ -26,10 +23,7 @@ TEST_CASE("a damaged session does not reach the server", "[push][law]") {
 TEST_CASE(
     "rigs that push at the same time, into a table in parts, leave what one after the other would",
     "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     std::vector<std::string> files;
     for (const char* who : {"P01", "P02", "P03"}) {
@@ -92,10 +86,7 @@ TEST_CASE(
             return;
         }
     }
-    const auto server = a_server(folder.file("rig.crt"), folder.file("rig.key"));
-    if (!server) {
-        return;
-    }
+    A_SERVER(server, folder.file("rig.crt"), folder.file("rig.key"));
     const std::string file = a_database(folder);
     // hostaddr is where, the host's name what the certificate must say.
     const auto url = [&](const char* host, const std::string& words) {
@@ -173,10 +164,7 @@ TEST_CASE("a password in the address is not left among the words that ps shows",
 }
 
 TEST_CASE("of a file only palpate's tables go to a server, and only who consents", "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     const Finished lab =
@@ -233,10 +221,7 @@ TEST_CASE("of a file only palpate's tables go to a server, and only who consents
 
 TEST_CASE("what is repaired after a push reaches the server as events, and nothing twice",
           "[push][repair][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     const auto does = [&](std::vector<std::string> words) {

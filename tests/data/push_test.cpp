@@ -21,10 +21,7 @@ void chain_again(Database& database) {
 }  // namespace
 
 TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     const PushReport first = data::push_file(file, server->url());
@@ -64,10 +61,7 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push
 
 TEST_CASE("a push or its server cut off at random moments, and pushed again, equals one whole push",
           "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     const std::string whole = new_database(*server, "whole");
@@ -119,10 +113,7 @@ TEST_CASE("a push or its server cut off at random moments, and pushed again, equ
 TEST_CASE(
     "an attempt is on the server with all that belongs to it or not at all, wherever it fails",
     "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     Postgres admin(server->url());
@@ -155,10 +146,7 @@ TEST_CASE(
 }
 
 TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     REQUIRE(data::push_file(file, server->url()).conflicts.empty());
@@ -185,10 +173,7 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
 
 TEST_CASE("a writer adds and never changes, a reader only reads, and no message holds a password",
           "[push][law]") {
-    const auto server = a_server();
-    if (!server) {
-        return;
-    }
+    A_SERVER(server);
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
     Postgres admin(server->url());

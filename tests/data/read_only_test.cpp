@@ -53,10 +53,7 @@ template <class Work>
 std::string in_child(const Work& work) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
-    const pid_t test = getpid();
-    const pid_t child = fork();
-    if (child == 0) {
-        tests::die_with(test);
+    const pid_t child = tests::in_a_child([&] {
         close(ends[0]);
         std::string text;
         try {
@@ -64,9 +61,8 @@ std::string in_child(const Work& work) {
         } catch (const std::exception& e) {
             text = std::string("thrown: ") + e.what();
         }
-        static_cast<void>(!write(ends[1], text.data(), text.size()));
-        _exit(0);
-    }
+        static_cast<void>(!::write(ends[1], text.data(), text.size()));
+    });
     close(ends[1]);
     std::string text;
     char byte = 0;

@@ -124,10 +124,7 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
 TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[sample][law]") {
     Opened database(demo_file());
     // The damaged trial is an error as soon as it is read.
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened damaged(file, data::Access::write);
+    DemoCopy damaged;
     damaged.execute("UPDATE trace_chunk SET data = zeroblob(9) WHERE trial_id = 6");
     const auto says = [](data::Database& of, const std::string& where) {
         return sql_rows(
@@ -153,10 +150,7 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
 
 TEST_CASE("a tick joined with the tick before gives what lag() gives, also of two intervals",
           "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened database(file, data::Access::write);
+    DemoCopy database;
     add_interval(database);
     const std::string what = GENERATE("hip_x_m", "rendered_normal_n", "count_1");
     const std::string range = "BETWEEN 4000 AND 4200";  // across the border of two chunks
@@ -179,10 +173,7 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
 TEST_CASE(
     "a chunk that is gone, or stands in another place, trial, interval or period, is an error",
     "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened database(file, data::Access::write);
+    DemoCopy database;
     database.execute("PRAGMA foreign_keys = OFF");
     const std::string what = GENERATE("count_1", "hip_x_m", "time_s", "rendered_normal_n");
     const std::string query = "SELECT sum(" + what + ") FROM sample WHERE trial_id ";

@@ -89,10 +89,7 @@ TEST_CASE("no row is lost where a range begins or ends beside a chunk's border",
 }
 
 TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened database(file, data::Access::write);
+    DemoCopy database;
     const auto seed = GENERATE(seeds(12U));
     Random random(seed);
     const auto chunk =
@@ -118,10 +115,7 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
 TEST_CASE(
     "what a replay does not give as it was recorded is refused, and what is stored stays readable",
     "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened database(file, data::Access::write);
+    DemoCopy database;
     const auto before = sql_rows(
         database,
         "SELECT sum(count_1), sum(commanded_x_n), sum(hip_x_m) FROM sample WHERE trial_id = 6");
@@ -146,20 +140,14 @@ TEST_CASE(
 }
 
 TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone", "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened database(file, data::Access::write);
+    DemoCopy database;
     database.execute("DELETE FROM session_provenance WHERE key = 'calibration'");
     CHECK_THAT(error_of(database, "SELECT sum(hip_x_m) FROM sample WHERE trial_id = 6"),
                Has("calibration"));
 }
 
 TEST_CASE("two intervals of a trial come one after the other, or merged by time", "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("d.sqlite");
-    std::filesystem::copy_file(demo_file(), file);
-    Opened database(file, data::Access::write);
+    DemoCopy database;
     const std::string what = GENERATE("trial_id, interval, tick, hip_vx_m_per_s, rendered_normal_n",
                                       "trial_id, interval, time_s, hip_vy_m_per_s, commanded_x_n");
     const auto once =

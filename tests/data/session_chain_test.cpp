@@ -41,15 +41,12 @@ Protocol held_protocol() {
 }
 
 /// A session on the simulated pantograph, through the safety chain, into a file.
-struct FeltRun {
+struct FeltRun : tests::SmallSession {
     explicit FeltRun(const Protocol& protocol)
-        : spec(tests::session_spec(protocol)),
-          database(folder.file("a.sqlite"), Access::write),
+        : SmallSession(protocol),
           apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed}) {}
 
     SessionEnd with(Observer& observer) {
-        const data::OpenedSession opened = data::open_session(database, spec);
-        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         return run_session(spec.protocol, spec.plan, {}, opened.progress,
                            {.apparatus = apparatus,
                             .observer = observer,
@@ -59,9 +56,6 @@ struct FeltRun {
     }
     std::string lines(const std::string& sql) { return tests::lines(database, sql); }
 
-    TemporaryFolder folder;
-    data::SessionSpec spec;
-    Database database;
     SimulatedApparatus apparatus;
 };
 
@@ -213,10 +207,8 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
         Apparatus& apparatus_;
         bool stopped_ = false;
     } observer(apparatus);
-    const data::OpenedSession opened = data::open_session(run.database, run.spec);
-    data::SqliteRecorder recorder(run.database, protocol, opened.id);
-    CHECK(run_session(protocol, run.spec.plan, {}, opened.progress,
-                      {.apparatus = apparatus, .observer = observer, .recorder = recorder})
+    CHECK(run_session(protocol, run.spec.plan, {}, run.opened.progress,
+                      {.apparatus = apparatus, .observer = observer, .recorder = run.recorder})
               .why == SessionEnd::Why::finished);
     CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing' AND text LIKE '% "
                     "ticks, late by % (half of them), % (99 %), % (worst); %'") == "2 \n");

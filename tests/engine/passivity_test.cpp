@@ -22,8 +22,9 @@ TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polyno
             .damping = row.damping, .virtual_damping = row.virtual_damping, .delay = row.delay};
         const double exact = exact_stiffness(wall);
         CHECK(std::fabs(exact - row.limit) < 0.1);
-        const double stepped = stability_limit(
-            exact, 20, [&](double k) { return stepped_growth(wall, k, 6000) < 0.0; });
+        const double stepped = stability_limit(0.5 * exact, 10.0 * exact, 20, [&](double k) {
+            return stepped_growth(wall, k, 6000) < 0.0;
+        });
         CHECK(std::fabs(stepped / exact - 1.0) < 1e-4);
     }
     const SampledWall wall;

@@ -60,12 +60,9 @@ inline bool exactly_stable(const SampledWall& wall, double stiffness) {
                            : schur_stable(std::array<double, 4>{c[0], c[1], c[2], c[3]});
 }
 
-/// The largest K below which `stable` holds and above which it does not, bisected between half and
-/// ten times `guess`; NaN if it is not between them.
+/// Up to where `stable` holds, bisected between `low` and `high`; NaN if it is not between them.
 template <class Stable>
-double stability_limit(double guess, int halvings, Stable&& stable) {
-    double low = 0.5 * guess;
-    double high = 10.0 * guess;
+double stability_limit(double low, double high, int halvings, Stable&& stable) {
     if (!stable(low) || stable(high)) {
         return std::nan("");
     }
@@ -78,7 +75,8 @@ double stability_limit(double guess, int halvings, Stable&& stable) {
 
 /// The stiffness at which the sampled wall starts to swing up by itself, N/m: exact.
 inline double exact_stiffness(const SampledWall& wall) {
-    return stability_limit(wall.damping / wall.period, 60,
+    const double guess = wall.damping / wall.period;
+    return stability_limit(0.5 * guess, 10.0 * guess, 60,
                            [&](double k) { return exactly_stable(wall, k); });
 }
 
@@ -198,16 +196,8 @@ inline double device_growth(const DeviceWall& wall, double stiffness, int ticks)
 /// The largest stiffness at which the handle comes to rest on the wall, N/m.
 inline double device_stiffness(const DeviceWall& wall, int ticks, int halvings) {
     const double guess = passive_stiffness(scalar_of(wall));
-    double low = 0.9 * guess;
-    double high = 1.1 * guess;
-    if (!(device_growth(wall, low, ticks) < 0.0) || !(device_growth(wall, high, ticks) > 0.0)) {
-        return std::nan("");
-    }
-    for (int i = 0; i < halvings; ++i) {
-        const double middle = 0.5 * (low + high);
-        (device_growth(wall, middle, ticks) < 0.0 ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
+    return stability_limit(0.9 * guess, 1.1 * guess, halvings,
+                           [&](double k) { return device_growth(wall, k, ticks) < 0.0; });
 }
 
 /// The simulated pantograph pressed against a wall by a weight, its positions read in counts that

@@ -32,6 +32,13 @@ inline std::unique_ptr<PostgresServer> a_server(const std::string& certificate =
     return server;
 }
 
+/// In a test case: `server` is one, or the case ends with a word why there is none.
+#define A_SERVER(server, ...)                  \
+    const auto server = a_server(__VA_ARGS__); \
+    if (!(server)) {                           \
+        return;                                \
+    }
+
 inline std::string a_database(const TemporaryFolder& folder) {
     const std::string file = folder.file("demo.sqlite");
     ran({"demo", "--headless", "--db", file});

@@ -32,6 +32,17 @@ struct Opened : data::Database {
     }
 };
 
+/// A copy of the demo's file, to be changed.
+struct DemoCopy : private TemporaryFolder, Opened {
+    DemoCopy() : Opened(copied(*this), data::Access::write) {}
+
+private:
+    static std::string copied(const TemporaryFolder& folder) {
+        std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
+        return folder.file("d.sqlite");
+    }
+};
+
 inline std::vector<SampleRow> sql_rows(data::Database& database, const std::string& sql) {
     std::vector<SampleRow> rows;
     for (const data::Statement& row : database.prepare(sql)) {

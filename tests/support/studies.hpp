@@ -58,7 +58,8 @@ struct SmallSession {
     TemporaryFolder folder;
     data::SessionSpec spec;
     data::Database database{folder.file("a.sqlite"), data::Access::write};
-    std::int64_t id = data::open_session(database, spec).id;
+    data::OpenedSession opened = data::open_session(database, spec);
+    std::int64_t id = opened.id;
     data::SqliteRecorder recorder{database, spec.protocol, id};
 };
 
