@@ -84,8 +84,7 @@ std::size_t open_blocks(data::Database& database,
 
 TEST_CASE("real participants begin with each friction in turns, whoever else ran",
           "[store][friction_blocks][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{6}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{6});
     const TemporaryFolder folder;
     data::Database database(folder.file("d.sqlite"), data::Access::write);
     protocols::Protocol protocol = tests::small_protocol(2);
@@ -110,8 +109,7 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
 
 TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back",
           "[store][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{8});
     const TemporaryFolder folder;
     data::Database database(folder.file("d.sqlite"), data::Access::write);
     protocols::Protocol protocol = tests::small_protocol();

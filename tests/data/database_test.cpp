@@ -42,8 +42,7 @@ TEST_CASE("a file that is no palpate database is refused and stays as it is", "[
 
 TEST_CASE("a database of another schema is refused by every command, and stays as it is",
           "[store][law]") {
-    const int version = GENERATE(0, 2, 5, 99);
-    CAPTURE(version);
+    EACH(version, 0, 2, 5, 99);
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     {

@@ -41,8 +41,7 @@ private:
 
 TEST_CASE("a mark is answered with the trial that does not count, or that there is none to mark",
           "[session][desk][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(4ULL));
-    CAPTURE(seed);
+    SEED(4ULL);
     Protocol protocol = tests::short_protocol();
     protocol.invalid.max_requeues = seed % 2;  // 0: what is marked is not run again
     tests::SmallSession session(protocol);

@@ -293,8 +293,7 @@ bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
 
 TEST_CASE("after one lost append nothing is stored any more, and every call says so",
           "[store][law]") {
-    const int failing = GENERATE(1, 2, 7, 20);
-    CAPTURE(failing);
+    EACH(failing, 1, 2, 7, 20);
     constexpr std::int64_t kParts = 20;
     DiskWithHiccup disk(failing);
     {

@@ -8,8 +8,7 @@ using namespace palpate::protocols;
 TEST_CASE(
     "the last ticks before a fault are there in plain SQL, also when the trace lost its chunks",
     "[store][fault][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{10}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{10});
     SmallSession session;
     Database& database = session.database;
     const auto ticks = random_ticks(seed, 1 + 11 * seed, 12345);

@@ -37,8 +37,7 @@ TEST_CASE(
     "files merged in any order, at once or one by one, again or in part before, give the same "
     "content",
     "[long][merge][law]") {
-    const auto seed = GENERATE(seeds(5U));
-    CAPTURE(seed);
+    SEED(5U);
     MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
     REQUIRE(data::merge_files(whole, world.last).conflicts.empty());
@@ -94,8 +93,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
 }
 
 TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
-    const auto seed = GENERATE(seeds(3U));
-    CAPTURE(seed);
+    SEED(3U);
     MergeWorld world(seed);
     const std::string out = world.folder.file("out.sqlite");
     std::map<std::string, std::int64_t> ids;
@@ -114,12 +112,10 @@ TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
 TEST_CASE(
     "a session that two files tell differently is named with both, and nothing of it is merged",
     "[merge][law]") {
-    const auto column = GENERATE("session SET device = 'other'", "plan SET mu_s = mu_s + 1",
-                                 "trial SET done_s = 99.0", "trial SET plan_position = 5",
-                                 "response SET reaction_s = 99.0", "trace_chunk SET data = x'00'",
-                                 "event SET text = 'other'", "session SET finished_utc = '2026'",
-                                 "trial SET invalid_reason = 'other'");
-    CAPTURE(column);
+    EACH(column, "session SET device = 'other'", "plan SET mu_s = mu_s + 1",
+         "trial SET done_s = 99.0", "trial SET plan_position = 5", "response SET reaction_s = 99.0",
+         "trace_chunk SET data = x'00'", "event SET text = 'other'",
+         "session SET finished_utc = '2026'", "trial SET invalid_reason = 'other'");
     const TemporaryFolder folder;
     Random random(3);
     Rig rig(folder.file("a.sqlite"), "P01", 1);

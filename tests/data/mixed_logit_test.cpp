@@ -80,8 +80,7 @@ TEST_CASE("n nodes of Gauss and Hermite integrate every power below 2 n exactly"
 
 TEST_CASE("the quadrature's likelihood is that of a dense grid, and Laplace's is near it",
           "[inference][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(6U));
-    CAPTURE(seed);
+    SEED(6U);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     const People people = drawn_people(random, 3, 20, -0.5, 0.8, 0.5);
@@ -114,8 +113,7 @@ TEST_CASE("where people do not differ the likelihood is that of coins", "[infere
 
 TEST_CASE("a fit is the highest point around, and turning the conditions round turns its effect",
           "[inference][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(8U));
-    CAPTURE(seed);
+    SEED(8U);
     std::mt19937_64 random(100 + seed);
     People people = drawn_people(random, 10, 40, -0.5, 0.7, 0.4);
     const MixedFit fit = fit_mixed(people, {});

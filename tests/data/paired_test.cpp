@@ -37,8 +37,7 @@ TEST_CASE("a paired t and its Bayes factor are those that R prints of Student's 
 
 TEST_CASE("a Bayes factor is the noncentral t's density over the prior, by that of no effect",
           "[people][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(12U));
-    CAPTURE(seed);
+    SEED(12U);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform;
     const auto n = 2 + static_cast<std::size_t>(30.0 * uniform(random));
@@ -83,8 +82,7 @@ TEST_CASE("the signed-rank test agrees with a published one, and zeros are left 
 TEST_CASE(
     "the signed-rank p is the share of all patterns of signs, ties and all, counted one by one",
     "[people][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
+    SEED(60U);
     std::mt19937 random(seed);
     const auto n = 1 + static_cast<std::size_t>(random() % 11);
     std::vector<double> differences;

@@ -31,9 +31,8 @@ void check_same(std::span<const engine::TickRecord> stored,
 }  // namespace
 
 TEST_CASE("ticks come back to the bit, in chunks of 2048 whatever the pace", "[store][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{8}));
-    const bool async = GENERATE(false, true);
-    CAPTURE(seed, async);
+    SEED(std::uint64_t{8});
+    EACH(async, false, true);
     tests::SmallSession rig;
     const auto ticks = tests::random_ticks(seed, 1 + 1433 * seed);
     protocols::TrialId id = 0;

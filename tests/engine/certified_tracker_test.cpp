@@ -39,8 +39,7 @@ private:
 }  // namespace
 
 TEST_CASE("while the hand stays near a smooth outline hardly any tick searches", "[contact]") {
-    const double kappa = GENERATE(-20.0, 0.0, 20.0);
-    CAPTURE(kappa);
+    EACH(kappa, -20.0, 0.0, 20.0);
     const auto outline = stimuli::make_outline({.curvature = kappa});
     const CertifiedTracker tracker(*outline);
     TrackState state;

@@ -39,8 +39,7 @@ TEST_CASE("at the centre of curvature every foot is as good, and one is found", 
 }
 
 TEST_CASE("the closest feature of a two-curve object agrees with circles and lines", "[contact]") {
-    const double kappa = GENERATE(-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
-    CAPTURE(kappa);
+    EACH(kappa, -20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
     const stimuli::TwoCurve object{.curvature = kappa};
     const auto outline = stimuli::make_outline(object);
     const OutlineFeet feet(*outline);

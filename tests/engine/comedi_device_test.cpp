@@ -37,8 +37,7 @@ TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both 
     Calibration how = daq_calibration();
     how.comedi->counter_clockwise = {random.coin(), random.coin()};
     DaqBench bench;
-    const int bits = GENERATE(16, 24, 32);
-    CAPTURE(bits);
+    EACH(bits, 16, 24, 32);
     bench.counter_top = static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);
     // Near an end, so that every path crosses it.
     const auto near_an_end = [&] {

@@ -144,8 +144,7 @@ TEST_CASE(
     "right machines of many kinds pass, their friction in joints or at the handle found to a "
     "tenth, and the same twice as strong or half do not",
     "[commissioning][law]") {
-    const auto seed = GENERATE(seeds(4U));
-    CAPTURE(seed);
+    SEED(4U);
     const PlantModel plant = some_plant(seed);
     const CommissioningResult right = commissioned(plant, {}, {});
     CAPTURE(right.refused);
@@ -200,8 +199,7 @@ TEST_CASE(
 TEST_CASE(
     "the short form finds each motor a quarter weaker or stronger, and is not misled by friction",
     "[commissioning][law]") {
-    const auto seed = GENERATE(seeds(3U));
-    CAPTURE(seed);
+    SEED(3U);
     const PlantModel plant = some_plant(seed);
     const RigRecord record = commissioned(plant, {}, {}).record;
     const auto opened = [&](const Vec2& gain, double friction) {
@@ -253,8 +251,7 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
 
 TEST_CASE("answers that are 5 ms late are found, at first and later, and hide no stronger motor",
           "[commissioning][safety][law]") {
-    const auto seed = GENERATE(seeds(2U));
-    CAPTURE(seed);
+    SEED(2U);
     const PlantModel plant = some_plant(seed);
     const Calibration machine{.pantograph = plant.machine};
     const RigRecord record = commissioned(plant, {}, {}).record;

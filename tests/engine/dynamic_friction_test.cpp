@@ -45,8 +45,7 @@ TEST_CASE("Dahl's law is its differential equation, solved finely, for every exp
 TEST_CASE("below an exponent of 1 Dahl's law saturates after a finite way", "[friction][law]") {
     // From rest under constant load: f / f_c = 1 - (1 - (1 - alpha) sigma x / f_c)^(1 / (1 -
     // alpha)).
-    const double alpha = GENERATE(0.0, 0.3, 0.5, 0.9);
-    CAPTURE(alpha);
+    EACH(alpha, 0.0, 0.3, 0.5, 0.9);
     const FrictionLaw law({.traits = law_named("dahl"), .exponent = alpha},
                           {.mu_s = 0.5, .mu_d = 0.5}, 1000.0, tests::kLawTick);
     LawState state;
@@ -85,8 +84,7 @@ TEST_CASE("LuGre's exact step is its differential equation, solved finely", "[fr
 
 TEST_CASE("an explicit Euler step of LuGre settles below sigma_0 |v| T / g = 2, and diverges above",
           "[friction][law]") {
-    const double share = GENERATE(0.5, 0.9, 0.99, 1.01, 1.1, 2.0);
-    CAPTURE(share);
+    EACH(share, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0);
     const LawSpec spec{.traits = law_named("lugre_euler")};
     const FrictionLaw law(spec, {.mu_s = 0.5, .mu_d = 0.5}, 1e4, tests::kLawTick);
     const double limit = euler_limit(1e4, 4.0, 0.5, tests::kLawTick);

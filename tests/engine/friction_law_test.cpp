@@ -96,9 +96,8 @@ int steps_above_bound(const Scene& scene, const std::vector<Vec2>& path) {
 }  // namespace
 
 TEST_CASE("with vertex slew the force never steps by more than the bound", "[friction][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{40}));
-    const double rate = GENERATE(1000.0, 4000.0);
-    CAPTURE(seed, rate);
+    SEED(std::uint64_t{40});
+    EACH(rate, 1000.0, 4000.0);
     const Scene scene(stimuli::make_outline({.curvature = Random(seed).in(-10.0, 10.0)}),
                       {.period = 1.0 / rate, .friction = kFriction, .slew = kSlew});
     CHECK(steps_above_bound(scene, hand(seed, 1.0 / rate)) == 0);
@@ -106,8 +105,7 @@ TEST_CASE("with vertex slew the force never steps by more than the bound", "[fri
 
 TEST_CASE("round a shallow corner the force never steps by more than the bound",
           "[friction][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{20});
     const Scene scene(
         std::make_shared<const Outline>(Outline(
             {make_line({-0.1, 0.0}, {0.0, 0.0}), make_line({0.0, 0.0}, {0.1, -0.0404})}, false)),

@@ -58,8 +58,7 @@ bool stays_off(const EmulatedBoard& board) {
 
 TEST_CASE("however palpate dies with the force on, its motors go to zero", "[guard][law]") {
     EmulatedBoard board(haply_machine(), guided_hand());
-    const auto death = GENERATE(SIGKILL, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGHUP);
-    CAPTURE(death);
+    EACH(death, SIGKILL, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGHUP);
     const auto presser = pressing(board);
     const pid_t guard = presser->guard();
     presser->signal(death);
@@ -74,8 +73,7 @@ TEST_CASE("however palpate dies with the force on, its motors go to zero", "[gua
 TEST_CASE(
     "whatever befalls palpate, its guard and the board together, the force ends and stays off",
     "[guard][law]") {
-    const bool open = GENERATE(false, true);
-    CAPTURE(open);
+    EACH(open, false, true);
     const Calibration calibration = open ? open_machine() : haply_machine();
     EmulatedBoard board(
         calibration, [&] { return std::make_unique<GuidedHand>(calibration); }, {},

@@ -6,8 +6,7 @@ using namespace palpate::engine;
 
 TEST_CASE("whatever answers take, every tick has a new reading, as old as the device says",
           "[haply][law]") {
-    const double trip = GENERATE(0.0, 0.3e-3, 0.8e-3, 1.1e-3, 2.1e-3, 4.6e-3, 9.2e-3);
-    CAPTURE(trip);
+    EACH(trip, 0.0, 0.3e-3, 0.8e-3, 1.1e-3, 2.1e-3, 4.6e-3, 9.2e-3);
     Random random(29);
     HaplyBench bench;
     bench.board.set_faults({.delay = trip});

@@ -5,8 +5,7 @@ using namespace palpate::engine;
 
 TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up", "[geometry]") {
     // Each arc turns by 2 asin(kappa c / 2) over its chord, half of it at either end.
-    const double kappa = GENERATE(-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
-    CAPTURE(kappa);
+    EACH(kappa, -20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
     const auto outline = stimuli::make_outline({.curvature = kappa});
     const double half_chord = 0.5 * std::hypot(0.040, 0.040);
     const Seam& vertex = outline->seams()[0];

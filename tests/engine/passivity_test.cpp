@@ -49,9 +49,8 @@ TEST_CASE("with the delay that is spare the damping is just what is needed", "[p
 
 TEST_CASE("the simulated pantograph on a wall is stable up to the passivity bound and no further",
           "[passivity][law]") {
-    const double period = GENERATE(1e-3, 0.25e-3, 0.1e-3);
-    const int delay = GENERATE(0, 1);
-    CAPTURE(period, delay);
+    EACH(period, 1e-3, 0.25e-3, 0.1e-3);
+    EACH(delay, 0, 1);
     const DeviceWall wall = fine_wall(0.5, period, delay);
     const SampledWall scalar = scalar_of(wall);
     const double measured = device_stiffness(wall, static_cast<int>(1.5 / period), 13);
@@ -95,11 +94,10 @@ TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at an
 TEST_CASE(
     "a machine whose counts show rests if its dry friction is above K times a reading's error",
     "[passivity][law]") {
-    const double period = GENERATE(1e-3, 0.25e-3);
-    const int delay = GENERATE(0, 1);
-    const double share = GENERATE(1.5, 3.0);
-    const double counts = GENERATE(8192.0, 65536.0);
-    CAPTURE(period, delay, share, counts);
+    EACH(period, 1e-3, 0.25e-3);
+    EACH(delay, 0, 1);
+    EACH(share, 1.5, 3.0);
+    EACH(counts, 8192.0, 65536.0);
     CountedWall wall{.period = period, .delay = delay, .counts_per_turn = counts};
     const double need = min_damping(wall.stiffness, period, delay);
     wall.damping = share * need;

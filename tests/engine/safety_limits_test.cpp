@@ -246,10 +246,9 @@ TEST_CASE("a trial that begins with an old reading takes its way from the first 
 
 TEST_CASE("motors trip when the first-order model says so", "[safety][law]") {
     // theta(t) = load^2 (1 - exp(-t / tau)) reaches 1 at t = -tau ln(1 - 1 / load^2).
-    const double load = GENERATE(1.05, 1.2, 2.0, 5.0);
-    const double step = GENERATE(1e-4, 1e-3, 1e-2);
-    const int motor = GENERATE(0, 1);
-    CAPTURE(load, step, motor);
+    EACH(load, 1.05, 1.2, 2.0, 5.0);
+    EACH(step, 1e-4, 1e-3, 1e-2);
+    EACH(motor, 0, 1);
     const SafetyLimits limits{.ramp_step = 1.0, .heat_step = step};
     const Vec3 loads = motor == 0 ? Vec3{load, 0.0, 0.0} : Vec3{0.0, load, 0.0};
     const double expected = -std::log(1.0 - 1.0 / (load * load)) / step;

@@ -145,11 +145,10 @@ TEST_CASE(
     "a straight axis that is pushed and does not count ends the force within 0.15 m of strokes, "
     "within 0.6 m if only at every hill, and no other",
     "[safety][space][encoder][law]") {
-    const int axis = GENERATE(0, 1, 2);
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    const auto pushed = GENERATE(as<std::string>(), "always", "over hills", "never");
-    const bool stuck = GENERATE(true, false);
-    CAPTURE(axis, seed, pushed, stuck);
+    EACH(axis, 0, 1, 2);
+    SEED(20U);
+    EACH(pushed, as<std::string>(), "always", "over hills", "never");
+    EACH(stuck, true, false);
     Random random(seed);
     SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true, .axes = 3};
     limits.stuck_travel = 0.080;

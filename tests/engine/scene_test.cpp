@@ -49,8 +49,7 @@ TEST_CASE("without friction the force is K times the depth along the closest poi
 }
 
 TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{8}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{8});
     for (const double kappa : kCurvatures) {
         for (const Friction& friction : {Friction{}, kSceneFriction}) {
             const Scene scene = scene_of(kappa, friction, kSceneSlew);

@@ -5,8 +5,7 @@ using namespace palpate::engine;
 
 TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper, on each axis",
           "[gantry][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    CAPTURE(seed);
+    SEED(20U);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> share{-0.9, 0.9};
     GantryModel model{.mass = 0.1 + 0.1 * (1.0 + share(random)),

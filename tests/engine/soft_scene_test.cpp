@@ -153,8 +153,7 @@ TEST_CASE(
 
 TEST_CASE("from rest to rest a soft object gives no more energy than sampling leaks",
           "[soft][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    CAPTURE(seed);
+    SEED(40U);
     const Episodes all = episodes(seed, 4000);
     CHECK(all.count > 0);
     CHECK(all.worst <= 1e-12);

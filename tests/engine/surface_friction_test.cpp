@@ -5,8 +5,7 @@
 using namespace palpate::engine;
 
 TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(10U));
-    CAPTURE(seed);
+    SEED(10U);
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(plane(0.5), friction);
     SurfaceState state;
@@ -46,8 +45,7 @@ TEST_CASE("on a plane friction is its closed form to the last bits", "[scene][su
 }
 
 TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(10U));
-    CAPTURE(seed);
+    SEED(10U);
     const Friction friction = some_friction(seed);
     const double r = 0.05;
     const SurfaceScene scene = scene_of(cylinder(r, 0.1), friction);
@@ -79,8 +77,7 @@ TEST_CASE("round a tube friction is that of a circle in the plane", "[scene][sur
 
 TEST_CASE("the force changes no faster than HIP, the GO and the Stribeck drop allow",
           "[scene][surface][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{10}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{10});
     const Friction friction = some_friction(seed);
     const SurfaceScene scene = scene_of(smooth_object(seed), friction);
     SurfaceState state;

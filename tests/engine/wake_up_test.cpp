@@ -20,8 +20,7 @@ std::int64_t some_lateness(std::mt19937& random, std::int64_t period) {
 TEST_CASE(
     "a deadline is always the first point of the grid after the last wake-up, found by counting",
     "[servo][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(50U));
-    CAPTURE(seed);
+    SEED(50U);
     std::mt19937 random(seed);
     const std::int64_t period = 100'000 + static_cast<std::int64_t>(random() % 900'001);
     const std::int64_t first = static_cast<std::int64_t>(random()) + 1'000'000;
@@ -53,8 +52,7 @@ TEST_CASE("a wake-up before its deadline, as no sleep gives one, still goes one 
 
 TEST_CASE("the watch before a deadline never passes its bound, whatever the lateness was",
           "[servo][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(100U));
-    CAPTURE(seed);
+    SEED(100U);
     std::mt19937 random(seed);
     const std::int64_t max = seed == 0 ? 0 : static_cast<std::int64_t>(random() % 500'000);
     AdaptiveSpin spin(max);
@@ -88,8 +86,7 @@ TEST_CASE("the watch settles where about one sleep in 512 ends later, for two ki
 
 TEST_CASE("quantiles of the lateness histogram are those of the sorted values, to 1/32",
           "[servo][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40U));
-    CAPTURE(seed);
+    SEED(40U);
     std::mt19937 random(seed);
     LatenessHistogram histogram;
     std::vector<std::int64_t> values;

@@ -53,8 +53,7 @@ TEST_CASE("the shipped program takes the chip itself on a port", "[open][doctor]
 
 TEST_CASE("killed with the force on, with or without its guard, palpate leaves a board that stops",
           "[open][guard][law]") {
-    const bool both = GENERATE(false, true);
-    CAPTURE(both);
+    EACH(both, false, true);
     const Port port;
     const auto presser = pressing(port);
     const pid_t guard = presser->guard();

@@ -280,8 +280,7 @@ TEST_CASE("a port where something else speaks is distinguished from one where no
 TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is found",
                    "[open][commission][law]",
                    DESKS) {
-    const bool reversed = GENERATE(false, true);
-    CAPTURE(reversed);
+    EACH(reversed, false, true);
     const Calibration machine = open_machine();
     PlantModel plant;
     plant.machine = machine.pantograph;

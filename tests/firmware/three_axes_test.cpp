@@ -89,8 +89,7 @@ TEMPLATE_TEST_CASE(
 TEMPLATE_TEST_CASE("whatever stops a board of three axes, no motor's pin stays driven",
                    "[firmware][gantry][safety][law]",
                    BOARDS_OF_3) {
-    const int way = GENERATE(0, 1, 2, 3);
-    CAPTURE(way);
+    EACH(way, 0, 1, 2, 3);
     Talk3<TestType> talk;
     talk.make_ready(20, 120000);
     talk.torque(0, 0, 50000);  // the third alone

@@ -75,8 +75,7 @@ std::string hash_of(const std::string& file) {
 TEST_CASE(
     "a power cut while files are merged leaves a whole file, and merging again gives the same",
     "[long][power][law]") {
-    const bool there = GENERATE(false, true);
-    CAPTURE(there);
+    EACH(there, false, true);
     const TemporaryFolder inputs;
     const TemporaryFolder folder;
     std::vector<std::string> files;

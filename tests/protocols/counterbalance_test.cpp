@@ -27,8 +27,7 @@ std::vector<std::string> names(const Protocol& protocol, const std::vector<std::
 }  // namespace
 
 TEST_CASE("rows are balanced after every participant, whatever is drawn", "[counterbalance][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{30}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{30});
     const Protocol protocol = counterbalanced_study();
     std::vector<std::vector<std::string>> before;
     for (int i = 0; i < 35; ++i) {

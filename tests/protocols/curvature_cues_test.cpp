@@ -16,9 +16,8 @@ Cues felt(const StrokeSpec& spec, std::uint64_t seed = 1) {
 
 TEST_CASE("both cues find the curvature of an exact arc, with and without friction",
           "[observer][law]") {
-    const double curvature = GENERATE(-10.0, -7.5, -5.0, -2.5, 0.0, 2.5, 5.0, 7.5, 10.0);
-    const double mu = GENERATE(0.0, 0.5, 0.7);
-    CAPTURE(curvature, mu);
+    EACH(curvature, -10.0, -7.5, -5.0, -2.5, 0.0, 2.5, 5.0, 7.5, 10.0);
+    EACH(mu, 0.0, 0.5, 0.7);
     const Cues cues = felt({.curvature = curvature, .mu = mu});
     REQUIRE(cues.force);
     REQUIRE(cues.position);
@@ -37,8 +36,7 @@ TEST_CASE("a deep press stretches both cues as the header says", "[observer]") {
 }
 
 TEST_CASE("a trembling hand does not bias the cues", "[observer][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{20});
     const Cues cues = felt({.curvature = 5.0, .depth = 0.001, .mu = 0.5, .tremor = 0.0002}, seed);
     CHECK(std::fabs(*cues.force - 5.0) < 0.2);
     CHECK(std::fabs(*cues.position - 5.0) < 0.2);

@@ -39,8 +39,7 @@ TickRecord tick_on(std::int64_t k, std::int16_t segment, double u) {
 
 TEST_CASE("coverage is the share of both arcs that the god-object went along",
           "[exploration][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(40));
-    CAPTURE(seed);
+    SEED(40);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const double curvature = seed == 0 ? 0.0 : random.in(-20.0, 20.0);
     const auto outline = stimuli::make_outline({.curvature = curvature});
@@ -111,8 +110,7 @@ TEST_CASE("deciles are the nearest ranks", "[exploration][law]") {
 }
 
 TEST_CASE("speeds are those of contact, stops and new slips are counted", "[exploration][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(30));
-    CAPTURE(seed);
+    SEED(30);
     tests::Random random(static_cast<std::uint64_t>(seed));
     const auto outline = stimuli::make_outline({.curvature = 5.0});
     ExplorationMeter meter(*outline);

@@ -102,11 +102,10 @@ TEST_CASE("what lets a contact rest is said with the friction it takes and the s
 TEST_CASE("a damper of the contact asks as much more of the device", "[feasibility][law]") {
     // b >= K T (1/2 + d) + |B|: Colgate & Schenkel 1997.
     FakeDevice device;
-    const double stiffness = GENERATE(100.0, 1000.0);
-    const double damper = GENERATE(0.05, 0.4);
-    const double delay = GENERATE(0.0, 1.0);
+    EACH(stiffness, 100.0, 1000.0);
+    EACH(damper, 0.05, 0.4);
+    EACH(delay, 0.0, 1.0);
     const double bound = stiffness * 1e-3 * (0.5 + delay) + damper;
-    CAPTURE(stiffness, damper, delay);
     Protocol protocol = felt_study(stiffness);
     protocol.apparatus.damping = damper;
     CHECK(engine::Scene(make_scene(protocol, Condition{})).spec().damping == damper);

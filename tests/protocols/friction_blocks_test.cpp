@@ -77,9 +77,8 @@ double chi_square(const std::map<std::size_t, double>& counts, std::size_t cells
 TEST_CASE("a friction block has one friction, every object equally often, and keeps the run limit",
           "[friction_blocks][law]") {
     const auto how = GENERATE(FrictionBlocks::abba, FrictionBlocks::blocked);
-    const auto frictions = GENERATE(std::size_t{2}, std::size_t{3});
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{25}));
-    CAPTURE(seed, frictions);
+    EACH(frictions, std::size_t{2}, std::size_t{3});
+    SEED(std::uint64_t{25});
     const Protocol protocol = study(how, frictions);
     const Plan plan = blocked_plan_of(protocol, seed);
     CHECK(plan.trials.size() == 5 * frictions * 11 + 4);
@@ -115,9 +114,8 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
 }
 
 TEST_CASE("abba goes there and back, blocked goes there again", "[friction_blocks][law]") {
-    const auto frictions = GENERATE(std::size_t{2}, std::size_t{3}, std::size_t{4});
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
-    CAPTURE(seed, frictions);
+    EACH(frictions, std::size_t{2}, std::size_t{3}, std::size_t{4});
+    SEED(std::uint64_t{20});
     const auto there = [&](const std::vector<std::size_t>& all) {
         return std::vector<std::size_t>(all.begin(),
                                         all.begin() + static_cast<std::ptrdiff_t>(frictions));
@@ -147,8 +145,7 @@ TEST_CASE("abba goes there and back, blocked goes there again", "[friction_block
 
 TEST_CASE("catch trials are felt with the friction of their block, spread evenly over its blocks",
           "[friction_blocks][law]") {
-    const auto catches = GENERATE(range(std::size_t{0}, std::size_t{13}));
-    CAPTURE(catches);
+    EACH(catches, range(std::size_t{0}, std::size_t{13}));
     Protocol protocol = study(FrictionBlocks::abba);
     protocol.design.catch_trials = catches;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -226,9 +223,8 @@ TEST_CASE("with nobody there yet each friction begins as often as the others",
 
 TEST_CASE("after every participant no order of frictions is used more than once more than another",
           "[friction_blocks][counterbalance][law]") {
-    const auto frictions = GENERATE(std::size_t{2}, std::size_t{3});
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{20}));
-    CAPTURE(seed, frictions);
+    EACH(frictions, std::size_t{2}, std::size_t{3});
+    SEED(std::uint64_t{20});
     const Protocol protocol = study(FrictionBlocks::abba, frictions);
     std::vector<std::vector<std::string>> before;
     for (std::uint64_t i = 0; i < 13; ++i) {

@@ -72,8 +72,7 @@ std::size_t part_of(const Plan& plan, std::size_t position) {
 
 TEST_CASE("each position ends with one answer that counts, or has used up its repetitions",
           "[session][invalid][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(std::uint64_t{100}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{100});
     const Plan plan = first_plan_of(blocked());
     const std::size_t max = seed % 4;
     const auto all = run_all(plan, rule_of(seed, max), seed, 0.1 * static_cast<double>(seed % 11));

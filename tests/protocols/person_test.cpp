@@ -303,8 +303,7 @@ TEST_CASE("people who all judge alike are right as often as criteria midway say"
 
 TEST_CASE("an effect in log odds is that effect for every person, and none is none",
           "[observer][law]") {
-    const double mean = GENERATE(-1.0, -0.3, 0.0, 0.5);
-    CAPTURE(mean);
+    EACH(mean, -1.0, -0.3, 0.0, 0.5);
     const Protocol protocol = five_objects();
     ObserverModel model = typical_observer();
     model.people.bias = 2.0;  // some can hardly be right at all

@@ -111,8 +111,7 @@ TEST_CASE(
     "whatever faults, each position is answered once, and faulted ones come again later in their "
     "part",
     "[session][fault][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{40}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{40});
     World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
     Patient observer;
     Ledger ledger;
@@ -156,8 +155,7 @@ TEST_CASE(
 
 TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",
           "[session][fault][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{40}));
-    CAPTURE(seed);
+    SEED(std::uint64_t{40});
     World world{.seed = seed, .fault_share = 0.3};
     const auto expected = unbroken(world);
     Random random(seed);

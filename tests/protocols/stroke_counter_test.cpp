@@ -54,7 +54,7 @@ TEST_CASE("every sweep along the surface is one stroke, however the surface lies
 }
 
 TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][law]") {
-    const auto off = GENERATE(1, 50, 99, 100, 250);
+    EACH(off, 1, 50, 99, 100, 250);
     StrokeCounter counter;
     std::int64_t k = 0;
     const auto stroke = [&](double from, double to) {
@@ -71,7 +71,6 @@ TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][la
         counter.add(tick);
     }
     stroke(0.02, 0.04);
-    CAPTURE(off);
     // From contact to contact `off` + 1 ticks of 1 ms; more than 100 ms is a lift.
     CHECK(counter.strokes() == (off + 1 > 100 ? 2 : 1));
 }
@@ -126,8 +125,7 @@ double number(const protocols::Measure::Value& value) {
 
 TEST_CASE("of two intervals counts and ways add up, means weigh by contact, the largest remains",
           "[strokes][law]") {
-    const auto seed = GENERATE(range(0, 30));
-    CAPTURE(seed);
+    EACH(seed, range(0, 30));
     tests::Random random(static_cast<std::uint64_t>(seed));
     const auto a = felt_at_random(random, seed % 3 != 1);
     const auto b = felt_at_random(random, seed % 3 != 2);

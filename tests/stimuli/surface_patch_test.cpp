@@ -39,8 +39,7 @@ double off(const SurfacePatch& patch, const Vec3& p) {
 
 TEST_CASE("a patch is the surface of revolution that its curvatures name, to rounding",
           "[stimuli][surface][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(60U));
-    CAPTURE(seed);
+    SEED(60U);
     Drawn drawn(seed);
     CAPTURE(drawn.patch.size, drawn.patch.curvature_x, drawn.patch.curvature_y);
     const auto surface = make_surface(drawn.patch);
@@ -67,8 +66,7 @@ TEST_CASE("a patch is the surface of revolution that its curvatures name, to rou
 TEST_CASE(
     "the rim goes on from the patch without a gap, level straight outwards, beyond every reach",
     "[stimuli][surface][law]") {
-    const auto seed = GENERATE(range(100U, 130U));
-    CAPTURE(seed);
+    EACH(seed, range(100U, 130U));
     Drawn drawn(seed);
     const auto surface = make_surface(drawn.patch);
     const double half = 0.5 * drawn.patch.size;
@@ -94,8 +92,7 @@ TEST_CASE(
 
 TEST_CASE("a drawing's lines stay within its border, whatever the patch",
           "[stimuli][surface][law]") {
-    const auto seed = GENERATE(range(200U, 230U));
-    CAPTURE(seed);
+    EACH(seed, range(200U, 230U));
     const Drawn drawn(seed);
     const stimuli::PatchDrawing drawing = stimuli::drawing_of(*make_surface(drawn.patch));
     const auto inside = [&drawing](const Vec2& p) {  // crossings of a ray to the right
@@ -144,8 +141,7 @@ TEST_CASE(
 
 TEST_CASE("seen from above the border of a patch is where its sides are",
           "[stimuli][surface][law]") {
-    const auto seed = GENERATE(range(300U, 320U));
-    CAPTURE(seed);
+    EACH(seed, range(300U, 320U));
     const Drawn drawn(seed);
     const auto border = stimuli::border_of(*make_surface(drawn.patch));
     const double half = 0.5 * drawn.patch.size;

@@ -16,8 +16,7 @@ double off_the_outline(const stimuli::TwoCurve& object, const Vec2& p) {
 
 TEST_CASE("curvature bulges by the sagitta of its circle, outwards when positive",
           "[stimuli][law]") {
-    const double kappa = GENERATE(-20.0, -10.0, -5.0, 5.0, 10.0, 20.0);
-    CAPTURE(kappa);
+    EACH(kappa, -20.0, -10.0, -5.0, 5.0, 10.0, 20.0);
     const auto outline = stimuli::make_outline({.curvature = kappa});
     const double radius = 1.0 / std::fabs(kappa);
     const double half = 0.5 * std::hypot(0.040, 0.040);
@@ -31,9 +30,8 @@ TEST_CASE("curvature bulges by the sagitta of its circle, outwards when positive
 
 TEST_CASE("the picture's polyline stays within its tolerance of the felt outline",
           "[stimuli][law]") {
-    const double kappa = GENERATE(-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
-    const double tolerance = GENERATE(200e-6, 20e-6, 2e-6);
-    CAPTURE(kappa, tolerance);
+    EACH(kappa, -20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
+    EACH(tolerance, 200e-6, 20e-6, 2e-6);
     const stimuli::TwoCurve object{.curvature = kappa};
     const std::vector<Vec2> points = stimuli::silhouette(object, tolerance);
     double worst = 0.0;

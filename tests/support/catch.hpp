@@ -52,9 +52,15 @@ auto seeds(Count all) {
 using namespace palpate;
 using namespace palpate::tests;
 
-/// In a test case that runs once for each of `count` seeds: `seed`, and a Random of it, or of it
-/// and what is added to it (tests/support/random.hpp).
-#define SEEDED(random, count, ...)                            \
-    const auto seed = GENERATE(palpate::tests::seeds(count)); \
-    CAPTURE(seed);                                            \
+/// In a test case that runs once for each of the values: `name` is it, and a failure says which.
+#define EACH(name, ...)                      \
+    const auto name = GENERATE(__VA_ARGS__); \
+    CAPTURE(name)
+
+/// The same for each of `count` seeds.
+#define SEED(count) EACH(seed, palpate::tests::seeds(count))
+
+/// With a Random of the seed, or of it and what is added to it (tests/support/random.hpp).
+#define SEEDED(random, count, ...) \
+    SEED(count);                   \
     palpate::tests::Random random(seed __VA_OPT__(+) __VA_ARGS__)

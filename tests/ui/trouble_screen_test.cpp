@@ -69,8 +69,7 @@ TEST_CASE("a trial with a dead-man key begins when Space goes down, and not befo
 
 TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and however early",
           "[screen][fault][law]") {
-    const int way = GENERATE(0, 1, 2, 3);
-    CAPTURE(way);
+    EACH(way, 0, 1, 2, 3);
     Rig rig;
     {
         const Later subject([] { press(SDLK_SPACE); });
