@@ -12,17 +12,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Every file below a folder: its name and its bytes.
-std::string everything(const fs::path& folder) {
-    std::set<std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        if (entry.is_regular_file()) {
-            files.insert(fs::relative(entry.path(), folder).string() + '\n' + slurp(entry.path()));
-        }
-    }
-    return fmt::format("{}", fmt::join(files, "\n"));
-}
-
 constexpr std::int64_t kClock = 432'198'765'000'000;  ///< ns
 
 /// Three participants of a study, with words that must not leave the lab.

@@ -2,6 +2,7 @@
 #include "engine/device/emulator/hands.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/daq_bench.hpp"
+#include "tests/support/miswired_machine.hpp"
 
 using namespace palpate::engine;
 
@@ -66,18 +67,9 @@ private:
 CommissioningResult commissioned_on_card(RigOnCard& rig) {
     static const std::vector<Vec3> places = places_to_commission(rig.how, *rig.how.home);
     const auto device = plug(rig.bench, rig.how);
-    return commission(*device, rig.how, places, Vec3(PlantModel{}.handle_mass),
-                      {.bring =
-                           [&](const Vec3& place) {
-                               rig.bring(Vec2(place));
-                               return true;
-                           },
-                       .wait =
-                           [&] {
-                               rig.pass();
-                               return true;
-                           },
-                       .period = 1e-3});
+    return commission(
+        *device, rig.how, places, Vec3(PlantModel{}.handle_mass),
+        attended([&](const Vec3& place) { rig.bring(Vec2(place)); }, [&] { rig.pass(); }));
 }
 
 }  // namespace

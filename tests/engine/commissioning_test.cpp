@@ -29,13 +29,7 @@ const std::vector<Vec3>& places_of(const PlantModel& plant) {
 }
 
 CommissioningDesk desk_of(MiswiredMachine& device) {
-    return {.bring =
-                [&device](const Vec3& place) {
-                    device.bring(Vec2(place));
-                    return true;
-                },
-            .wait = [] { return true; },
-            .period = kPeriod};
+    return attended([&device](const Vec3& place) { device.bring(Vec2(place)); }, [] {}, kPeriod);
 }
 
 CommissioningResult commissioned(const PlantModel& plant, MiswiredMachine& device) {

@@ -34,21 +34,18 @@ CommissioningResult commissioned(
     const Calibration machine = gantry_machine();
     int brought = 0;
     return commission(device, machine, places_to_commission(machine, {}), mass,
-                      {.bring =
-                           [&](const Vec3& place) {
-                               device.bring(place);
-                               ++brought;
-                               return true;
-                           },
-                       .wait =
-                           [&, still = 0]() mutable {
-                               still = brought == 4 ? still + 1 : 0;
-                               if (still == 251) {  // a quarter of a second at the last mark
-                                   after_marks();
-                               }
-                               return true;
-                           },
-                       .period = kPulseTick});
+                      attended(
+                          [&](const Vec3& place) {
+                              device.bring(place);
+                              ++brought;
+                          },
+                          [&, still = 0]() mutable {
+                              still = brought == 4 ? still + 1 : 0;
+                              if (still == 251) {  // a quarter of a second at the last mark
+                                  after_marks();
+                              }
+                          },
+                          kPulseTick));
 }
 
 /// Order, signs and gains at random; `dead` may have one that says nothing.
@@ -252,17 +249,10 @@ TEST_CASE("a fault at any tick of the pulses ends the force at once, and no rig 
         const Calibration machine = gantry_machine();
         const CommissioningResult done = commission(
             device, machine, places_to_commission(machine, {}), mass_of(right_axes()),
-            {.bring =
-                 [&](const Vec3& place) {
-                     device.bring(place);
-                     return true;
-                 },
-             .wait =
-                 [&] {
-                     after += device.ticks >= device.fails_at ? glm::length(device.last) : 0.0;
-                     return true;
-                 },
-             .period = kPulseTick});
+            attended(
+                [&](const Vec3& place) { device.bring(place); },
+                [&] { after += device.ticks >= device.fails_at ? glm::length(device.last) : 0.0; },
+                kPulseTick));
         CAPTURE(device.fails_at, done.refused);
         CHECK_FALSE(done.refused.empty());
         CHECK(after == 0.0);

@@ -25,17 +25,12 @@ CommissioningResult commissioned_on(Board& board,
     static const std::vector<Vec3> places = places_to_commission(machine, *machine.home);
     BoardDesk desk(board, make_line);
     desk.open(machine);
-    const auto tick = [&] {
-        desk.pass_tick();
-        return true;
-    };
     const auto bring = [&](const Vec3& place) {
         handle.bring(Vec2(place));
         desk.cable.pass(200'000'000);
-        return true;
     };
     return commission(*desk.device, machine, places, Vec3(PlantModel{}.handle_mass),
-                      {.bring = bring, .wait = tick, .period = 1e-3});
+                      attended(bring, [&] { desk.pass_tick(); }));
 }
 
 CommissioningResult commissioned_on_board(bool open,

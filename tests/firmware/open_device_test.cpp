@@ -4,6 +4,7 @@
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -292,18 +293,12 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and a reversed motor of it is
     desk.open(machine);
     const CommissioningResult done =
         commission(*desk.device, machine, places_to_commission(machine, *machine.home), Vec3(0.060),
-                   {.bring =
-                        [&](const Vec3& place) {
-                            handle.bring(Vec2(place));
-                            desk.cable.pass(200'000'000);
-                            return true;
-                        },
-                    .wait =
-                        [&] {
-                            desk.pass_tick();
-                            return true;
-                        },
-                    .period = 1e-3});
+                   attended(
+                       [&](const Vec3& place) {
+                           handle.bring(Vec2(place));
+                           desk.cable.pass(200'000'000);
+                       },
+                       [&] { desk.pass_tick(); }));
     CAPTURE(done.refused);
     CHECK(done.refused.empty() == !reversed);
     CHECK_THAT(done.refused, Has(reversed ? "motor 1 is reversed" : ""));

@@ -44,17 +44,6 @@ void cut_everywhere(const TemporaryFolder& folder,
     }
 }
 
-/// Every file below a folder: its name and its bytes.
-std::string everything(const fs::path& folder) {
-    std::set<std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        if (entry.is_regular_file()) {
-            files.insert(fs::relative(entry.path(), folder).string() + '\n' + slurp(entry.path()));
-        }
-    }
-    return fmt::format("{}", fmt::join(files, "\n"));
-}
-
 std::string a_session(const std::string& file, const std::string& participant) {
     data::SessionSpec spec = short_session(false);
     spec.plan = protocols::make_plan(spec.protocol, spec.protocol_hash, {participant, 1, kSecret},

@@ -2,9 +2,8 @@
 
 #include "data/store/reader.hpp"
 #include "data/trace/derived_hash.hpp"
-#include "data/verify/verify.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/studies.hpp"
 
 /// Seeded edits of a database, value by value, for tests that must notice them.
 namespace palpate::tests {
@@ -150,22 +149,6 @@ inline void repack(data::Database& database,
         std::span<const std::byte>(chunk.data), chunk.crc32,
         std::bit_cast<std::int64_t>(data::derived_hash(ticks)), data::parts_text(data::kAllParts),
         row);
-}
-
-/// All findings, a line each.
-inline std::string text_of(const data::Verification& found) {
-    std::string text;
-    const auto add = [&](const std::vector<data::Finding>& findings) {
-        for (const data::Finding& one : findings) {
-            text += fmt::format("{} {}: {} | {}\n", one.trial.value_or(0), one.what, one.stored,
-                                one.recomputed);
-        }
-    };
-    add(found.file);
-    for (const auto& session : found.sessions) {
-        add(session.findings);
-    }
-    return text;
 }
 
 /// One seeded edit of a value of `row`, undone at the end: it must be reported.

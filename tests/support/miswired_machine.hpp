@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/encoder_proof.hpp"
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/emulator/hands.hpp"
@@ -7,6 +8,22 @@
 #include "tests/support/std.hpp"
 
 namespace palpate::tests {
+
+/// Somebody who brings the handle wherever it is wanted, and lets a tick pass when waited for.
+template <class Bring, class Tick>
+engine::CommissioningDesk attended(Bring bring, Tick tick, double period = 1e-3) {
+    return {.bring =
+                [bring](const engine::Vec3& place) mutable {
+                    bring(place);
+                    return true;
+                },
+            .wait =
+                [tick]() mutable {
+                    tick();
+                    return true;
+                },
+            .period = period};
+}
 
 /// A free handle on a machine whose motors and encoders are not connected as its calibration says,
 /// on a virtual clock: a torque written at one tick acts from the next one on.

@@ -148,17 +148,13 @@ struct PressedDesk {
     /// repetition.
     void press_anew() {
         session->hand().release("space");
-        for (int i = 0; i < 20; ++i) {
-            wait_a_little();
-        }
+        tests::pause(0.02);
         session->hand().press("space");
     }
     /// Goes on after faults of a busy machine until one has this cause.
     [[nodiscard]] bool faults_of(const std::string& cause) {
         for (int i = 0; i < 200 && faults(cause) != "1"; ++i) {
-            for (int k = 0; k < 100; ++k) {
-                wait_a_little();
-            }
+            tests::pause(0.1);
             const std::string screen = session->screen_name();
             if (went_on(screen, i)) {
                 continue;
@@ -174,9 +170,7 @@ struct PressedDesk {
     /// Looks at the file alone, ten times a second.
     [[nodiscard]] bool waits_for_fault(const std::string& cause) const {
         for (int i = 0; i < 200 && faults(cause) != "1"; ++i) {
-            for (int k = 0; k < 100; ++k) {
-                wait_a_little();
-            }
+            tests::pause(0.1);
         }
         return faults(cause) == "1";
     }

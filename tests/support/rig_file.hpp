@@ -24,16 +24,10 @@ inline std::string commissioned_rig(const TemporaryFolder& folder,
     const engine::Vec2 home =
         machine.home.value_or(pantograph.locate(pantograph.angles({0, 0}))->hip);
     MiswiredMachine right(plant, {}, {});
-    engine::CommissioningResult done =
-        engine::commission(right, machine, engine::places_to_commission(machine, home),
-                           engine::Vec3(plant.handle_mass),
-                           {.bring =
-                                [&](const engine::Vec3& place) {
-                                    right.bring(engine::Vec2(place));
-                                    return true;
-                                },
-                            .wait = [] { return true; },
-                            .period = 1e-3});
+    engine::CommissioningResult done = engine::commission(
+        right, machine, engine::places_to_commission(machine, home),
+        engine::Vec3(plant.handle_mass),
+        attended([&](const engine::Vec3& place) { right.bring(engine::Vec2(place)); }, [] {}));
     if (!done.refused.empty()) {
         throw std::runtime_error(done.refused);
     }

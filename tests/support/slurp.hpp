@@ -11,6 +11,18 @@ inline std::string slurp(const std::filesystem::path& file) {
     return std::move(text).str();
 }
 
+/// Every file below a folder: its name and its bytes.
+inline std::string everything(const std::filesystem::path& folder) {
+    std::set<std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+        if (entry.is_regular_file()) {
+            files.insert(std::filesystem::relative(entry.path(), folder).string() + '\n' +
+                         slurp(entry.path()));
+        }
+    }
+    return fmt::format("{}", fmt::join(files, "\n"));
+}
+
 /// The lines of a text.
 inline std::vector<std::string> lines_in(const std::string& text) {
     std::vector<std::string> lines;

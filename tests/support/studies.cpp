@@ -129,12 +129,11 @@ std::int64_t count(data::Database& database, const std::string& from) {
     return database.first("SELECT count(*) FROM " + from).integer(0);
 }
 
-std::string differences(data::Database& database) {
-    const data::Verification found = data::verify(database);
+std::string text_of(const data::Verification& found, bool missing) {
     std::string text;
-    const auto add = [&text](const std::vector<data::Finding>& findings) {
+    const auto add = [&](const std::vector<data::Finding>& findings) {
         for (const data::Finding& one : findings) {
-            if (one.kind != data::FindingKind::missing) {
+            if (missing || one.kind != data::FindingKind::missing) {
                 text += fmt::format("{} {}: {} | {}\n", one.trial.value_or(0), one.what, one.stored,
                                     one.recomputed);
             }
@@ -145,6 +144,10 @@ std::string differences(data::Database& database) {
         add(session.findings);
     }
     return text;
+}
+
+std::string differences(data::Database& database) {
+    return text_of(data::verify(database), false);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
+#include "data/verify/verify.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 
@@ -84,6 +85,8 @@ public:
 [[nodiscard]] std::string lines(data::Database& database, const std::string& sql);
 /// How many rows `from` gives: a table, with its joins and WHERE.
 [[nodiscard]] std::int64_t count(data::Database& database, const std::string& from);
+/// All findings, a line each. @param missing  also of what is missing
+[[nodiscard]] std::string text_of(const data::Verification& found, bool missing = true);
 /// What verify finds different in a file with made-up provenance, a line each.
 [[nodiscard]] std::string differences(data::Database& database);
 

@@ -23,6 +23,20 @@ std::string shown_on(ui::SubjectScreen& screen) {
 /// Hardly a pixel more than a screen needs: each is hashed, frame by frame.
 const ui::WindowOptions kSmall{.width = 640, .height = 480, .font = {}, .instructions = {}};
 
+ui::SubjectScreenOptions small_screen(bool dead_man,
+                                      ResponseKind asks = ResponseKind::identification,
+                                      double guard_s = 0.25) {
+    return {.window = kSmall,
+            .watermark = {},
+            .interrupted = {},
+            .on_pointer = {},
+            .dead_man = dead_man,
+            .guard_s = guard_s,
+            .asks = asks,
+            .on_hold = {},
+            .on_stop = {}};
+}
+
 /// Presses a key again and again until `ask` has come back.
 void press_until_done(SDL_Keycode key, const std::function<void()>& ask) {
     std::atomic<bool> answered{false};
@@ -41,14 +55,7 @@ void press_until_done(SDL_Keycode key, const std::function<void()>& ask) {
 /// screen showed while each object was felt.
 class WatchedScreen : public Observer {
 public:
-    WatchedScreen()
-        : screen_({.window = kSmall,
-                   .watermark = {},
-                   .interrupted = {},
-                   .on_pointer = {},
-                   .guard_s = 0.0,
-                   .on_hold = {},
-                   .on_stop = {}}) {}
+    WatchedScreen() : screen_(small_screen(false, ResponseKind::identification, 0.0)) {}
 
     Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
     Signal ready(const TrialView& trial) override {
@@ -145,14 +152,7 @@ TEST_CASE(
     /// Shows the real faces of a session whose every trial faults once.
     class Shaken : public tests::Patient {
     public:
-        explicit Shaken(bool dead_man)
-            : screen_({.window = kSmall,
-                       .watermark = {},
-                       .interrupted = {},
-                       .on_pointer = {},
-                       .dead_man = dead_man,
-                       .on_hold = {},
-                       .on_stop = {}}) {}
+        explicit Shaken(bool dead_man) : screen_(small_screen(dead_man)) {}
         ExplorationStep explore(const TrialView& trial, double elapsed_s) override {
             TrialView view = trial;
             view.number = 1;
@@ -212,14 +212,7 @@ TEST_CASE(
     /// Shows the real screens of both intervals for each trial of a session, and answers by itself.
     class TwoIntervals : public tests::Patient {
     public:
-        TwoIntervals()
-            : screen_({.window = kSmall,
-                       .watermark = {},
-                       .interrupted = {},
-                       .on_pointer = {},
-                       .asks = ResponseKind::two_interval,
-                       .on_hold = {},
-                       .on_stop = {}}) {}
+        TwoIntervals() : screen_(small_screen(false, ResponseKind::two_interval)) {}
         Signal ready(const TrialView& trial) override {
             for (const std::size_t interval : {std::size_t{1}, std::size_t{2}}) {
                 press_until_done(SDLK_SPACE,
