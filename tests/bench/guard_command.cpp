@@ -3,8 +3,8 @@
 #include "engine/device/drivers/serial_link.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/support/guided_hand.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/emulated_machine.hpp"
 
 #if defined(PALPATE_BENCH_WINDOW)
 #include "tests/support/stop_ways.hpp"

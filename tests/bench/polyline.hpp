@@ -6,7 +6,17 @@
 namespace palpate::bench {
 
 /// Vertices on the curves, about `segments` steps, shared evenly among the spans.
-[[nodiscard]] std::vector<Vec2> polyline_of(const Object& object, std::size_t segments);
+inline std::vector<Vec2> polyline_of(const Object& object, std::size_t segments) {
+    const std::vector<engine::RationalBezier<2>> spans = spans_of(object);
+    const std::size_t each = segments / spans.size() > 0 ? segments / spans.size() : 1;
+    std::vector<Vec2> points{spans.front().at(0.0).point};
+    for (const auto& span : spans) {
+        for (std::size_t i = 1; i <= each; ++i) {
+            points.push_back(span.at(static_cast<double>(i) / static_cast<double>(each)).point);
+        }
+    }
+    return points;
+}
 
 /// God-object on a polyline (Zilles & Salisbury 1995; Ho, Basdogan & Srinivasan 1999): the active
 /// segment hands over to a neighbour as long as that is closer. Local: it may stay behind a spike.
@@ -14,7 +24,14 @@ class PolylineWalk {
 public:
     explicit PolylineWalk(std::vector<Vec2> points) : points_(std::move(points)) {}
 
-    void reset(const Vec2& first);
+    void reset(const Vec2& first) {
+        active_ = 0;
+        for (std::size_t i = 0; i + 1 < points_.size(); ++i) {
+            if (project(i, first).distance2 < project(active_, first).distance2) {
+                active_ = i;
+            }
+        }
+    }
     Answer<2> answer(const Vec2& hip) noexcept {
         Projection best = project(active_, hip);
         for (;;) {

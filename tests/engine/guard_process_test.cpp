@@ -1,8 +1,8 @@
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/guided_hand.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;

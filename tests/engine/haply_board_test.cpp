@@ -1,5 +1,5 @@
 #include "tests/support/catch.hpp"
-#include "tests/support/guided_hand.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;

@@ -2,8 +2,8 @@
 #include "engine/device/drivers/serial_link.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/guided_hand.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate::engine;

@@ -1,10 +1,10 @@
 #include "engine/device/drivers/udp_link.hpp"
 #include "engine/device/emulator/served_board.hpp"
 #include "engine/device/open/open_line.hpp"
+#include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/guided_hand.hpp"
-#include "tests/support/scripted_guard.hpp"
+#include "tests/support/emulated_machine.hpp"
 
 using namespace palpate::engine;
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "engine/device/emulator/open_board.hpp"
-#include "tests/support/guided_hand.hpp"
+#include "tests/support/emulated_machine.hpp"
 
 #if defined(PALPATE_FIRMWARE_328P)
 #include "tests/firmware/sim_board.hpp"

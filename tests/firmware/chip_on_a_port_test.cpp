@@ -1,6 +1,6 @@
 #include "tests/firmware/boards.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate::engine;

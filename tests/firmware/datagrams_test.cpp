@@ -1,8 +1,8 @@
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
+#include "tests/support/board_link.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 using namespace palpate::engine;
 

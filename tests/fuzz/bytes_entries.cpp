@@ -4,7 +4,6 @@
 #include "engine/device/open/open_wire.hpp"
 #include "data/trace/chunk.hpp"
 #include "tests/fuzz/entries.hpp"
-#include "tests/fuzz/law.hpp"
 
 namespace palpate::fuzz {
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdio>
+#include <cstdlib>
+
 #include "tests/support/std.hpp"
 
 /// What the fuzzers feed: any bytes are fine, and nothing but a documented refusal may come of
@@ -42,5 +45,13 @@ inline constexpr std::array kEntries{Entry{"geometry", geometry, false},
                                      Entry{"calibration", calibration, true},
                                      Entry{"chunk", chunk, false},
                                      Entry{"wire", wire, false}};
+
+/// Ends the program, with what was broken, if a law does not hold.
+inline void demand(bool holds, const char* law) {
+    if (!holds) {
+        std::fprintf(stderr, "broken: %s\n", law);
+        std::abort();
+    }
+}
 
 }  // namespace palpate::fuzz

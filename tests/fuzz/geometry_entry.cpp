@@ -1,7 +1,6 @@
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/surface_closest.hpp"
 #include "tests/fuzz/entries.hpp"
-#include "tests/fuzz/law.hpp"
 
 namespace palpate::fuzz {
 namespace {

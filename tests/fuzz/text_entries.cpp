@@ -6,7 +6,6 @@
 #include "protocols/file/scene_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "tests/fuzz/entries.hpp"
-#include "tests/fuzz/law.hpp"
 
 namespace palpate::fuzz {
 namespace {

@@ -11,7 +11,6 @@
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;

@@ -1,8 +1,8 @@
 #include <csignal>
 
 #include "data/store/database.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/free_board.hpp"
-#include "tests/support/presser.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/rig_study.hpp"

@@ -1,5 +1,5 @@
 #include "tests/support/adaptive.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 

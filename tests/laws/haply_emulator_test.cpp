@@ -9,7 +9,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/studies.hpp"
 

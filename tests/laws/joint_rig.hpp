@@ -14,9 +14,7 @@
 #include "tests/laws/joint_tally.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/emulated_machine.hpp"
-#include "tests/support/guided_hand.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/scripted_guard.hpp"
 
 // Board, wire, processes and screen fail together, one to three things at a time, while a hand
 // presses. All of palpate's own is real: tick, chain, driver and, on an open board, its firmware.

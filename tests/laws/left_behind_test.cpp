@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "tests/support/catch.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/test_text.hpp"
 #include "tests/support/window_session.hpp"

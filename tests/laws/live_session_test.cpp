@@ -8,8 +8,8 @@
 
 #include "ui/rig/control_line.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/console.hpp"
 #include "tests/support/random.hpp"
-#include "tests/support/shown_session.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/stranger.hpp"
 

@@ -1,7 +1,7 @@
 #include <csignal>
 
 #include "data/store/reader.hpp"
-#include "tests/support/presser.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/sql_first.hpp"

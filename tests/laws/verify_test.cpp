@@ -2,8 +2,8 @@
 
 #include "protocols/library/shipped.hpp"
 #include "data/verify/verify.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/database_edits.hpp"
-#include "tests/support/presser.hpp"
 #include "tests/support/program.hpp"
 
 using namespace palpate;

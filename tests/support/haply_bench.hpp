@@ -2,7 +2,7 @@
 
 #include "engine/device/drivers/haply_line.hpp"
 #include "tests/support/board_link.hpp"
-#include "tests/support/guided_hand.hpp"
+#include "tests/support/emulated_machine.hpp"
 
 namespace palpate::tests {
 
