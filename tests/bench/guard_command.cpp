@@ -3,7 +3,6 @@
 #include "engine/device/drivers/serial_link.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/support/child.hpp"
 #include "tests/support/emulated_machine.hpp"
 
 #if defined(PALPATE_BENCH_WINDOW)

@@ -8,7 +8,6 @@
 #include "ui/doctor/wake_up.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/bench/timing.hpp"
 
 namespace palpate::bench {
 

@@ -1,5 +1,3 @@
-#include "engine/commissioning/commissioning.hpp"
-#include "engine/device/emulator/hands.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/daq_bench.hpp"
 #include "tests/support/miswired_machine.hpp"

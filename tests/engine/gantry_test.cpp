@@ -1,4 +1,5 @@
 #include "engine/device/machine.hpp"
+#include "engine/device/simulated_gantry.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -107,4 +108,98 @@ TEST_CASE("numbers of a gantry that cannot be are refused with what to give",
     bad = good;
     bad.haply.emplace();
     CHECK_THROWS_WITH(check(bad), Has("only an open board drives so many"));
+}
+
+TEST_CASE("a gantry that nobody holds follows the closed form of mass and damper, on each axis",
+          "[gantry][law]") {
+    SEED(20U);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> share{-0.9, 0.9};
+    GantryModel model{.mass = 0.1 + 0.1 * (1.0 + share(random)),
+                      .damping = 2.0 + share(random),
+                      .current_time = 0.0};
+    model.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+    SimulatedGantry machine(model, 1e-3);
+    machine.begin({.start = {0.01, -0.02, 0.03}});
+    const Vec3 force = std::round(1e3 * 0.3) * 1e-3 * Vec3(share(random), share(random), 1.0);
+    Reading reading;
+    constexpr int kTicks = 300;
+    for (int k = 0; k < kTicks; ++k) {
+        reading = machine.read();
+        static_cast<void>(machine.write(force));
+    }
+    // The command of tick 0 acts from tick 1 on.
+    const double time = 1e-3 * (kTicks - 2);
+    const double tau = model.mass / model.damping;
+    const double way = (time - tau * (1.0 - std::exp(-time / tau))) / model.damping;
+    // Codes of 1 mN, counts of 1 um.
+    CHECK(std::fabs(reading.hip.x - 0.01 - way * force.x) < 0.6e-3 * way + 2e-6);
+    CHECK(std::fabs(reading.hip.y + 0.02 - way * force.y) < 0.6e-3 * way + 2e-6);
+    CHECK(std::fabs(reading.hip.z - 0.03 - way * force.z) < 0.6e-3 * way + 2e-6);
+    CHECK(reading.counts[2] == std::lround(reading.hip.z * 1e6));
+}
+
+TEST_CASE("codes of a gantry are its force in mN, cut at each motor's limit and said so",
+          "[gantry][law]") {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> newtons{-20.0, 20.0};
+    SimulatedGantry machine({}, 1e-3);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3 force(newtons(random), newtons(random), newtons(random));
+        const AppliedForce applied = machine.write(force);
+        const double given[]{1e-3 * applied.codes[0], 1e-3 * applied.codes[1],
+                             1e-3 * applied.codes[2]};
+        bool cut = false;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double max = std::copysign(std::fmin(std::fabs(force[axis]), 12.0), force[axis]);
+            CHECK(std::fabs(given[axis] - max) < 0.51e-3);
+            cut = cut || std::fabs(force[axis]) > 12.0;
+        }
+        CHECK(applied.saturated == cut);
+    }
+}
+
+TEST_CASE("the hand of a gantry comes down on the patch, crosses it and leaves, the same each time",
+          "[gantry][law]") {
+    const auto seed = GENERATE(palpate::tests::seeds(10U));
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> turn{0.0, 6.28};
+    const SurfaceExploration plan{.strokes = 6 + static_cast<int>(seed % 3), .turn = turn(random)};
+    SimulatedGantry machine({}, 1e-3);
+    SimulatedGantry again({}, 1e-3);
+    machine.begin(plan);
+    again.begin(plan);
+    CHECK(machine.read().hip == plan.start);
+    static_cast<void>(again.read());
+    double lowest = 1.0;
+    double widest = 0.0;
+    double nearest = 1.0;  // to the middle, while it is down
+    Reading reading;
+    while (!machine.hand_is_done()) {
+        static_cast<void>(machine.write({}));
+        static_cast<void>(again.write({}));
+        reading = machine.read();
+        const Reading other = again.read();
+        REQUIRE(std::memcmp(&reading.hip, &other.hip, sizeof(Vec3)) == 0);
+        REQUIRE(reading.counts == other.counts);
+        lowest = std::min(lowest, reading.hip.z);
+        widest = std::max(widest, glm::length(Vec2(reading.hip)));
+        if (reading.hip.z < -0.005) {
+            nearest = std::min(nearest, glm::length(Vec2(reading.hip)));
+        }
+    }
+    CHECK(lowest < -0.9 * plan.press_depth);
+    CHECK(lowest > -1.2 * plan.press_depth);
+    CHECK(widest < 1.2 * plan.radius);
+    CHECK(widest > 0.8 * plan.radius);
+    CHECK(nearest < 0.002);
+    CHECK(reading.hip.z > 0.005);
+    CHECK(machine.duration() > 3.0);
+}
+
+TEST_CASE("numbers of a gantry out of their range are refused by name", "[gantry]") {
+    CHECK_THROWS_WITH(SimulatedGantry({.mass = 0.0}, 1e-3),
+                      "the simulated gantry's mass (kg) is 0: give 0.001 to 10");
+    CHECK_THROWS_WITH(SimulatedGantry({}, 0.0),
+                      "the simulated gantry's period (s) is 0: give 1e-06 to 0.1");
 }

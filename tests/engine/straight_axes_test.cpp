@@ -1,4 +1,3 @@
-#include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/short_form.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"

@@ -1,4 +1,3 @@
-#include "engine/commissioning/commissioning.hpp"
 #include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"

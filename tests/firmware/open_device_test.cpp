@@ -1,5 +1,3 @@
-#include "engine/commissioning/commissioning.hpp"
-#include "engine/device/emulator/hands.hpp"
 #include "engine/device/open/open_line.hpp"
 #include "tests/firmware/boards.hpp"
 #include "tests/support/board_link.hpp"

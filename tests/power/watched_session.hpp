@@ -1,7 +1,6 @@
 #pragma once
 
 #include "data/store/async_recorder.hpp"
-#include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/watched_disk.hpp"
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "tests/stress/stress_scene.hpp"
 #include "tests/stress/surface_cases.hpp"
 #include "tests/stress/tick_laws.hpp"
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "engine/device/drivers/board_device.hpp"
-#include "engine/device/drivers/motor_guard.hpp"
 #include "engine/device/emulator/port_board.hpp"
 
 namespace palpate::tests {

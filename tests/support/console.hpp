@@ -8,7 +8,6 @@
 #include "tests/support/browser.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
-#include "tests/support/process.hpp"
 #include "tests/support/test_text.hpp"
 
 namespace palpate::tests {

@@ -2,7 +2,6 @@
 
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
-#include "engine/device/emulator/port_board.hpp"
 #include "tests/support/std.hpp"
 
 namespace palpate::tests {

@@ -1,10 +1,7 @@
 #pragma once
 
 #include "engine/commissioning/commissioning.hpp"
-#include "engine/commissioning/encoder_proof.hpp"
-#include "engine/commissioning/rig_record.hpp"
 #include "engine/device/emulator/hands.hpp"
-#include "engine/device/machine.hpp"
 #include "tests/support/std.hpp"
 
 namespace palpate::tests {

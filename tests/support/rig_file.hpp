@@ -1,6 +1,5 @@
 #pragma once
 
-#include "engine/commissioning/commissioning.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/session/version.hpp"
 #include "tests/support/miswired_machine.hpp"

@@ -8,7 +8,6 @@
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/store/reader.hpp"
-#include "data/verify/verify.hpp"
 
 namespace palpate::tests {
 

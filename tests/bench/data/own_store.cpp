@@ -1,7 +1,6 @@
 #include "tests/bench/data/own_store.hpp"
 
 #include "engine/base/side_by_side.hpp"
-#include "engine/device/simulated_pantograph.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/protocol_file.hpp"

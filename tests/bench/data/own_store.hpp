@@ -1,10 +1,8 @@
 #pragma once
 
-#include "engine/realtime/tick_record.hpp"
 #include "protocols/design/plan.hpp"
 #include "tests/bench/data/trace_store.hpp"
 #include "tests/bench/timing.hpp"
-#include "tests/support/std.hpp"
 
 namespace palpate::bench {
 
