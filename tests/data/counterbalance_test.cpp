@@ -30,8 +30,7 @@ std::vector<std::size_t> open(data::Database& database,
 
 TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not",
           "[store][law]") {
-    const TemporaryFolder folder;
-    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    NewDatabase database;
     const protocols::Protocol protocol = tests::small_protocol();
     const std::size_t rows = picture_rows(protocol).size();
     REQUIRE(rows == 6);
@@ -51,8 +50,7 @@ TEST_CASE("those who really ran decide the next row of pictures, simulated ones 
 
 TEST_CASE("a session goes on with its own pictures, and so does the participant's next one",
           "[store][law]") {
-    const TemporaryFolder folder;
-    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    NewDatabase database;
     const protocols::Protocol protocol = tests::small_protocol();
     const auto first = open(database, protocol, "R0", data::RunKind::real);
     for (int i = 1; i < 12; ++i) {
@@ -85,8 +83,7 @@ std::size_t open_blocks(data::Database& database,
 TEST_CASE("real participants begin with each friction in turns, whoever else ran",
           "[store][friction_blocks][law]") {
     SEED(std::uint64_t{6});
-    const TemporaryFolder folder;
-    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    NewDatabase database;
     protocols::Protocol protocol = tests::small_protocol(2);
     protocol.seed = seed;
     // An older version of the study, in which the frictions were mixed, counts for nothing.
@@ -110,8 +107,7 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
 TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back",
           "[store][law]") {
     SEED(std::uint64_t{8});
-    const TemporaryFolder folder;
-    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    NewDatabase database;
     protocols::Protocol protocol = tests::small_protocol();
     protocol.seed = seed;
     const std::size_t rows = picture_rows(protocol).size();

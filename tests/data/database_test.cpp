@@ -83,8 +83,7 @@ TEST_CASE("a place that cannot be written is named, with the remedy", "[store]")
 }
 
 TEST_CASE("a transaction that is not committed leaves nothing", "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     {
         data::Transaction all(database);
         database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
@@ -95,8 +94,7 @@ TEST_CASE("a transaction that is not committed leaves nothing", "[store][law]") 
 
 TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, wild names",
           "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     static_cast<void>(data::open_session(database, session_spec(small_protocol())));
     for (const std::string& sql : lines_in(test_text("edits/nonsense.sql"))) {
         CAPTURE(sql);
@@ -119,8 +117,7 @@ TEST_CASE("names of sessions are random UUIDs", "[store][law]") {
 }
 
 TEST_CASE("a statement that is asked again keeps nothing of the time before", "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto value = [&](std::optional<std::int64_t> bound) {
         auto row = database.prepare("SELECT ?1");
         if (bound) {

@@ -85,8 +85,7 @@ std::vector<std::string> rules_of(const data::Exclusions& exclusions, const std:
 TEST_CASE(
     "each rule of exclusion leaves out who breaks it and nobody else, on either side of its bound",
     "[exclusion][law]") {
-    const TemporaryFolder folder;
-    data::Database database(folder.file("e.sqlite"), data::Access::write);
+    NewDatabase database;
     const protocols::Protocol protocol = study();
     using List = std::vector<std::string>;
     run(database, protocol, "GOOD", {});
@@ -115,8 +114,7 @@ TEST_CASE(
 }
 
 TEST_CASE("without rules of exclusion the summary says nothing of them", "[exclusion]") {
-    const TemporaryFolder folder;
-    data::Database database(folder.file("e.sqlite"), data::Access::write);
+    NewDatabase database;
     protocols::Protocol protocol = study();
     protocol.exclusion = {};
     run(database, protocol, "P1", {.correct = 0.0, .finishes = false});

@@ -46,8 +46,7 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
 
 TEST_CASE("an answer marked afterwards is left out, kept, and run again unless all is finished",
           "[store][invalid][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto spec = session_spec(small_protocol());
     {
         const auto opened = data::open_session(database, spec);
@@ -86,8 +85,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
 }
 
 TEST_CASE("what is noted of a participant stays until it is noted otherwise", "[store][people]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     CHECK_FALSE(data::find_participant(database, "P1").has_value());
     data::note_participant(database, "P1", {.handedness = 80, .consent = true});
     data::note_participant(database, "P1", {.details = {{"age", "31"}, {"gender", "f"}}});

@@ -27,8 +27,7 @@ std::int64_t answer_two_and_die(Database& database, const data::SessionSpec& spe
 }  // namespace
 
 TEST_CASE("the whole plan is stored before the first trial, as it was made", "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto spec = session_spec(small_protocol(4));
     const auto opened = data::open_session(database, spec);
     CHECK_FALSE(opened.resumed);
@@ -55,8 +54,7 @@ TEST_CASE("the whole plan is stored before the first trial, as it was made", "[s
 
 TEST_CASE("a session goes on at the first position without an answer, other attempts stay",
           "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto spec = session_spec(small_protocol());
     const std::int64_t session = answer_two_and_die(database, spec);
     {
@@ -81,8 +79,7 @@ TEST_CASE("a session goes on at the first position without an answer, other atte
 
 TEST_CASE("a session goes on only with what it was begun with, and nothing changes otherwise",
           "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto spec = session_spec(small_protocol());
     const auto id = data::open_session(database, spec).id;
     data::SqliteRecorder recorder(database, spec.protocol, id);
@@ -112,8 +109,7 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
 }
 
 TEST_CASE("sessions of a participant are found by number", "[store]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     CHECK_FALSE(data::latest_session(database, "small", "P01").has_value());
     static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 1)));
     static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 2)));
@@ -184,8 +180,7 @@ TEST_CASE("an opened session has its writer from before it can be seen until it 
 }
 
 TEST_CASE("a session that cannot go on is let go", "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto spec = tests::session_spec(tests::small_protocol());
     const std::int64_t session = data::open_session(database, spec).id;
     begin(database, spec, session);
@@ -200,8 +195,7 @@ TEST_CASE("a session that cannot go on is let go", "[store][law]") {
 // another.
 TEST_CASE("a session goes on only with its own seed, also when the order is the same",
           "[store][law]") {
-    const TemporaryFolder folder;
-    Database database(folder.file("a.sqlite"), Access::write);
+    NewDatabase database;
     const auto spec = tests::session_spec(tests::small_protocol());
     begin(database, spec, data::open_session(database, spec).id);
     static_cast<void>(data::open_session(database, spec));

@@ -19,6 +19,11 @@ inline const std::string kSecret = kRunSecret;
                                              std::string participant = "P01",
                                              std::size_t number = 1);
 
+/// A file of its own, empty, gone at the end.
+struct NewDatabase : private TemporaryFolder, data::Database {
+    NewDatabase() : data::Database(TemporaryFolder::file("a.sqlite"), data::Access::write) {}
+};
+
 /// Ticks full of arbitrary bits (NaN payloads too), in order from `first`.
 [[nodiscard]] std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
                                                            std::size_t count,
