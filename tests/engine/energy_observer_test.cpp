@@ -4,7 +4,7 @@
 #include "engine/safety/passivity.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/hands.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 

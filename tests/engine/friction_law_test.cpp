@@ -2,7 +2,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/hands.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 

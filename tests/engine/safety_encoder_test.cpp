@@ -1,7 +1,7 @@
 #include "engine/device/pantograph.hpp"
 #include "engine/safety/safety_chain.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/hands.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 

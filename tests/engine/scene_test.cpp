@@ -3,7 +3,7 @@
 #include "tests/support/allocations.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/hands.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 

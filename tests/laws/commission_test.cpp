@@ -5,7 +5,6 @@
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-#include "tests/support/rig_study.hpp"
 #include "tests/support/udp_port.hpp"
 #include "tests/support/window_session.hpp"
 

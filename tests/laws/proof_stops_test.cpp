@@ -4,7 +4,6 @@
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/rig_file.hpp"
-#include "tests/support/rig_study.hpp"
 #include "tests/support/stop_ways.hpp"
 
 using namespace palpate;

@@ -2,7 +2,7 @@
 
 #include "data/store/async_recorder.hpp"
 #include "tests/support/adaptive.hpp"
-#include "tests/support/watched_disk.hpp"
+#include "tests/support/disk_model.hpp"
 
 /// Sessions on a watched disk: what they promised, and what is in their files.
 namespace palpate::tests {

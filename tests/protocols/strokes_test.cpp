@@ -163,7 +163,6 @@ TEST_CASE("a hand that was never in contact has no speed, no force and covers no
 
 using engine::TickRecord;
 using engine::Vec2;
-using protocols::StrokeCounter;
 
 namespace {
 

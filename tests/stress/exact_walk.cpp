@@ -1,4 +1,4 @@
-#include "tests/stress/exact_walk.hpp"
+#include "tests/stress/exact_forms.hpp"
 
 namespace palpate::stress {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/stress/stress_hand.hpp"
+#include "tests/stress/stress_scene.hpp"
 
 namespace palpate::stress {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-#include "tests/stress/stress_hand.hpp"
+#include "tests/stress/stress_scene.hpp"
 #include "tests/stress/surface_laws.hpp"
 
 namespace palpate::stress {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "engine/geometry/outline.hpp"
 #include "protocols/file/scene_file.hpp"
 #include "tests/support/nurbs_oracle.hpp"
+#include "tests/support/random.hpp"
 
 /// Random things to feel: whatever a scene file may say about plane curves, often at its worst.
 namespace palpate::stress {
@@ -38,5 +40,21 @@ inline constexpr std::array<const char*, 5> kMoods{"gentle", "wild", "study", "c
 void reverse(StressScene& scene);
 
 [[nodiscard]] protocols::SceneFile scene_file_of(const StressScene& scene);
+
+struct HandSpec {
+    std::size_t ticks = 400;
+    double period = 0.001;  ///< s
+    bool broken = true;     ///< NaN and infinities may occur
+    bool far = false;       ///< so may HIPs up to 1e150 m away
+    bool leaps = false;     ///< anywhere on every tick, inside more often than not
+    bool gentle = false;    ///< a hundredth of the object a tick at most; lifts off before it jumps
+};
+
+[[nodiscard]] std::vector<engine::Vec2> random_path(tests::Random& random,
+                                                    const engine::Outline& outline,
+                                                    const HandSpec& spec);
+
+/// Diagonal of the outline's control points, m.
+[[nodiscard]] double size_of(const engine::Outline& outline);
 
 }  // namespace palpate::stress

@@ -2,7 +2,7 @@
 
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
-#include "tests/stress/stress_hand.hpp"
+#include "tests/stress/stress_scene.hpp"
 
 namespace palpate::stress {
 namespace {

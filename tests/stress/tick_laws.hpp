@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/rendering/scene.hpp"
-#include "tests/stress/exact_walk.hpp"
+#include "tests/stress/exact_forms.hpp"
 
 /// What must hold on every tick of every contact, whatever is felt and whoever feels it.
 namespace palpate::stress {

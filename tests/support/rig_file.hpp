@@ -2,8 +2,10 @@
 
 #include "protocols/file/calibration_file.hpp"
 #include "ui/session/version.hpp"
+#include "tests/support/catch.hpp"
 #include "tests/support/miswired_machine.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/test_text.hpp"
 
 namespace palpate::tests {
 
@@ -71,5 +73,20 @@ private:
     std::ofstream keys_;
     std::unique_ptr<Process> program_;
 };
+
+inline std::string study_of_rig(const TemporaryFolder& folder) {
+    const std::string soft =
+        replaced(four_trials(),
+                 "stiffness_n_per_m = 1000\nforce_limit_n = 10",  // its handle stays at home
+                 "start_radius_mm = 0\nstiffness_n_per_m = 200\nforce_limit_n = 1.5");
+    const std::string text = replaced(soft, "break_every = 0", "break_every = 1");
+    std::ofstream(folder.file("p.toml")) << text;
+    return folder.file("p.toml");
+}
+
+inline std::string ran_words(const TemporaryFolder& folder, const std::string& device) {
+    return "run '" + study_of_rig(folder) + "' --participant P1 --db '" + folder.file("d.sqlite") +
+           "' --windowed --device " + device;
+}
 
 }  // namespace palpate::tests

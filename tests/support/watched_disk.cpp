@@ -1,5 +1,4 @@
-#include "tests/support/watched_disk.hpp"
-
+#include "tests/support/disk_model.hpp"
 #include "tests/support/watched_disk_state.hpp"
 
 namespace palpate::tests {

@@ -3,7 +3,7 @@
 #include <mutex>
 #include <system_error>
 
-#include "tests/support/watched_disk.hpp"
+#include "tests/support/disk_model.hpp"
 
 /// What watched_disk.cpp and watched_disk_calls.cpp share.
 namespace palpate::tests {

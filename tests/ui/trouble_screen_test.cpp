@@ -195,9 +195,6 @@ TEST_CASE("the console says what happened, what to do, and what follows", "[cons
                Has("Ctrl+Shift+P"));
 }
 
-using protocols::Language;
-using ui::Words;
-
 namespace {
 
 /// Those that say numbers, and how many.
