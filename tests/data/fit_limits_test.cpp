@@ -121,9 +121,8 @@ TEST_CASE(
     "at both ends of a Weber fraction's interval the answers refute it just so, wherever the "
     "levels begin",
     "[fit][law]") {
-    const double first = GENERATE(1.0, 11.0, 101.0, 1001.0);
-    const Family family = GENERATE(Family::normal, Family::logistic, Family::gumbel);
-    CAPTURE(first, family);
+    EACH(first, 1.0, 11.0, 101.0, 1001.0);
+    EACH(family, Family::normal, Family::logistic, Family::gumbel);
     const CurveSpec spec{.family = family, .lapse = 0.02};
     const CurveModel model(counted(first, 40, {2, 8, 20, 33, 38}), spec);
     const CurveFit fit = fit_curve(model);
@@ -145,9 +144,8 @@ TEST_CASE(
 TEST_CASE("the least between two places is found, however few numbers lie between them",
           "[fit][law]") {
     // Slopes of two steep curves may be one place but for the last bits: ln(60 / gap) of both.
-    const double low = GENERATE(1.791759469228054, -4.0, 1e-300, 3e10);
-    const int numbers = GENERATE(range(0, 80));
-    CAPTURE(low, numbers);
+    EACH(low, 1.791759469228054, -4.0, 1e-300, 3e10);
+    EACH(numbers, range(0, 80));
     double high = low;
     for (int i = 0; i < numbers; ++i) {
         high = std::nextafter(high, INFINITY);

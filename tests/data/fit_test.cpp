@@ -61,9 +61,8 @@ double value(const CurveSpec& spec, const CurveFit& fit, Quantity quantity) {
 }  // namespace
 
 TEST_CASE("two levels are fitted exactly by the line through both quantiles", "[fit][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(30U));
-    const Family family = GENERATE(from_range(kFamilies));
-    CAPTURE(seed, family);
+    SEED(30U);
+    EACH(family, from_range(kFamilies));
     Random random(seed);
     const std::int64_t n = 1000;
     const auto k1 = static_cast<std::int64_t>(random.in(330, 550));
@@ -147,9 +146,8 @@ TEST_CASE("the gradient of the log-likelihood is the limit of its differences", 
 
 TEST_CASE("a fit moves with the unit and the origin of the stimulus, and with what is called a 1",
           "[fit][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(20U));
-    const Family family = GENERATE(Family::normal, Family::logistic);
-    CAPTURE(seed, family);
+    SEED(20U);
+    EACH(family, Family::normal, Family::logistic);
     Random random(seed);
     const Case one = some_case(family, 0.0, 0.0);
     const std::vector<Level> levels = answers(random, one.f, one.x, 25);

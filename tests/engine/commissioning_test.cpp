@@ -174,9 +174,8 @@ TEST_CASE("a motion that mass and friction do not explain blames no motor",
 TEST_CASE(
     "a drag that grows with the square of the speed blames no motor, and air's changes nothing",
     "[commissioning][law]") {
-    const double drag = GENERATE(0.01, 5.0, 100.0);  // N s^2/m^2: ten times air's, water's, oil's
-    const auto seed = GENERATE(take(cases(std::size_t{2}), values({3U, 5U})));
-    CAPTURE(drag, seed);
+    EACH(drag, 0.01, 5.0, 100.0);  // N s^2/m^2: ten times air's, water's, oil's
+    EACH(seed, take(cases(std::size_t{2}), values({3U, 5U})));
     const PlantModel plant = some_plant(seed);
     MiswiredMachine device(plant, {}, {});
     device.dip(drag);
@@ -292,8 +291,7 @@ TEST_CASE("a pulse in which four ticks came late is given again, and at last ref
 
 TEST_CASE("a device that was opened anew at a mark, and took it for home, is said to have done so",
           "[commissioning]") {
-    const int at = GENERATE(1, 2, 3);  // both marks, then a place of pulses
-    CAPTURE(at);
+    EACH(at, 1, 2, 3);  // both marks, then a place of pulses
     const PlantModel plant = plant_of("gen3");
     const Calibration machine{.pantograph = plant.machine};
     MiswiredMachine device(plant, {}, {});

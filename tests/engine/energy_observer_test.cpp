@@ -116,9 +116,8 @@ TEST_CASE("honest renderings never trip the energy observer", "[safety][law]") {
 
 TEST_CASE("a force that follows the motion trips before it gave the limit and a tick",
           "[safety][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
-    const bool linear = GENERATE(true, false);  // -b v with b < 0, or of one size along v
-    CAPTURE(seed, linear);
+    SEED(std::uint64_t{20});
+    EACH(linear, true, false);  // -b v with b < 0, or of one size along v
     Random random(seed);
     const SafetyLimits limits{.ramp_step = 1.0,
                               .energy = kLimit,

@@ -247,8 +247,7 @@ TEST_CASE("whoever else speaks to the board while nobody ticks is answered with 
 
 TEST_CASE("no motor has a torque at a reset, whatever a program that died left behind",
           "[haply][law]") {
-    const int left = GENERATE(5, 3, 9, 0);  // the id of its motors, 0: none any more
-    CAPTURE(left);
+    EACH(left, 5, 3, 9, 0);  // the id of its motors, 0: none any more
     HaplyBench bench;
     HaplySetup other = haply_setup(*bench.machine.haply, bench.machine.pantograph);
     other.id = left == 0 ? std::uint8_t{5} : static_cast<std::uint8_t>(left);

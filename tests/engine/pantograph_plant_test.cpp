@@ -335,9 +335,8 @@ TEST_CASE("a plant that cannot be is refused with its number", "[plant]") {
 }
 
 TEST_CASE("friction at the handle stops it as a mass on a plate is stopped", "[plant][law]") {
-    const double damping = GENERATE(0.0, 0.5);
-    const double force = GENERATE(0.03, 0.1, 0.25);  // N; up to 0.04 it stands
-    CAPTURE(damping, force);
+    EACH(damping, 0.0, 0.5);
+    EACH(force, 0.03, 0.1, 0.25);  // N; up to 0.04 it stands
     constexpr double kMass = 0.1;
     constexpr double kFriction = 0.04;
     PlantModel model;

@@ -172,8 +172,7 @@ TEST_CASE("a stop by hand and a window without the keyboard switch off at once, 
 
 TEST_CASE("a device without a new reading trips after the ticks allowed, not before",
           "[safety][law]") {
-    const std::int32_t run = GENERATE(1, 2, 10, 100);
-    CAPTURE(run);
+    EACH(run, 1, 2, 10, 100);
     SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0, .silent_run = run};
     for (int round = 0; round < 5; ++round) {  // one fresh reading starts the count again

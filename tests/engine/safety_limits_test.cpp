@@ -25,9 +25,8 @@ Trip stall(SafetyState& state, const SafetyLimits& limits, int periods) {
 }  // namespace
 
 TEST_CASE("late ticks in a row trip at the number allowed, not before", "[safety][law]") {
-    const std::int32_t run = GENERATE(1, 2, 20);
-    const double lateness = GENERATE(0.51, 1.0, 1.4);
-    CAPTURE(run, lateness);
+    EACH(run, 1, 2, 20);
+    EACH(lateness, 0.51, 1.0, 1.4);
     const SafetyLimits limits{.ramp_step = 1.0, .late_run = run};
     SafetyState state;
     for (int round = 0; round < 10; ++round) {

@@ -64,10 +64,9 @@ TEST_CASE(
     "a disk that others fill during a trial costs no tick and no answer of it, and the session "
     "ends after it",
     "[power][law]") {
-    const bool adaptive = GENERATE(false, true);
-    const bool on_a_thread = GENERATE(false, true);
-    const int when = GENERATE(range(0, 4));
-    CAPTURE(adaptive, on_a_thread, when);
+    EACH(adaptive, false, true);
+    EACH(on_a_thread, false, true);
+    EACH(when, range(0, 4));
     const auto spec = short_session(adaptive);
     const TrialId trial = 2;
     const TemporaryFolder folder;

@@ -147,8 +147,7 @@ bool backtracking(std::size_t k,
 }  // namespace
 
 TEST_CASE("a first-order balanced sequence has every ordered pair once", "[eulerian][law]") {
-    const std::size_t k = GENERATE(range(std::size_t{1}, std::size_t{25}));
-    CAPTURE(k);
+    EACH(k, range(std::size_t{1}, std::size_t{25}));
     Pcg32 random(k, 9);
     const Sequence sequence = eulerian_order(k, random);
     REQUIRE(sequence.size() == k * k + 1);

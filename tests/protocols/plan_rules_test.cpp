@@ -102,9 +102,8 @@ TEST_CASE("orders of the default study have as many long runs as shuffles within
 
 TEST_CASE("every block is balanced exactly and keeps the limits, and no two are alike",
           "[plan][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
-    const std::size_t blocks = GENERATE(std::size_t{1}, std::size_t{2}, std::size_t{5});
-    CAPTURE(seed, blocks);
+    SEED(std::uint64_t{20});
+    EACH(blocks, std::size_t{1}, std::size_t{2}, std::size_t{5});
     const Plan plan = ruled_plan_of(study(5, 2, {.blocks = blocks}), seed);
     const PlanSummary summary = summarise(plan);
     std::size_t main = 0;
@@ -139,9 +138,8 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
 
 TEST_CASE("a first-order plan has every condition after every condition once, and a trial before",
           "[plan][law]") {
-    const auto seed = GENERATE(seeds(std::uint64_t{20}));
-    const std::size_t practice = GENERATE(std::size_t{0}, std::size_t{1});
-    CAPTURE(seed, practice);
+    SEED(std::uint64_t{20});
+    EACH(practice, std::size_t{0}, std::size_t{1});
     const Plan plan = ruled_plan_of(study(3, 2,
                                           {.repetitions = 6,
                                            .practice_repetitions = practice,

@@ -37,8 +37,7 @@ std::map<Condition, std::size_t> counts(const std::vector<Condition>& conditions
 }  // namespace
 
 TEST_CASE("a Williams design balances items, places and neighbours", "[williams][law]") {
-    const std::size_t n = GENERATE(range(std::size_t{1}, std::size_t{10}));
-    CAPTURE(n);
+    EACH(n, range(std::size_t{1}, std::size_t{10}));
     const auto rows = williams_rows(n);
     REQUIRE(rows.size() == (n % 2 == 0 ? n : 2 * n));
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> at_place;
