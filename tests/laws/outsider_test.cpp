@@ -99,16 +99,6 @@ std::map<std::string, std::string> codes_in(const fs::path& file) {
     return codes;
 }
 
-/// Names and bytes of all that was exported.
-std::string everything(const fs::path& folder) {
-    std::string text;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        text += fs::relative(entry.path(), folder).string() + '\n';
-        text += entry.is_regular_file() ? slurp(entry.path()) + '\n' : "";
-    }
-    return text;
-}
-
 std::vector<std::string> values(const std::string& file, const std::string& sql) {
     data::Database database(file, data::Access::read);
     data::Statement row = database.prepare(sql);
