@@ -47,7 +47,7 @@ struct FeltRun : tests::SmallSession {
           apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed}) {}
 
     SessionEnd with(Observer& observer) {
-        return run_session(spec.protocol, spec.plan, {}, opened.progress,
+        return run_session(spec.protocol, spec.plan, {}, progress,
                            {.apparatus = apparatus,
                             .observer = observer,
                             .recorder = recorder,
@@ -207,7 +207,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
         Apparatus& apparatus_;
         bool stopped_ = false;
     } observer(apparatus);
-    CHECK(run_session(protocol, run.spec.plan, {}, run.opened.progress,
+    CHECK(run_session(protocol, run.spec.plan, {}, run.progress,
                       {.apparatus = apparatus, .observer = observer, .recorder = run.recorder})
               .why == SessionEnd::Why::finished);
     CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing' AND text LIKE '% "
@@ -274,8 +274,7 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                                    "LIMIT 1") == "complete \n"));
         CHECK(said.number == (said.found ? observer.felt : TrialNumber{}));
     };
-    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {},
-                                  session.opened.progress,
+    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {}, session.progress,
                                   {.apparatus = apparatus,
                                    .observer = observer,
                                    .recorder = session.recorder,
@@ -326,8 +325,7 @@ TEST_CASE("a mark in a break is kept and answered in the break", "[session][desk
     tests::FaultyApparatus apparatus(world);
     OperatorDesk desk;
     InABreak observer(database, desk);
-    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {},
-                                  session.opened.progress,
+    static_cast<void>(run_session(session.spec.protocol, session.spec.plan, {}, session.progress,
                                   {.apparatus = apparatus,
                                    .observer = observer,
                                    .recorder = session.recorder,

@@ -64,8 +64,8 @@ struct SmallSession {
     TemporaryFolder folder;
     data::SessionSpec spec;
     data::Database database{folder.file("a.sqlite"), data::Access::write};
-    data::OpenedSession opened = data::open_session(database, spec);
-    std::int64_t id = opened.id;
+    std::int64_t id = data::open_session(database, spec).id;
+    protocols::SessionProgress progress{spec.protocol, spec.plan, data::session_stream(spec)};
     data::SqliteRecorder recorder{database, spec.protocol, id};
 };
 
