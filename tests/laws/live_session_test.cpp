@@ -267,6 +267,22 @@ TEST_CASE("status says of a session that hangs whose it is, and that it does not
     CHECK(status()["running"].empty());
 }
 
+TEST_CASE("however many called a session that hangs, palpate stop is obeyed when it goes on",
+          "[live][safety][law]") {
+    ShownSession session;
+    const auto others_call = [&] {
+        for (int i = 0; i < 40; ++i) {
+            const ui::Descriptor gone = ui::connect_to(session.shown.name);
+        }
+    };
+    session.program.signal(SIGSTOP);
+    others_call();
+    CHECK_THAT(tests::palpate_command({"stop", session.file}).error, Has("did not answer in 2 s"));
+    others_call();
+    session.program.signal(SIGCONT);
+    CHECK(session.keeps(events_of("stop"), "1"));
+}
+
 TEST_CASE("another user is heard only with the file open for writing, and then only a stop",
           "[live][safety][law]") {
     ShownSession session;

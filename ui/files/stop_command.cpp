@@ -32,10 +32,11 @@ int run(const StopOptions& options) {
     if (stopped.sessions > 0) {
         say("No force any more in {}:\n{}", counted(stopped.sessions, "session"), stopped.labels);
     }
-    refuse_if<std::runtime_error>(stopped.silent > 0,
-                                  "{} did not answer in 2 s, which hangs or is stopped: use the "
-                                  "switch of its motors. It gives no force when it goes on",
-                                  counted(stopped.silent, "session"));
+    refuse_if<std::runtime_error>(
+        stopped.silent + stopped.uncalled > 0,
+        "{} did not answer in 2 s, which hangs or is stopped: use the switch of its motors{}",
+        counted(stopped.silent + stopped.uncalled, "session"),
+        stopped.uncalled > 0 ? "" : ". It gives no force when it goes on");
     if (stopped.sessions > 0) {
         return 0;
     }

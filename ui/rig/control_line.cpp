@@ -50,7 +50,7 @@ Descriptor listen_for(const FileIdentity& file) {
         const auto [address, length] = address_of(control_name(file, k));
         const auto* at = reinterpret_cast<const sockaddr*>(&address);  // NOLINT
         if (listening.get() >= 0 && bind(listening.get(), at, length) == 0 &&
-            listen(listening.get(), 16) == 0) {
+            listen(listening.get(), SOMAXCONN) == 0) {
             return listening;
         }
     }
@@ -227,8 +227,8 @@ void ControlSocket::add_to(std::vector<pollfd>& lines) const {
     }
 }
 
-void ControlSocket::accept_callers() {
-    while (listening_.get() >= 0) {
+void ControlSocket::accept_callers(const Obey& obey) {
+    for (std::size_t i = 0; i < kCallers && listening_.get() >= 0; ++i) {  // then they are heard
         Descriptor one(accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
         if (one.get() < 0) {
             return;
@@ -237,8 +237,10 @@ void ControlSocket::accept_callers() {
         socklen_t size = sizeof who;
         const bool trusted = getsockopt(one.get(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 &&
                              (who.uid == geteuid() || who.uid == 0);
-        if (lines_.size() == kCallers) {  // who said nothing for longest makes room
-            lines_.erase(std::ranges::min_element(lines_, {}, &Line::heard));
+        if (lines_.size() == kCallers) {  // who said nothing for longest makes room, once heard
+            const auto oldest = std::ranges::min_element(lines_, {}, &Line::heard);
+            static_cast<void>(hear(*oldest, obey));
+            lines_.erase(oldest);
         }
         lines_.push_back({.caller = std::make_shared<Caller>(std::move(one), trusted),
                           .may_speak = trusted,
@@ -272,21 +274,23 @@ bool ControlSocket::hear(Line& line, const Obey& obey) const {
 }
 
 void ControlSocket::hear(const Obey& obey) {
-    accept_callers();
+    accept_callers(obey);
     std::erase_if(lines_, [&](Line& line) { return !hear(line, obey); });
 }
 
 StopResult stop_sessions(const std::optional<std::string>& database) {
     const Descriptor right(database ? open(database->c_str(), O_RDWR | O_CLOEXEC) : -1);
     std::vector<Descriptor> lines;
+    StopResult stopped;
     for (const std::string& name : session_names(database)) {
         if (Descriptor line = connect_to(name); line.get() >= 0) {
             send_line(line.get(), database ? R"({"do":"stop"})" : R"({"do":"stop","people":true})",
                       right.get());
             lines.push_back(std::move(line));
+        } else if (errno == EAGAIN) {
+            ++stopped.uncalled;
         }
     }
-    StopResult stopped;
     const std::int64_t end = monotonic_ns() + kAnswerMs * kMillisecond;
     for (const Descriptor& line : lines) {
         const Received said = line_from(line, end);

@@ -48,7 +48,7 @@ struct FileIdentity {
 /// @param database  empty: what stands for one that is not there yet. @return none: no such file
 [[nodiscard]] std::optional<FileIdentity> identity_of(const std::string& database);
 
-/// < 0: nobody listens there.
+/// < 0: nobody listens there, or too many call (errno EAGAIN).
 [[nodiscard]] Descriptor connect_to(const std::string& name);
 /// Where sessions of a file may listen; without one, of every session on this machine.
 [[nodiscard]] std::vector<std::string> session_names(const std::optional<std::string>& database);
@@ -114,7 +114,7 @@ private:
         std::string begun{};     ///< of a line
         std::chrono::steady_clock::time_point heard{};
     };
-    void accept_callers();
+    void accept_callers(const Obey& obey);
     [[nodiscard]] bool hear(Line& line, const Obey& obey) const;
 
     FileIdentity file_;
@@ -129,7 +129,8 @@ struct StopResult {
     std::size_t sessions = 0;
     std::string labels{};  ///< a line each
     std::size_t refused = 0;
-    std::size_t silent = 0;  ///< hang, and did not answer within 2 s
+    std::size_t silent = 0;    ///< hang, and did not answer within 2 s
+    std::size_t uncalled = 0;  ///< hang, and so many call that one more does not get through
 };
 
 /// Stops the sessions that run on a database, or, without one, every session that this user may
