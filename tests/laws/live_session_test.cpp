@@ -262,8 +262,26 @@ TEST_CASE("status says of a session that hangs whose it is, and that it does not
         tests::palpate_command({"status", session.file}).out,
         Has("running: P1, simulated, session 1: it does not answer", "the switch of its motors") &&
             !Has("Nothing runs"));
+
+    CHECK_THAT(tests::palpate_command({"console", session.file}).error,
+               Has("no session of yours that answers"));
+
+    // Who follows it sees it go on, hang again and end.
+    tests::Process follows({tests::palpate_program(), "status", session.file, "--follow"});
+    const auto said = [&](const std::string& text) {
+        return eventually([&] {
+            const std::string out = follows.out();
+            return out.substr(out.rfind("running: ") + 1).find(text) != std::string::npos;
+        });
+    };
+    REQUIRE(said("does not answer"));
+    session.program.signal(SIGCONT);
+    REQUIRE(said(" left"));
+    session.program.signal(SIGSTOP);
+    REQUIRE(said("does not answer"));
     session.program.signal(SIGKILL);
     static_cast<void>(session.program.wait());
+    CHECK(follows.wait().code == 0);
     CHECK(status()["running"].empty());
 }
 

@@ -50,8 +50,11 @@ void declare(CommandWords& words, ConsoleOptions& options) {
 RunningSession the_session(const std::optional<std::string>& of) {
     std::vector<RunningSession> all = running_sessions(of);
     refuse_if(all.empty(), "{}",
-              of ? fmt::format("{}: no session of yours runs on it, and none has that uuid", *of)
-                 : std::string("no session of yours runs: begin one with palpate run"));
+              of ? fmt::format("{}: no session of yours that answers runs on it, and none has that "
+                               "uuid; palpate status says whether one hangs",
+                               *of)
+                 : std::string("no session of yours that answers runs: begin one with palpate "
+                               "run"));
     if (all.size() > 1) {
         std::string text = "several sessions run; name one of these:";
         for (const RunningSession& one : all) {

@@ -156,9 +156,10 @@ std::string running_text(const Json& state) {
             state.value("participant", ""), state.value("kind", ""), state.value("number", 0));
     }
     const auto minutes = state.find("remaining_min");
-    return fmt::format("running: {}, {}, session {}: {}; {} left{}{}\n",
+    return fmt::format("running: {}, {}, session {}: {}{}; {} left{}{}\n",
                        state.value("participant", ""), state.value("kind", ""),
                        state.value("number", 0), state.value("sentence", ""),
+                       state.value("solved", false) ? " (solved: it can go on)" : "",
                        state.value("remaining", 0),
                        minutes != state.end() && minutes->is_number()
                            ? fmt::format(", about {:.0f} min", minutes->get<double>())
@@ -186,50 +187,60 @@ Json silent_of(data::Database& database, const std::vector<RunningSession>& runn
     return all;
 }
 
-/// As it stands; empty: it ended.
-Json state_of(const RunningSession& session) {
-    const auto state = session.alive() ? session.reader->state() : std::nullopt;
-    return object_in(state ? state->json : "");
-}
+/// What some program runs on a file: those that show themselves, and those that do not answer.
+struct Running {
+    std::vector<RunningSession> sessions;
+    Json silent;
 
-/// A line for each change, until all have ended.
-void follow(const std::vector<RunningSession>& running, bool json) {
+    explicit Running(data::Database& database)
+        : sessions(running_sessions(database.file())), silent(silent_of(database, sessions)) {
+        if (!silent.empty()) {  // one that begins answers a moment later
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+            sessions = running_sessions(database.file());
+            silent = silent_of(database, sessions);
+        }
+    }
+    /// As they stand; none of those whose program has ended.
+    [[nodiscard]] Json states() const {
+        Json all = silent;
+        for (const RunningSession& session : sessions) {
+            const auto state = session.alive() ? session.reader->state() : std::nullopt;
+            if (Json shown = object_in(state ? state->json : ""); !shown.empty()) {
+                all.push_back(std::move(shown));
+            }
+        }
+        return all;
+    }
+};
+
+/// A line for each change, until all have ended. Once a second all are asked whether they answer.
+void follow(data::Database& database, Running running, bool json) {
     std::map<std::string, std::string> said;
-    for (bool any = true; any && !interrupted();) {
+    bool any = true;
+    for (int turn = 1; any && !interrupted(); ++turn) {
         any = false;
-        for (const RunningSession& session : running) {
-            const Json state = state_of(session);
-            const bool over = state.empty() || state["ended"].is_string();
-            any = any || !over;
-            const std::string text = state.empty() ? ""
-                                   : json          ? one_line(state) + '\n'
-                                                   : running_text(state);
-            if (!text.empty() && std::exchange(said[session.uuid], text) != text) {
+        for (const Json& state : running.states()) {
+            any = any || !state.value("ended", Json()).is_string();
+            const std::string text = json ? one_line(state) + '\n' : running_text(state);
+            if (std::exchange(said[state.value("session", "")], text) != text) {
                 say("{}", text);
             }
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        if (any && turn % 5 == 0) {
+            running = Running(database);
+        }
     }
 }
 
 int run(const StatusOptions& options) {
     catch_signals();
-    std::vector<RunningSession> running = running_sessions(options.database);
-    Json status{{"file", options.database}, {"studies", nullptr}, {"running", Json::array()}};
+    data::Database database(options.database, data::Access::read);
+    Running running(database);
+    Json status{{"file", options.database}, {"studies", nullptr}, {"running", running.states()}};
     {
-        data::Database database(options.database, data::Access::read);
         const data::Snapshot snapshot(database);
         status["studies"] = studies_of(database);
-        if (!silent_of(database, running).empty()) {  // one that begins answers a moment later
-            std::this_thread::sleep_for(std::chrono::milliseconds(200));
-            running = running_sessions(options.database);
-            status["running"] = silent_of(database, running);
-        }
-    }
-    for (const RunningSession& session : running) {
-        if (Json state = state_of(session); !state.empty()) {
-            status["running"].push_back(std::move(state));
-        }
     }
     if (options.json) {
         say("{}\n", one_line(status));
@@ -243,7 +254,7 @@ int run(const StatusOptions& options) {
         say("{}", status["running"].empty() ? "Nothing runs on it now.\n" : "");
     }
     if (options.follow) {
-        follow(running, options.json);
+        follow(database, std::move(running), options.json);
     }
     return 0;
 }
