@@ -26,7 +26,9 @@ TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, noth
           Wrong{"stiffness_n_per_m = 1000", "stiffness_n_per_m = 1e9", "1000000000"},
           Wrong{"rate_hz = 1000", "rate_hz = \"fast\"", "rate_hz"},
           Wrong{"mu_s = 0.7", "mu_s = 0.3", "0.3"}, Wrong{"[timing]", "[timing", "table"},
-          Wrong{"max_run_object = 2", "max_run_object = -1", "-1"}}) {
+          Wrong{"max_run_object = 2", "max_run_object = -1", "-1"},
+          Wrong{"1\nmax_run_object = 2\nmax_run_friction = 3",
+                "40\nmax_run_object = 1\nmax_run_friction = 1", "object 1, friction 1"}}) {
         CAPTURE(wrong.to);
         const TemporaryFolder folder;
         std::ofstream(folder.file("p.toml")) << edited(wrong.from, wrong.to);

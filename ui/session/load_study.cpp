@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
+#include "protocols/order/constrained_order.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -35,24 +37,45 @@ std::string nearest(const fs::path& absent) {
                       ": check the path, or give the name of a shipped one");
 }
 
+std::string protocol_text(const std::string& file_or_name) {
+    if (std::error_code unknown; fs::exists(file_or_name, unknown)) {
+        return protocols::read_text(file_or_name, protocols::kMaxDocument);
+    }
+    for (const protocols::ShippedProtocol& shipped : protocols::shipped_protocols()) {
+        if (shipped.name == file_or_name) {
+            return std::string(shipped.text);
+        }
+    }
+    throw protocols::ProtocolError(
+        fmt::format("{}:1:1: there is no such protocol{}", file_or_name, nearest(file_or_name)));
+}
+
+/// Where the first limit of runs stands.
+protocols::Position limits_of(const std::string& text, const std::string& file) {
+    for (const protocols::Entry& entry : protocols::parse_document(text, file)) {
+        const auto* table = std::get_if<protocols::Table>(&entry.value.data);
+        for (const protocols::Entry& key : table != nullptr ? *table : protocols::Table()) {
+            if (key.key.starts_with("max_run")) {
+                return key.value.at;
+            }
+        }
+    }
+    return {};
+}
+
 }  // namespace
 
 Study load_study(const std::string& file_or_name) {
-    Study study;
-    const auto parse = [&]() -> protocols::Protocol {
-        if (std::error_code unknown; fs::exists(file_or_name, unknown)) {
-            return protocols::load_protocol(file_or_name);
-        }
-        for (const protocols::ShippedProtocol& shipped : protocols::shipped_protocols()) {
-            if (shipped.name == file_or_name) {
-                return protocols::parse_protocol(shipped.text, shipped.name);
-            }
-        }
-        throw protocols::ProtocolError(fmt::format("{}:1:1: there is no such protocol{}",
-                                                   file_or_name, nearest(file_or_name)));
-    };
-    study.protocol = parse();
+    const std::string text = protocol_text(file_or_name);
+    Study study{.protocol = protocols::parse_protocol(text, file_or_name), .hash = {}};
     study.hash = protocols::protocol_hash(study.protocol);
+    try {  // whether there is an order, before anything is made
+        static_cast<void>(make_plan(study.protocol, study.hash, {"P1", 1}, study.protocol.seed));
+    } catch (const protocols::OrderError& e) {
+        const protocols::Position at = limits_of(text, file_or_name);
+        throw protocols::ProtocolError(
+            fmt::format("{}:{}:{}: {}", file_or_name, at.line, at.column, e.what()));
+    }
     return study;
 }
 

@@ -13,7 +13,7 @@ struct Study {
 };
 
 /// Reads a protocol file, or, if there is no such file, the shipped protocol of that name.
-/// @throws protocols::ProtocolError
+/// @throws protocols::ProtocolError, also where no order keeps its limits
 [[nodiscard]] Study load_study(const std::string& file_or_name);
 
 }  // namespace palpate::ui
