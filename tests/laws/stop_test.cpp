@@ -80,6 +80,7 @@ TEST_CASE(
 
     stopped.ends("keyboard elsewhere", "focus_lost", [&] { hand.take_keyboard_away(); });
     stopped.goes_on();
+    CHECK_FALSE(terminal.can_be_held());
     stopped.ends("terminal", "stopped", [&] { terminal.type("\x1b"); });
     stopped.goes_on();
     stopped.ends("terminal", "stopped", [&] { terminal.type("\n"); });

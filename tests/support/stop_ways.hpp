@@ -37,8 +37,10 @@ public:
     [[nodiscard]] bool as_before() const {
         const termios now = mode();
         return std::memcmp(now.c_cc, before_.c_cc, sizeof now.c_cc) == 0 &&
-               now.c_lflag == before_.c_lflag;
+               now.c_lflag == before_.c_lflag && now.c_iflag == before_.c_iflag;
     }
+    /// Ctrl+S keeps back what is said to it, and its speaker.
+    [[nodiscard]] bool can_be_held() const { return (mode().c_iflag & IXON) != 0; }
     [[nodiscard]] const std::string& name() const { return name_; }
 
 private:

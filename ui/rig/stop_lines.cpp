@@ -121,6 +121,7 @@ StopLines::StopLines(const std::string& database,
     if (terminal_) {
         termios with_escape = before_;
         with_escape.c_cc[VEOL] = static_cast<cc_t>(kEscapeByte);
+        with_escape.c_iflag &= ~tcflag_t{IXON};  // Ctrl+S would hold the session with what it says
         tcsetattr(STDIN_FILENO, TCSANOW, &with_escape);
     }
     const AllSignalsBlocked blocked;
