@@ -79,6 +79,10 @@ TEST_CASE("a pause and a stop that are asked for are shown before they are done"
         board.look();
         return reader.state()->json.find(what) != std::string::npos;
     };
+    const TrialView next{.number = 4, .total = 9};
+    board.enter(ui::LivePhase::rest, &next);
+    board.enter(ui::LivePhase::gap);
+    CHECK_FALSE(shows("after trial 4"));
     board.enter(ui::LivePhase::explore);
     CHECK(shows("\"pausing\":false"));
     CHECK(shows("\"force\":{\"on\":true"));

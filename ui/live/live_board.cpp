@@ -49,7 +49,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kPhases{
     {"explore", "exploring, "},
     {"question", "asked, "},
     {"feedback", "hears whether it was right, "},
-    {"gap", "between trials, after "},
+    {"gap", "the screen is blank for a moment"},  // after a break the trial is the next one
     {"break", "a break before "},
     {"pause", "paused by the experimenter before "},
     {"trouble", ""},
