@@ -120,6 +120,17 @@ double slope_factor(Family family) noexcept {
                                            : 1.0;
 }
 
+std::string stimulus_fault(double stimulus, Family family) {
+    if (!std::isfinite(stimulus) || (family == Family::weibull && stimulus < 0.0)) {
+        return family == Family::weibull
+                 ? "give finite numbers from 0, or another function: a Weibull begins at 0"
+                 : "give finite numbers";
+    }
+    return std::fabs(stimulus) > kLargest
+             ? fmt::format("give stimuli up to {}, in a larger unit", kLargest)
+             : "";
+}
+
 CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
     : spec_(spec),
       half_(core_quantile(spec.family, 0.5)),
@@ -128,15 +139,9 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
     check(spec);
     std::map<double, std::pair<double, double>> merged;
     for (const Level& level : levels) {
-        refuse_if(!std::isfinite(level.stimulus) ||
-                      (spec.family == Family::weibull && level.stimulus < 0.0),
-                  "a stimulus is {}: give finite numbers{}", level.stimulus,
-                  spec.family == Family::weibull
-                      ? " from 0, or another function: a Weibull begins at 0"
-                      : "");
-        refuse_if(std::fabs(level.stimulus) > kLargest,
-                  "a stimulus is {}: give stimuli up to {}, in a larger unit", level.stimulus,
-                  kLargest);
+        if (const std::string fault = stimulus_fault(level.stimulus, spec.family); !fault.empty()) {
+            throw std::invalid_argument(fmt::format("a stimulus is {}: {}", level.stimulus, fault));
+        }
         refuse_if(level.k < 0 || level.k > level.n, "k is {} of n = {}: give a k from 0 to n",
                   level.k, level.n);
         if (level.n > 0) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -118,12 +119,16 @@ public:
     [[nodiscard]] virtual At at(double rate) const = 0;
 };
 
+/// What to do about a stimulus that no curve takes: not finite, beyond 1e100, below 0 for a
+/// weibull. Empty for all others.
+[[nodiscard]] std::string stimulus_fault(double stimulus, protocols::Family family);
+
 /// The answers as numbers, and what they say of a point.
 class CurveModel {
 public:
     /// @throws std::invalid_argument with value and remedy: no level with answers, fewer than two
-    ///         different levels, k outside 0 .. n, a stimulus that is not finite, beyond 1e100 or
-    ///         below 0 for a weibull, two within 1e-100, rates or priors out of range
+    ///         different levels, k outside 0 .. n, a stimulus_fault(), two within 1e-100, rates or
+    ///         priors out of range
     CurveModel(std::span<const Level> levels, const CurveSpec& spec);
 
     /// As it was given; and how many different levels there are.

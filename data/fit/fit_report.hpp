@@ -30,9 +30,10 @@ struct Answers {
 
 /// Columns stimulus, n, k, and participant and condition if they are there; rows of one stimulus
 /// add up. In the order in which they first come.
-/// @throws CsvError with file, line and character: no such column, no number, k outside 0 .. n, n
-/// above 1,000,000
-[[nodiscard]] std::vector<Answers> read_answers(const std::filesystem::path& file);
+/// @throws CsvError with file, line and character: no such column, no number, a stimulus_fault(), k
+/// outside 0 .. n, n above 1,000,000
+[[nodiscard]] std::vector<Answers> read_answers(const std::filesystem::path& file,
+                                                protocols::Family family);
 
 struct FitOptions {
     CurveSpec spec{};

@@ -134,7 +134,7 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     return stored;
 }
 
-std::vector<Answers> read_answers(const std::filesystem::path& file) {
+std::vector<Answers> read_answers(const std::filesystem::path& file, protocols::Family family) {
     constexpr std::array<std::string_view, 3> kWanted{"stimulus", "n", "k"};
     constexpr std::array<std::string_view, 2> kTexts{"participant", "condition"};
     const NumberTable table = read_numbers(file, kWanted, {}, kTexts);
@@ -144,6 +144,9 @@ std::vector<Answers> read_answers(const std::filesystem::path& file) {
     };
     std::vector<Answers> all;
     for (std::size_t row = 0; row < table.rows(); ++row) {
+        if (const auto fault = stimulus_fault(table.at(row, 0), family); !fault.empty()) {
+            refuse(row, 0, fault);
+        }
         const double n = table.at(row, 1);
         const double k = table.at(row, 2);
         if (!(n >= 0.0 && n <= kMaxAnswers) || n != std::floor(n)) {

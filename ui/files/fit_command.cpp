@@ -233,9 +233,9 @@ data::FitOptions options_of(const FitWords& words, bool database) {
     return options;
 }
 
-data::StoredAnswers answers_of(const FitWords& words, bool database) {
+data::StoredAnswers answers_of(const FitWords& words, protocols::Family family, bool database) {
     return database ? words.asked(data::stored_answers)
-                    : data::StoredAnswers{.all = data::read_answers(words.file)};
+                    : data::StoredAnswers{.all = data::read_answers(words.file, family)};
 }
 
 bool holds_identifications(const FitWords& words, bool database) {
@@ -252,7 +252,7 @@ int run(const FitWords& words) {
               "{} holds no identifications: --item is for answers that name one of several items",
               words.file);
     data::FitOptions options = options_of(words, database);
-    const data::StoredAnswers answers = answers_of(words, database);
+    const data::StoredAnswers answers = answers_of(words, options.spec.family, database);
     options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
     data::FitReport report =
