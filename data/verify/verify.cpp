@@ -77,11 +77,22 @@ void check_schema(Database& database, Findings& findings) {
     }
 }
 
-/// Handedness, consent and that something was destroyed against the events that say so. A session
-/// that became another's was with somebody else then.
+/// Handedness, consent and that something was destroyed against the events that say so, and that
+/// they were noted at some time: a connection that only reads asks no CHECK of the schema. A
+/// session that became another's was with somebody else then.
 void check_people(Database& database, Findings& findings) {
     for (const NoteBreak& at : note_breaks(database)) {
         findings.differs(at.what, at.stored, at.noted + ", as an event of the session says");
+    }
+    for (const StoredRow& note : rows_of(
+             database,
+             "SELECT 'participant ' || participant_code || key AS what, coalesce(stored, 'NULL') "
+             "|| ', noted ' || coalesce(utc, 'NULL') AS stored FROM (SELECT participant_code, "
+             "' handedness' AS key, handedness AS stored, handedness_utc AS utc, handedness "
+             "BETWEEN -100 AND 100 AS fits FROM participant UNION ALL SELECT participant_code, "
+             "' consent', consent, consent_utc, consent IN (0, 1) FROM participant) WHERE NOT fits "
+             "OR (stored IS NULL) <> (utc IS NULL)")) {
+        findings.differs(note.text("what"), note.text("stored"), "a value with its time");
     }
     for (const StoredRow& person : rows_of(
              database,
