@@ -56,6 +56,18 @@ std::string yes_and_no() {
     return text;
 }
 
+/// Three people who are always right, and slower with friction, nearly alike.
+std::string all_right() {
+    std::string text = "subject,trial,shape,friction,response,rt_s\n";
+    for (int i = 0; i < 24; ++i) {
+        const char* shape = i % 2 == 0 ? "flat" : "round";
+        const bool on = i / 2 % 2 == 1;
+        text += fmt::format("S{0},{1},{2},{3},{2},{4}\n", i / 8, i, shape, on ? "on" : "off",
+                            on ? 2.0 + 1e-3 * (i / 8) : 1.0);
+    }
+    return text;
+}
+
 Finished stats(std::vector<std::string> words) {
     words.insert(words.begin(), "stats");
     return palpate_command(words);
@@ -109,6 +121,7 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     const TemporaryFolder folder;
     write(folder.file("d.csv"), made_up(6, 40, true));
     write(folder.file("yes.csv"), yes_and_no());
+    write(folder.file("right.csv"), all_right());
     const std::vector<std::string> how{"--simulations", "0", "--permutations", "0"};
     const auto with = [&](std::vector<std::string> words) {
         words.insert(words.end(), how.begin(), how.end());
@@ -117,12 +130,15 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     const Json ours = with({folder.file("d.csv"), "--emit-r", folder.file("again.R")});
     const Json yes = with({folder.file("yes.csv"), "--signal", "curved", "--baseline", "oiled",
                            "--emit-r", folder.file("again_yes.R")});
-    // One R for both: to load lme4 takes longer than all else.
-    const Finished r = Process({"sh", "-c",
-                                "cd '" + folder.path().string() +
-                                    "' && Rscript -e \"for (s in c('again', 'again_yes')) { "
-                                    "sink(paste0(s, '.out')); source(paste0(s, '.R')); sink() }\""})
-                           .wait();
+    const Json right = with({folder.file("right.csv"), "--emit-r", folder.file("again_right.R")});
+    // One R for all: to load lme4 takes longer than all else.
+    const Finished r =
+        Process(
+            {"sh", "-c",
+             "cd '" + folder.path().string() +
+                 "' && Rscript -e \"for (s in c('again', 'again_yes', "
+                 "'again_right')) { sink(paste0(s, '.out')); source(paste0(s, '.R')); sink() }\""})
+            .wait();
     CAPTURE(r.error);
     REQUIRE(r.code == 0);
     auto kinds = compare(slurp(folder.file("again.out")), ours);
@@ -130,6 +146,7 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     CHECK(kinds["of the grid"] == 14);
     CHECK(kinds["bayes_factor_10"] >= 20);
     auto of_yes = compare(slurp(folder.file("again_yes.out")), yes);
+    CHECK(compare(slurp(folder.file("again_right.out")), right)["bayes_factor_10"] == 2);
     CHECK(of_yes["criterion"] == 6);
     CHECK(of_yes["d_prime"] == 6);
     CHECK(of_yes["brier"] == 3);
