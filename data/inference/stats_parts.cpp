@@ -288,14 +288,18 @@ void add_mixed(const StatsReport& report, StatsPart& part) {
 
 std::vector<std::string> warnings_of(const MixedStats& mixed) {
     std::vector<std::string> all;
-    const auto add = [&](const char* method, const MixedFit& fit) {
+    const auto add = [&](const char* method, const MixedFit& fit, const MixedFit& null) {
+        constexpr double kFar = 10.0;  // logits: half of the people always right, half never
         if (fit.unbounded) {
-            all.push_back(
-                fmt::format("{}: {} (a condition has answers of one kind alone): its estimate and "
-                            "se say nothing, the likelihood ratio holds",
-                            method,
-                            fit.intercept_unbounded ? "intercept and effect have no end"
-                                                    : "the effect has no end"));
+            all.push_back(fmt::format(
+                "{}: {} (a condition has answers of one kind alone): estimate, se and spread of it "
+                "say nothing, {}",
+                method,
+                fit.intercept_unbounded ? "intercept and effect have no end"
+                                        : "the effect has no end",
+                null.sd_slope > kFar
+                    ? "and without it the spread has no end: the likelihood ratio is rough"
+                    : "the likelihood ratio holds"));
         }
         if (fit.singular) {
             all.push_back(fmt::format(
@@ -309,8 +313,8 @@ std::vector<std::string> warnings_of(const MixedStats& mixed) {
                 fmt::format("{}: no maximum was found: do not use these numbers", method));
         }
     };
-    add("Laplace", mixed.laplace);
-    add("Gauss-Hermite", mixed.quadrature);
+    add("Laplace", mixed.laplace, mixed.laplace_null);
+    add("Gauss-Hermite", mixed.quadrature, mixed.quadrature_null);
     if (mixed.people < 6) {
         all.push_back(fmt::format("{}: a spread over people is hardly known from fewer than 6",
                                   counted(mixed.people, "person", "people")));
