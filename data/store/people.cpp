@@ -269,13 +269,17 @@ std::vector<SessionRow> sessions_of(Database& database,
                                     std::optional<std::size_t> number,
                                     std::string_view study) {
     Statement row = database.prepare(
-        "SELECT session.session_id, study_name, session_number FROM session JOIN study USING "
-        "(study_id) JOIN participant USING (participant_id) WHERE participant_code = ?1 AND (?2 IS "
-        "NULL OR session_number = ?2) AND ?3 IN ('', study_name) ORDER BY session.session_id DESC",
+        "SELECT session.session_id, study_name, study_name || '@' || substr(protocol_sha256, 1, 8) "
+        "AS version, session_number FROM session JOIN study USING (study_id) JOIN participant "
+        "USING (participant_id) WHERE participant_code = ?1 AND (?2 IS NULL OR session_number = "
+        "?2) AND ?3 IN ('', study_name, version) ORDER BY session.session_id DESC",
         code, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt, study);
     std::vector<SessionRow> all;
     while (row.step()) {
-        all.push_back({.id = row.integer(0), .study = row.text(1), .number = row.integer(2)});
+        all.push_back({.id = row.integer(0),
+                       .study = row.text(1),
+                       .version = row.text(2),
+                       .number = row.integer(3)});
     }
     return all;
 }

@@ -74,11 +74,12 @@ struct NoteBreak {
 struct SessionRow {
     std::int64_t id = 0;
     std::string study;
+    std::string version;  ///< the study's id and hash, as shapes@1a2b3c4d
     std::int64_t number = 0;
 };
 
 /// The sessions of a participant, the last begun first.
-/// @param number, study  only those of this number and study; "": of any
+/// @param number, study  only those of this number and study, or version of one; "": of any
 [[nodiscard]] std::vector<SessionRow> sessions_of(Database& database,
                                                   std::string_view code,
                                                   std::optional<std::size_t> number,

@@ -118,4 +118,15 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(palpate_command({"sql", file, "--versions", "apart", "--csv", "-c", names}).out,
                Has(one, other));
     CHECK_THAT(sql_csv(file, names), !Has("@"));
+
+    // Of a person of both, who has a session 1 of each, the version says which is meant.
+    REQUIRE(run(second, "R1", "--new-version").code == 0);
+    std::vector<std::string> leave{"session",    file,  "R1",      "1",
+                                   "--withdraw", "ill", "--study", "four_trials"};
+    CHECK_THAT(ran(leave, 2).error, Has(one, other));
+    leave.back() = one;
+    ran(leave);
+    CHECK(one == sql_first(file,
+                           "SELECT study_name || '@' || substr(protocol_sha256, 1, 8) FROM session "
+                           "JOIN study USING (study_id) WHERE withdrawn_reason = 'ill'"));
 }

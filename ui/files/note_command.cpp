@@ -70,7 +70,8 @@ void declare_note(CommandWords& words, NoteOptions& options) {
     words.add("TEXT", options.text, "The note").required().kept_text();
     words.add("--participant", options.participant, "Whose session").required();
     words.add("--session", options.session, "Session number; without it the last one").above_zero();
-    words.add("--study", options.study, "The study's id, if there are several");
+    words.add("--study", options.study,
+              "The study's id, if there are several; of versions ID@HASH");
     words.add("--operator", options.operator_name, "Who notes it").kept_text();
 }
 

@@ -26,7 +26,8 @@ void declare(CommandWords& words, SessionOptions& options) {
     words.add("NUMBER", options.number, "Its number, as in session_health")
         .required()
         .within(1, 1'000'000);
-    words.add("--study", options.study, "The study's id, if there are several");
+    words.add("--study", options.study,
+              "The study's id, if there are several; of versions ID@HASH");
     words.add("--withdraw", options.withdraw, "Why analyses and exports are to leave it out")
         .kept_text();
     words.add("--undo", options.undo, "Why that is taken back").kept_text();
@@ -36,10 +37,12 @@ void declare(CommandWords& words, SessionOptions& options) {
 data::SessionRow session_of(data::Database& database, const SessionOptions& options) {
     auto all = data::sessions_of(database, options.participant,
                                  static_cast<std::size_t>(options.number), options.study);
-    refuse_if(all.size() != 1, "{}: {} has {} session {}{}", options.database, options.participant,
-              all.empty() ? "no" : fmt::format("{} times a", all.size()), options.number,
-              all.empty() ? ": palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
-                          : ": give --study");
+    refuse_if(all.size() != 1, "{}: {} has {} session {}: {}", options.database,
+              options.participant, all.empty() ? "no" : fmt::format("{} times a", all.size()),
+              options.number,
+              all.empty() ? "palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
+                          : fmt::format("give --study and {} or {}", all.front().version,
+                                        all.back().version));
     return all.front();
 }
 
