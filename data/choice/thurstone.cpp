@@ -13,6 +13,8 @@ using namespace thurstone;
 
 /// A shift beyond this many times the items' range is without end.
 constexpr double kFarShift = 20.0;
+/// The items' range in least distances, at most.
+constexpr double kWidest = 1e100;
 /// Half the 95 % point of chi-square of 1 df; and what is no loss.
 constexpr double kLoss95 = 1.920729410347062;
 constexpr double kNoLoss = 1e-3;
@@ -30,6 +32,10 @@ void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
     }
     refuse_if(spec.items.size() < 2 || counts.empty(),
               "there are fewer than two items to tell apart");
+    const double least = least_distance(spec.items);
+    refuse_if(!((spec.items.back() - spec.items.front()) / least <= kWidest),
+              "items have values from {} to {}, two of them {} apart: give values that differ less",
+              spec.items.front(), spec.items.back(), least);
 }
 
 /// What holding one parameter elsewhere costs, walked from the maximum outward.
@@ -166,10 +172,8 @@ void add_deviance(ThurstoneFit& fit, const std::vector<CallCounts>& counts, cons
     fit.deviance = 2.0 * (saturated - fit.log_likelihood);
 }
 
-}  // namespace
-
-ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
-    check(counts, spec);
+/// @param spec  items whose least distance is about 1
+ThurstoneFit fit_spaced(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
     const Model model(counts, spec);
     const Layout& layout = model.layout();
     refuse_if(layout.used.size() < 2,
@@ -224,6 +228,36 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
         add_intervals(fit, model, top, spec);
     }
     add_deviance(fit, counts, layout);
+    return fit;
+}
+
+void scale(std::optional<Interval>& interval, double unit) {
+    if (interval) {
+        interval = Interval{interval->low * unit, interval->high * unit};
+    }
+}
+
+}  // namespace
+
+ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
+    check(counts, spec);
+    ThurstoneSpec spaced = spec;  // a climb between hills takes another way in another unit
+    const double unit = least_distance(spec.items);
+    for (double& item : spaced.items) {
+        item /= unit;
+    }
+    ThurstoneFit fit = fit_spaced(counts, spaced);
+    for (double& criterion : fit.criteria) {
+        criterion *= unit;
+    }
+    for (std::size_t f = 0; f < fit.parts.size(); ++f) {
+        fit.parts[f].sigma *= unit;
+        fit.parts[f].shift *= unit;
+        scale(fit.parts[f].shift_interval, unit);
+        if (f == 0 || !spec.relative) {
+            scale(fit.parts[f].sigma_interval, unit);
+        }
+    }
     return fit;
 }
 
