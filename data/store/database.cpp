@@ -339,7 +339,9 @@ void Database::require_in_place() const {
 bool is_database(const std::string& file) {
     constexpr std::string_view kMagic = "SQLite format 3";
     std::array<char, kMagic.size()> start{};
-    std::ifstream stream(file, std::ios::binary);
+    std::error_code unknown;
+    const bool regular = std::filesystem::is_regular_file(file, unknown);  // a pipe is read once
+    std::ifstream stream(regular ? file : std::string(), std::ios::binary);
     stream.read(start.data(), start.size());
     return stream && std::string_view(start.data(), start.size()) == kMagic;
 }

@@ -152,6 +152,22 @@ TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and
     not_fitted({folder.file("none.csv")}, "none.csv");
 }
 
+TEST_CASE("a table is fitted, and tested, from a pipe too", "[fit][stats]") {
+    const auto piped = [](const std::string& table, const std::string& words) {
+        const Finished done =
+            Process({"sh", "-c",
+                     "printf '" + table + "' | '" + palpate_program() + "' " + words + " --json"})
+                .wait();
+        CAPTURE(done.error);
+        REQUIRE(done.code == 0);
+        return Json::parse(done.out);
+    };
+    CHECK(piped("stimulus,n,k\\n1,10,2\\n2,10,8\\n",
+                "fit /dev/stdin --bootstrap 0")["curves"][0]["answers"] == 20);
+    CHECK(piped("subject,trial,shape,friction,response\\nA,1,a,on,a\\n",
+                "stats /dev/stdin --simulations 0")["applied"]["answers"] == 1);
+}
+
 TEST_CASE("palpate fit of a database fits the same answers as that of their counts",
           "[fit][adaptive]") {
     const TemporaryFolder folder;

@@ -10,6 +10,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/choice/identification.hpp"
+#include "data/csv/number_table.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/fit/stored_answers.hpp"
 #include "data/plot/svg_figure.hpp"
@@ -242,8 +243,13 @@ bool holds_identifications(const FitWords& words, bool database) {
     return database ? words.asked(data::answers_are_names) : is_trial_csv(words.file);
 }
 
-int run(const FitWords& words) {
-    const bool database = data::is_database(words.file);
+int run(const FitWords& given) {
+    const bool database = data::is_database(given.file);
+    FitWords words = given;
+    std::optional<data::RereadableText> table;  // its head is looked at before it is read
+    if (!database) {
+        words.file = table.emplace(given.file).place();
+    }
     if (holds_identifications(words, database)) {
         refuse_words_of_curves(words);
         return fit_identifications(words, database);
