@@ -222,6 +222,29 @@ TEST_CASE("whatever hand and load, a law is in its cone, and finite numbers give
     }
 }
 
+TEST_CASE("the smallest numbers above 0 are felt as well: every tick ends, and is finite",
+          "[friction][law]") {
+    const auto tiny = GENERATE(1e-17, 1e-300, 4.9406564584124654e-324);
+    for (const LawTraits* const traits : all_laws()) {
+        CAPTURE(traits->word, tiny);
+        const FrictionLaw law({.traits = traits,
+                               .stiffness = tiny,
+                               .stribeck_speed = tiny,
+                               .smoothing_speed = tiny,
+                               .stick_speed = tiny,
+                               .snag_spacing = tiny},
+                              {.mu_s = 0.7, .mu_d = 0.5}, 1000.0, tests::kLawTick);
+        LawState state;
+        for (int i = 0; i < 20; ++i) {
+            const double travel = i % 7 == 6 ? -0.001 : 0.001;
+            const FrictionForce felt =
+                law.step(state, {.travel = travel, .load = 2.0, .place = 0.1 + 0.001 * i});
+            REQUIRE(std::isfinite(felt.force));
+            REQUIRE(std::fabs(felt.force) <= 0.7 * 2.0 * (1.0 + 1e-12));
+        }
+    }
+}
+
 TEST_CASE("a law with a number out of its range is refused with the value and a remedy",
           "[friction]") {
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5};

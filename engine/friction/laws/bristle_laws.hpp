@@ -167,8 +167,9 @@ inline constexpr LawTraits kResetIntegrator{.word = "reset_integrator",
     double after = before;
     if (rub.travel != 0.0 && level > 0.0) {
         const double steady = sign_of(rub.travel) * level / law.stiffness;
-        after = steady +
-                (before - steady) * exponential(-law.stiffness * std::fabs(rub.travel) / level);
+        const double left = exponential(-law.stiffness * std::fabs(rub.travel) / level);
+        after = std::isfinite(steady) ? steady + (before - steady) * left
+                                      : before + rub.travel;  // sigma_0 -> 0: dz/dt = v
     } else if (!(level > 0.0)) {
         after = 0.0;
     }

@@ -16,8 +16,12 @@ namespace palpate::engine {
     const double low = std::min(from, to);
     const double high = std::max(from, to);
     const double cell = std::floor(to / spacing);
+    if (!(std::fabs(cell) < 0x1p53)) {  // closer than doubles can count: one lies at every place
+        return from == to ? -1.0 : 0.0;
+    }
     double nearest = -1.0;
-    for (double one = cell - 1.0; one <= cell + 1.0; one += 1.0) {
+    for (int step = -1; step <= 1; ++step) {
+        const double one = cell + step;
         const auto number = static_cast<std::uint64_t>(static_cast<std::int64_t>(one));
         const double at = (one + uniform(seed, number)) * spacing;
         const double beyond = std::fabs(to - at);
