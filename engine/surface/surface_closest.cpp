@@ -13,6 +13,9 @@ constexpr double kGoodBowl = 0.3;
 constexpr double kGoodShare = 0.95;
 constexpr std::size_t kMaxLeaves = 4096;
 
+/// An edge that is nowhere longer than this share of the object's size is one point.
+constexpr double kPoint = 1e-12;
+
 SurfaceFeet::SurfaceFeet(std::shared_ptr<const SurfaceObject> object) : object_(std::move(object)) {
     refuse_if(!object_, "the object is null: give one of surfaces");
     const auto count = static_cast<std::uint32_t>(object_->count());
@@ -27,6 +30,7 @@ SurfaceFeet::SurfaceFeet(std::shared_ptr<const SurfaceObject> object) : object_(
                finer() <= std::max(kMaxLeaves / count, kMaxLeaves / 16)) {
             divide(k, 2 * grid.per_side);
         }
+        find_poles(k);
     }
     nodes_.reserve(2 * leaves_.size());
     static_cast<void>(build(0, count));
@@ -51,6 +55,31 @@ void SurfaceFeet::divide(std::uint32_t surface, std::uint32_t per_side) {
                 object_->patch(middle_of(static_cast<std::uint32_t>(cells_.size() - 1), part));
             leaves_.emplace_back(patch.degree_u(), patch.degree_v(), part_of_net(patch, part),
                                  patch.polynomial());
+        }
+    }
+}
+
+void SurfaceFeet::find_poles(std::uint32_t surface) {
+    const NurbsSurface& s = object_->surface(surface);
+    const double point = kPoint * object_->size();
+    for (std::size_t k = 0; k < 4 * s.rows() * s.columns(); ++k) {
+        const bool across_u = k % 4 < 2;
+        const double edge = k % 2 == 0 ? 0.0 : 1.0;
+        const SurfacePlace middle{k / 4 / s.columns(), k / 4 % s.columns(), across_u ? edge : 0.5,
+                                  across_u ? 0.5 : edge, surface};
+        const BezierPatch& patch = object_->patch(middle);
+        const int length = across_u ? patch.degree_v() : patch.degree_u();
+        const auto at = [&](int i) {
+            const Quad& c = across_u ? patch.net(edge == 0.0 ? 0 : patch.degree_u(), i)
+                                     : patch.net(i, edge == 0.0 ? 0 : patch.degree_v());
+            return c.xyz() / c.w();
+        };
+        bool one = true;
+        for (int i = 1; i <= length && one; ++i) {
+            one = glm::length(at(i) - at(0)) <= point;
+        }
+        if (one) {
+            poles_.push_back({middle, across_u, object_->local_jet(middle).point});
         }
     }
 }

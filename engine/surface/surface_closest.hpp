@@ -116,7 +116,15 @@ private:
         std::uint32_t b = 0;
     };
 
+    /// An edge of a patch that is one point.
+    struct Pole {
+        SurfacePlace place{};  ///< the middle of the edge
+        bool across_u = true;  ///< u leads away from it
+        Vec3 point{};          ///< m, relative to the object's origin
+    };
+
     void divide(std::uint32_t surface, std::uint32_t per_side);
+    void find_poles(std::uint32_t surface);
     [[nodiscard]] double resolved(const Grid& grid) const noexcept;
     std::uint32_t build(const Window& part);
     std::uint32_t build(std::uint32_t first, std::uint32_t last);
@@ -136,6 +144,10 @@ private:
                                         const Vec3& h,
                                         Work work) const noexcept;
     void polish(SurfaceTrack& track, const Vec3& h, SurfaceFoot& foot, Work& work) const noexcept;
+    [[nodiscard]] bool leave(const Pole& pole,
+                             const Vec3& h,
+                             SurfaceFoot& foot,
+                             Work& work) const noexcept;
     [[nodiscard]] SurfacePlace near_place(const Vec3& h) const noexcept;
     [[nodiscard]] bool at_rest(const SurfaceTrack& track, const Vec3& h) const noexcept;
     void grow(SurfaceTrack& track, const Vec3& h, double d2) const noexcept;
@@ -159,6 +171,7 @@ private:
     std::vector<Cell> cells_;  ///< one a leaf
     std::vector<SurfaceLeaf> leaves_;
     std::vector<Node> nodes_;
+    std::vector<Pole> poles_;
 };
 
 }  // namespace palpate::engine

@@ -27,6 +27,11 @@ constexpr Work kBoundWork = 60;  ///< a leaf's oriented box
 constexpr Work kBowlWork = 200;  ///< bounds of its second derivatives
 constexpr int kMaxRestarts = 64;
 
+/// So near to a pole, as a share of the size, a difference of squared distances is lost in the
+/// rounding of a DistanceForm; then so many headings out of it are tried on each patch.
+constexpr double kBesidePole = 1e-5;
+constexpr int kHeadings = 8;
+
 /// Down the tree to the leaf whose box seems nearest.
 SurfacePlace SurfaceFeet::near_place(const Vec3& h) const noexcept {
     std::uint32_t at = 0;
@@ -249,6 +254,33 @@ void SurfaceFeet::polish(SurfaceTrack& track,
     }
 }
 
+/// All of a pole's edge is one point, at which a descent rests on every heading but those that lead
+/// towards h: from each, where the tangent there is nearest to h, down. @return something is closer
+bool SurfaceFeet::leave(const Pole& pole,
+                        const Vec3& h,
+                        SurfaceFoot& foot,
+                        Work& work) const noexcept {
+    bool closer = false;
+    for (int k = 0; k <= kHeadings; ++k) {
+        SurfacePlace start = pole.place;
+        (pole.across_u ? start.v : start.u) = static_cast<double>(k) / kHeadings;
+        const SurfaceJet jet = object_->local_jet(start);
+        const Vec3& along = pole.across_u ? jet.du : jet.dv;
+        double& at = pole.across_u ? start.u : start.v;
+        const double way = glm::dot(h - jet.point, along) / glm::dot(along, along);
+        if (!(at == 0.0 ? way > 0.0 : way < 0.0)) {
+            continue;
+        }
+        at = std::clamp(at + way, 0.0, 1.0);
+        const SurfaceFoot next = descend(*object_, h, start, work);
+        if (next.distance2 < foot.distance2) {
+            foot = next;
+            closer = true;
+        }
+    }
+    return closer;
+}
+
 SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work) const noexcept {
     ++track.searches;
     SurfacePlace start = track.started ? track.place : near_place(h);
@@ -274,6 +306,15 @@ SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work
     track.distance = std::sqrt(foot.distance2);
     track.other = std::sqrt(rest.lower2) * (1.0 - 1e-14);
     track.certified = track.window.high_u > track.window.low_u && !rest.closer && rest.proven;
+    for (const Pole& pole : poles_) {
+        if (glm::length(h - pole.point) < kBesidePole * object_->size() &&
+            leave(pole, h, foot, work)) {
+            track.place = foot.place;
+            track.jet = foot.jet;
+            track.distance = std::sqrt(foot.distance2);
+            track.certified = false;
+        }
+    }
     SurfaceClosest result = answer(track, h, {foot.place, foot.jet.point});
     result.proven = rest.proven && !rest.closer;
     return result;

@@ -124,6 +124,33 @@ TEST_CASE("poles are found from every side", "[contact][surface]") {
     }
 }
 
+TEST_CASE("right beside the tip of a cone the foot lies on the line that leads to the hand",
+          "[contact][surface][law]") {
+    // A quarter of a cone about z, apex at the origin: the foot of h off the axis is on the line
+    // through the apex at its azimuth, at h . d for the unit direction d (45 degrees down).
+    SurfaceData cone;
+    const double w = std::sqrt(0.5);
+    cone.degree_u = 1;
+    cone.degree_v = 2;
+    cone.knots_u = {0, 0, 1, 1};
+    cone.knots_v = {0, 0, 0, 1, 1, 1};
+    cone.points = {{Vec3{}, Vec3{}, Vec3{}},
+                   {Vec3{0.1, 0, -0.1}, Vec3{0.1, 0.1, -0.1}, Vec3{0, 0.1, -0.1}}};
+    cone.weights = {{1, w, 1}, {1, w, 1}};
+    const SurfaceFeet feet = feet_of(cone);
+    Random random(2910);
+    for (int k = 0; k < 300; ++k) {
+        const double e = random.decade(-13.0, -7.0);
+        const double phi = random.in(0.1, 1.4);
+        const double across = random.in(-0.9, 0.9) * e;
+        const Vec3 d{w * std::cos(phi), w * std::sin(phi), -w};
+        const Vec3 n{w * std::cos(phi), w * std::sin(phi), w};
+        const SurfaceClosest got = feet.closest(e * d + across * n);
+        CAPTURE(k, e, phi, across);
+        CHECK(std::fabs(got.distance - std::fabs(across)) < 2e-16);
+    }
+}
+
 TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a search",
           "[contact][surface][law]") {
     SEEDED(random, 16U);
