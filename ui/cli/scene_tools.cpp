@@ -223,6 +223,7 @@ Feel nearest_on_surfaces(const SceneFile& scene) {
         lines.add(cp.v);
         lines.add_point<3>(cp.point);
         lines.add(cp.distance);
+        lines.add(std::size_t{!cp.proven});
         lines.end();
     };
 }
@@ -280,7 +281,7 @@ int closest(const SceneOptions& options) {
     const SceneFile scene = protocols::load_scene(options.scene);
     const Trajectory points(options.points, scene.dimension(), false);
     if (!scene.surfaces.empty()) {
-        write_rows(options.output, "segment,u,v,cp_x_m,cp_y_m,cp_z_m,distance_m", points,
+        write_rows(options.output, "segment,u,v,cp_x_m,cp_y_m,cp_z_m,distance_m,unproven", points,
                    nearest_on_surfaces(scene));
     } else if (scene.curves.empty()) {
         write_rows(options.output, "segment,u,cp_x_m,cp_y_m,cp_z_m,distance_m", points,
