@@ -231,7 +231,7 @@ ThurstoneFit fit_spaced(const std::vector<CallCounts>& counts, const ThurstoneSp
     return fit;
 }
 
-void scale(std::optional<Interval>& interval, double unit) {
+void scale_interval(std::optional<Interval>& interval, double unit) {
     if (interval) {
         interval = Interval{interval->low * unit, interval->high * unit};
     }
@@ -253,9 +253,9 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     for (std::size_t f = 0; f < fit.parts.size(); ++f) {
         fit.parts[f].sigma *= unit;
         fit.parts[f].shift *= unit;
-        scale(fit.parts[f].shift_interval, unit);
+        scale_interval(fit.parts[f].shift_interval, unit);
         if (f == 0 || !spec.relative) {
-            scale(fit.parts[f].sigma_interval, unit);
+            scale_interval(fit.parts[f].sigma_interval, unit);
         }
     }
     return fit;

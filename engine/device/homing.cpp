@@ -18,7 +18,7 @@ constexpr double kNarrow = 5e-3;   ///< m, spread of the marks across their line
 constexpr double kMaxScale = 0.1;  ///< of counts per turn
 
 std::string text_of(const Vec2& place) {
-    return "(" + number_text(place.x * 1e3) + ", " + number_text(place.y * 1e3) + ") mm";
+    return '(' + number_text(place.x * 1e3) + ", " + number_text(place.y * 1e3) + ") mm";
 }
 
 /// One mark, ready to be fitted.

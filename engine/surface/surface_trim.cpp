@@ -13,7 +13,7 @@ namespace {
 constexpr double kNarrow = 1e-9;  ///< of the domain
 
 std::string place_text(const Vec2& p) {
-    return "(" + number_text(p.x) + ", " + number_text(p.y) + ")";
+    return '(' + number_text(p.x) + ", " + number_text(p.y) + ")";
 }
 
 /// What of the knots lies within [lo, hi], with full multiplicity at both ends.

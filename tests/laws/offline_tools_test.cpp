@@ -130,18 +130,19 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
 
 TEST_CASE("palpate closest says of a point of a surface whether its search was broken off",
           "[cli][surface][law]") {
-    // Weights of 1e-3 beside 1 bend the patch so much that a second is not enough; found by search.
+    // Weights of 1e-3 beside 1e3 bend the patch into valleys that cost too much; found by search.
     const TemporaryFolder folder;
+    write(folder.file("p.csv"), "x_m,y_m,z_m\n0.058,0.108,0.0376\n");
     for (const bool bent : {false, true}) {
-        const std::string light = bent ? "0.001" : "1";
+        const std::string weights =
+            bent ? "[[1, 1000, 0.001], [1, 0.001, 1000]]" : "[[1, 1, 1], [1, 1, 1]]";
         write(folder.file("s.toml"),
               std::string(kContact) +
-                  "[[surface]]\ndegree_u = 2\ndegree_v = 1\nknots_u = [0, 0, 0, 1, 1, 1]\n"
-                  "knots_v = [0, 0, 1, 1]\npoints_m = [[[-0.02, 0.01, 0], [-0.02, 0.03, 0]], "
-                  "[[0.03, 0.01, 0.02], [0.06, 0.05, 0.02]], [[0.08, 0, 0.04], [0.11, 0.05, "
-                  "-0.02]]]\nweights = [[1, 1], [1, " +
-                  light + "], [" + light + ", 1]]\n");
-        write(folder.file("p.csv"), "x_m,y_m,z_m\n0.103,0.0465,-0.0165\n");
+                  "[[surface]]\ndegree_u = 1\ndegree_v = 2\nknots_u = [0, 0, 1, 1]\n"
+                  "knots_v = [0, 0, 0, 1, 1, 1]\npoints_m = [[[0.01, 0, -0.02], [0.01, 0.06, "
+                  "-0.02], [-0.02, 0.1, -0.02]], [[0.05, -0.02, -0.02], [0.06, 0.05, 0], [0.06, "
+                  "0.11, 0.04]]]\nweights = " +
+                  weights + "\n");
         const Finished run =
             palpate_command({"closest", folder.file("s.toml"), folder.file("p.csv")});
         REQUIRE(run.error.empty());
