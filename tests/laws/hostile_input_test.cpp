@@ -207,7 +207,8 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
         const Finished closest = ran({"closest", scene, folder.file("q.csv")});
         const double x = std::strtod(far, nullptr) > 1.0 ? 0.1 : 0.0;
         const double distance = std::hypot(std::strtod(far, nullptr) - x, plane ? 0.05 : 0.0);
-        const std::string row = closest.out.substr(closest.out.find('\n') + 1);
+        std::string row = closest.out.substr(closest.out.find('\n') + 1);
+        row.erase(plane ? row.size() : row.rfind(','));  // in space: unproven
         CHECK(std::stod(row.substr(row.rfind(',') + 1)) == Approx(distance).margin(1e-12));
     }
     write(scene, "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 1e155]\n");

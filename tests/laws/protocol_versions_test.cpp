@@ -120,7 +120,8 @@ TEST_CASE("versions of a protocol in one file: asked about by what differs, and 
     CHECK_THAT(sql_csv(file, names), !Has("@"));
 
     // Of a person of both, who has a session 1 of each, the version says which is meant.
-    REQUIRE(run(second, "R1", "--new-version").code == 0);
+    ran(run_words(second, "R1", folder.file("other.sqlite"), {"--headless"}));
+    ran({"merge", file, folder.file("other.sqlite")});
     std::vector<std::string> leave{"session",    file,  "R1",      "1",
                                    "--withdraw", "ill", "--study", "four_trials"};
     CHECK_THAT(ran(leave, 2).error, Has(one, other));

@@ -38,7 +38,7 @@ bool has_test(const fs::path& file, const std::string& name) {
          at = text.find('"' + name + '"', at + 1)) {
         const std::size_t before = text.find_last_not_of(" \n", at - 1);
         if (before != std::string::npos && text[before] == '(' &&
-            text.substr(before - 9, 9) == "TEST_CASE") {
+            text.substr(before - 5, 5) == "_CASE") {
             return true;
         }
     }

@@ -93,7 +93,8 @@ TEST_CASE("over a hole the closest point lies on its border", "[cli][surface][la
     const auto found = rows_of(said_of("closest", scene, points));
     REQUIRE(found.size() == wanted.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
-        CHECK(found[i].back() == Approx(wanted[i]).epsilon(1e-12));
+        CHECK(found[i].end()[-2] == Approx(wanted[i]).epsilon(1e-12));
+        CHECK(found[i].back() == 0.0);  // unproven
     }
 }
 
