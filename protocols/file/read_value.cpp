@@ -239,7 +239,7 @@ private:
         const auto number = as_number(value_);
         if (!number) {
             wrong_kind(fmt::format("a number ({})", range_of(key_.range)));
-        } else if (!key_.range.has(*number)) {
+        } else if (!key_.range.has(to_si(*number) == 0.0 ? 0.0 : *number)) {  // 5e-324 mm are 0 m
             out_of_range(value_);
             return std::nullopt;
         }
