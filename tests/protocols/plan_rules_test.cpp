@@ -82,7 +82,7 @@ TEST_CASE("within limits every condition is equally likely at every place", "[or
 }
 
 // Conditions by place cannot tell: a repair by swaps knows no condition from another either. What
-// it changes is how often runs come, by more than 1 (measured: sd of the mean of 2,000 orders 0.05).
+// it changes is how often runs come, by more than 1 (measured: sd of the mean of 2,000 orders .05).
 TEST_CASE("orders of the default study have as many long runs as shuffles within the limits",
           "[order]") {
     const Order trials = factorial_of(5, 2, 10);

@@ -18,7 +18,7 @@ void die_with(pid_t parent);
 
 void wait_a_little(int ms = 1);
 
-/// How long a test waits for what must come: 50 s, or PALPATE_TEST_PATIENCE, of a test that must fail.
+/// How long a test waits for what must come: 50 s, or PALPATE_TEST_PATIENCE (one that must fail).
 [[nodiscard]] std::int64_t patience_ns();
 
 /// Lets up to patience_ns() pass until `done`, and looks less and less often, up to every 8 ms: who

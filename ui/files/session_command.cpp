@@ -37,12 +37,12 @@ void declare(CommandWords& words, SessionOptions& options) {
 data::SessionRow session_of(data::Database& database, const SessionOptions& options) {
     auto all = data::sessions_of(database, options.participant,
                                  static_cast<std::size_t>(options.number), options.study);
-    refuse_if(all.size() != 1, "{}: {} has {} session {}: {}", options.database,
-              options.participant, all.empty() ? "no" : fmt::format("{} times a", all.size()),
-              options.number,
-              all.empty() ? "palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
-                          : fmt::format("give --study and {} or {}", all.front().version,
-                                        all.back().version));
+    refuse_if(
+        all.size() != 1, "{}: {} has {} session {}: {}", options.database, options.participant,
+        all.empty() ? "no" : fmt::format("{} times a", all.size()), options.number,
+        all.empty()
+            ? "palpate sql FILE -c \"SELECT * FROM session_health\" lists them"
+            : fmt::format("give --study and {} or {}", all.front().version, all.back().version));
     return all.front();
 }
 

@@ -156,15 +156,14 @@ std::string running_text(const Json& state) {
             state.value("participant", ""), state.value("kind", ""), state.value("number", 0));
     }
     const auto minutes = state.find("remaining_min");
-    return fmt::format("running: {}, {}, session {}: {}{}; {} left{}{}\n",
-                       state.value("participant", ""), state.value("kind", ""),
-                       state.value("number", 0), state.value("sentence", ""),
-                       state.value("solved", false) ? " (solved: it can go on)" : "",
-                       state.value("remaining", 0),
-                       minutes != state.end() && minutes->is_number()
-                           ? fmt::format(", about {:.0f} min", minutes->get<double>())
-                           : "",
-                       state.value("alarm", false) ? "; ATTENTION: many trials do not count" : "");
+    return fmt::format(
+        "running: {}, {}, session {}: {}{}; {} left{}{}\n", state.value("participant", ""),
+        state.value("kind", ""), state.value("number", 0), state.value("sentence", ""),
+        state.value("solved", false) ? " (solved: it can go on)" : "", state.value("remaining", 0),
+        minutes != state.end() && minutes->is_number()
+            ? fmt::format(", about {:.0f} min", minutes->get<double>())
+            : "",
+        state.value("alarm", false) ? "; ATTENTION: many trials do not count" : "");
 }
 
 /// Those that some program runs, and that none of `running` is.
