@@ -1,4 +1,5 @@
 #include <csignal>
+#include <list>
 #include <set>
 
 #include <fcntl.h>
@@ -299,6 +300,24 @@ TEST_CASE("however many called a session that hangs, palpate stop is obeyed when
     others_call();
     session.program.signal(SIGCONT);
     CHECK(session.keeps(events_of("stop"), "1"));
+}
+
+TEST_CASE("a session that palpate stop cannot reach says so", "[live][safety][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const auto said = [&](const char* who) {
+        return tests::palpate_command(
+                   tests::run_words(tests::kFourTrials, who, file, {"--headless"}))
+            .error;
+    };
+    CHECK_THAT(said("P1"), !Has("do not reach this one"));
+    std::list<ui::ControlSocket> others;
+    for (int i = 0; i < 8; ++i) {
+        others.emplace_back(file);
+    }
+    CHECK_THAT(said("P2"), Has("palpate stop", "do not reach this one"));
+    others.pop_back();
+    CHECK_THAT(said("P3"), !Has("do not reach this one"));
 }
 
 TEST_CASE("another user is heard only with the file open for writing, and then only a stop",

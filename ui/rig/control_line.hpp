@@ -101,6 +101,8 @@ public:
     /// @param database  a file that is there; empty: of none yet
     explicit ControlSocket(const std::string& database);
 
+    /// False: so many sessions run on the file that nobody can call this one.
+    [[nodiscard]] bool listens() const noexcept { return listening_.get() >= 0; }
     /// Adds what is to be polled.
     void add_to(std::vector<pollfd>& lines) const;
     /// Takes callers and hears what they ask by now; waits for nobody. A line that is too long, and

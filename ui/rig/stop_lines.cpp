@@ -109,6 +109,11 @@ StopLines::StopLines(const std::string& database,
       label_(std::move(label)),
       button_(std::move(button)),
       acts_(std::move(acts)) {
+    if (!control_.listens()) {
+        warn(
+            "as many programs listen there as can be called: palpate stop and the experimenter's "
+            "page do not reach this one; its screen, its terminal and its button do");
+    }
     struct stat input {};
     const bool there = acts_.types && fstat(STDIN_FILENO, &input) == 0;
     terminal_ = there && isatty(STDIN_FILENO) != 0 && in_foreground() &&
