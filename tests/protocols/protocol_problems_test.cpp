@@ -111,9 +111,10 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
         "protocols/library/curvature_2afc.toml", "protocols/library/friction_threshold.toml");
     std::string study = palpate::tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
     study += kYounger;
+    const int all = cases(250);
     int accepted = 0;
-    for (std::uint64_t seed = 0; seed < palpate::tests::cases(250U); ++seed) {
-        Random random(seed);
+    for (int seed = 0; seed < all; ++seed) {
+        Random random(static_cast<std::uint64_t>(seed));
         const std::string text = palpate::tests::broken(study, random);
         CAPTURE(seed, text);
         try {
@@ -125,6 +126,6 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
         }
     }
     // Both ways are taken: most of the first text is comments.
-    CHECK(accepted > palpate::tests::cases(file.starts_with("tests") ? 7 : 25));
-    CHECK(accepted < palpate::tests::cases(225));
+    CHECK(accepted >= all / (file.starts_with("tests") ? 60 : 20));
+    CHECK(accepted < all * 9 / 10);
 }
