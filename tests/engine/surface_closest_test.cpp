@@ -124,30 +124,37 @@ TEST_CASE("poles are found from every side", "[contact][surface]") {
     }
 }
 
-TEST_CASE("right beside the tip of a cone the foot lies on the line that leads to the hand",
+TEST_CASE("right beside a pole the foot is as near as any heading out of it leads",
           "[contact][surface][law]") {
-    // A quarter of a cone about z, apex at the origin: the foot of h off the axis is on the line
-    // through the apex at its azimuth, at h . d for the unit direction d (45 degrees down).
-    SurfaceData cone;
-    const double w = std::sqrt(0.5);
-    cone.degree_u = 1;
-    cone.degree_v = 2;
-    cone.knots_u = {0, 0, 1, 1};
-    cone.knots_v = {0, 0, 0, 1, 1, 1};
-    cone.points = {{Vec3{}, Vec3{}, Vec3{}},
-                   {Vec3{0.1, 0, -0.1}, Vec3{0.1, 0.1, -0.1}, Vec3{0, 0.1, -0.1}}};
-    cone.weights = {{1, w, 1}, {1, w, 1}};
-    const SurfaceFeet feet = feet_of(cone);
+    // So near to the tip the patch is its tangents there, S(u, v) = tip + 2 u (P1(v) - tip) + O(u^2),
+    // P1(v) the second row's Bezier curve: the foot is at most as far as the nearest of 2,001 of them.
+    SurfaceData patch;
+    patch.degree_u = 2;
+    patch.degree_v = 2;
+    patch.knots_u = {0, 0, 0, 1, 1, 1};
+    patch.knots_v = patch.knots_u;
+    const Vec3 tip{0.0084, -0.0038, 0.0195};
+    patch.points = {
+        {tip, tip, tip},
+        {Vec3{0.042, -0.006, 0.006}, Vec3{0.0459, 0.0491, 0.0127}, Vec3{0.043, 0.103, -0.0048}},
+        {Vec3{0.1061, -0.0036, 0.0063}, Vec3{0.1024, 0.0409, -0.0123},
+         Vec3{0.1029, 0.1071, -0.0166}}};
+    const SurfaceFeet feet = feet_of(patch);
     Random random(2910);
     for (int k = 0; k < 300; ++k) {
-        const double e = random.decade(-13.0, -7.0);
-        const double phi = random.in(0.1, 1.4);
-        const double across = random.in(-0.9, 0.9) * e;
-        const Vec3 d{w * std::cos(phi), w * std::sin(phi), -w};
-        const Vec3 n{w * std::cos(phi), w * std::sin(phi), w};
-        const SurfaceClosest got = feet.closest(e * d + across * n);
-        CAPTURE(k, e, phi, across);
-        CHECK(std::fabs(got.distance - std::fabs(across)) < 2e-16);
+        const Vec3 r = random.decade(-12.0, -8.0) *
+                       Vec3{random.in(-1.0, 1.0), random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
+        double nearest = glm::length(r);
+        for (int i = 0; i <= 2000; ++i) {
+            const double v = i / 2000.0;
+            const auto& row = patch.points[1];
+            const Vec3 along = (1.0 - v) * (1.0 - v) * row[0] + 2.0 * v * (1.0 - v) * row[1] +
+                               v * v * row[2] - tip;
+            const double way = std::max(glm::dot(r, along) / glm::dot(along, along), 0.0);
+            nearest = std::min(nearest, glm::length(r - way * along));
+        }
+        CAPTURE(k, r.x, r.y, r.z);
+        CHECK(feet.closest(tip + r).distance <= nearest * (1.0 + 1e-6) + 1e-16);
     }
 }
 
