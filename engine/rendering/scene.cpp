@@ -116,6 +116,7 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
     const Vec2& h = state.last_hip;
     const double rounding = 4.0 * kEpsilon * (std::fabs(h.x) + std::fabs(h.y));
     const double clear = cp.inside ? 0.0 : std::max(cp.distance * kClearShare - rounding, 0.0);
+    state.approach.stay(cp.inside ? cp.distance : 0.0);
     state.clear2 = clear * clear;
     state.away = {.place = cp.place, .go = cp.point, .skipped = true};
     Contact contact = state.away;
@@ -172,19 +173,20 @@ template <bool HasFriction, bool HasSlew, bool HasDamper>
         state.touching = false;
         state.theta = 1.0;
         state.last_spring = Vec2{};
+        state.approach = {};
         return {.refused = true};
     }
     const double way = budget<HasSlew>(state, hip);
-    const Vec2 from = HasSlew ? state.last_hip : hip;
+    const Vec2 from = state.last_hip;
     state.started = true;
     state.last_hip = hip;
     if (!state.touching) {
-        return look<HasFriction, HasDamper>(state, hip);
+        return look<HasFriction, HasDamper>(state, from);
     }
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
     Walk walk;
     if (!walk_on_span<HasFriction>(forms_, state.go, hip, mu, way, walk)) {
-        walk = walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, way,
+        walk = walk_god_object<HasFriction>(forms_, state.go, HasSlew ? from : hip, hip, mu, way,
                                             HasSlew ? spec_.slew.radius : 0.0);
     }
     if (walk.nu <= 0.0 && !walk.out_of_budget) {
@@ -193,9 +195,17 @@ template <bool HasFriction, bool HasSlew, bool HasDamper>
     return felt<HasFriction, HasDamper>(state, walk, hip, mu);
 }
 
+bool Scene::enters(ContactState& state, const ClosestPoint& cp, const Vec2& from) noexcept {
+    const Vec2& hip = state.last_hip;
+    const double size = std::fabs(hip.x) + std::fabs(hip.y);
+    return state.approach.enters(cp.distance, glm::length(hip - from),
+                                 rounding_of(cp.distance, size));
+}
+
 /// Without a contact so far: does one begin?
 template <bool HasFriction, bool HasDamper>
-Contact Scene::look(ContactState& state, const Vec2& hip) const noexcept {
+Contact Scene::look(ContactState& state, const Vec2& from) const noexcept {
+    const Vec2 hip = state.last_hip;
     state.theta = 1.0;
     ClosestPoint cp = tracker_.track(state.track, hip);
     if (!cp.inside) {
@@ -207,6 +217,9 @@ Contact Scene::look(ContactState& state, const Vec2& hip) const noexcept {
         if (!cp.inside) {
             return free(state, cp);
         }
+    }
+    if (!enters(state, cp, from)) {
+        return free(state, cp);
     }
     state.touching = true;
     const Walk walk = touch_down(*outline_, state.go, cp.place, hip);

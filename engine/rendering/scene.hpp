@@ -9,6 +9,7 @@
 #include "engine/friction/friction_law.hpp"
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/laws/law.hpp"
+#include "engine/rendering/approach.hpp"
 #include "engine/rendering/mode.hpp"
 
 namespace palpate::engine {
@@ -100,6 +101,7 @@ struct ContactState {
     double clear2 = 0.0;        ///< squared distance it may move before it could touch, m^2
     Contact away{};             ///< the answer of every tick out of reach, made at the last look
     TrackState track{};         ///< of the looks
+    Approach approach{};        ///< whether a contact may begin
     std::uint64_t skipped = 0;  ///< ticks so far that were out of reach: a comparison
     FrictionMemory rubbing{};   ///< of scenes with a law of friction from the literature
     SoftState soft{};           ///< of scenes whose object yields
@@ -108,8 +110,8 @@ struct ContactState {
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. In
 /// contact the force needs the god-object alone; the closest point is looked for out of contact
 /// only, and by closest(). Out of reach (the clearance of the last look minus the way since is > 0)
-/// a tick is a comparison. On an open outline a HIP led round an end within its clearance is seen
-/// on the other side at the next look only.
+/// a tick is a comparison. A contact begins where HIP comes through the surface, never behind an
+/// open end (Approach).
 ///
 /// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the
 /// GO may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along
@@ -186,7 +188,7 @@ private:
     template <bool HasSlew>
     [[nodiscard]] double budget(const ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction, bool HasDamper>
-    [[nodiscard]] Contact look(ContactState& state, const Vec2& hip) const noexcept;
+    [[nodiscard]] Contact look(ContactState& state, const Vec2& from) const noexcept;
     template <bool HasFriction, bool HasDamper>
     [[nodiscard]] Contact felt(ContactState& state,
                                const Walk& walk,
@@ -199,6 +201,9 @@ private:
     void add_softness();
     Contact yielding(ContactState& state, const Vec2& hip) const noexcept;
     bool meets(ContactState& state, const Vec2& from, Contact& contact) const noexcept;
+    [[nodiscard]] static bool enters(ContactState& state,
+                                     const ClosestPoint& cp,
+                                     const Vec2& from) noexcept;
     [[nodiscard]] Contact waning(ContactState& state) const noexcept;
     [[nodiscard]] Contact pressed(ContactState& state,
                                   const Walk& walk,

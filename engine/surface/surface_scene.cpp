@@ -50,6 +50,16 @@ void end_contact(SurfaceState& state) noexcept {
     state.fan.on = false;
 }
 
+/// Whether HIP, which is inside, came through the surface. A search that was broken off may find
+/// too far a point: then, as without this question.
+bool came_through(SurfaceState& state, const Vec3& from) noexcept {
+    const Vec3& hip = state.last_hip;
+    const double depth = state.seen.distance;
+    const double size = std::fabs(hip.x) + std::fabs(hip.y) + std::fabs(hip.z);
+    return !state.seen.proven ||
+           state.approach.enters(depth, glm::length(hip - from), rounding_of(depth, size));
+}
+
 }  // namespace
 
 SurfaceScene::SurfaceScene(std::shared_ptr<const NurbsSurface> surface,
@@ -67,6 +77,7 @@ SurfaceScene::SurfaceScene(std::vector<std::shared_ptr<const NurbsSurface>> surf
 SurfaceContact SurfaceScene::free(SurfaceState& state, const Vec3& hip) const noexcept {
     end_contact(state);
     const SurfaceClosest& cp = state.seen;
+    state.approach.stay(cp.inside ? cp.distance : 0.0);
     state.clear_at = hip;
     const double clear = cp.distance * kClearShare;
     state.clear2 = spec_.skip_far && !cp.inside ? clear * clear : 0.0;
@@ -109,6 +120,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     const Vec3 moved = hip - state.clear_at;
     if (glm::dot(moved, moved) < state.clear2) {  // false for NaN; clear2 is 0 while touching
         ++state.skipped;
+        state.last_hip = hip;
         SurfaceContact contact = nothing_felt(state.seen);
         contact.skipped = true;
         contact.cp.distance -= glm::length(moved);
@@ -117,6 +129,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     state.clear2 = 0.0;
     if (!usable(hip)) {
         end_contact(state);
+        state.approach = {};
         return {.refused = true};
     }
     const Vec3 from_hip = state.started ? state.last_hip : hip;
@@ -127,7 +140,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         state.seen = feet_.track(state.track, hip, kTickWork);
     }
     if (!state.touching) {
-        if (!state.seen.inside) {
+        if (!state.seen.inside || !came_through(state, from_hip)) {
             return free(state, hip);
         }
         state.touching = true;

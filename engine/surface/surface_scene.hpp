@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "engine/friction/friction_law.hpp"
+#include "engine/rendering/approach.hpp"
 #include "engine/rendering/mode.hpp"
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/surface_closest.hpp"
@@ -21,9 +22,7 @@ struct SurfaceSceneSpec {
     bool look_in_contact = true;
 
     /// While HIP is farther from the surface than it can have moved since the last look, do not
-    /// look: such a tick costs one comparison. Contact then begins only where HIP can have met the
-    /// surface. The same forces on a closed surface; on an open one HIP may be led round a border
-    /// to the back without a contact, where without this it would begin at full depth.
+    /// look: such a tick costs one comparison, and the forces are the same.
     bool skip_far = false;
 };
 
@@ -38,6 +37,7 @@ struct SurfaceState {
     Vec3 last_spring{};     ///< GO - HIP of the tick before as it was felt, m, zero out of contact
     SurfaceTrack track{};   ///< of the closest point, with its counters
     SurfaceClosest seen{};  ///< the last closest point that was looked for
+    Approach approach{};    ///< whether a contact may begin
     Vec3 clear_at{};        ///< HIP then, m
     double clear2 = 0.0;    ///< squared distance from clear_at without contact, m^2; 0: unknown
     std::uint64_t skipped = 0;  ///< ticks that did not look

@@ -88,6 +88,56 @@ TEST_CASE("out of contact render's god-object is the closest point, as `palpate 
     CHECK(worst < 1e-10);
 }
 
+TEST_CASE(
+    "a hand led round an open end or border feels nothing before it comes through the surface",
+    "[cli][law]") {
+    const auto seed = GENERATE(seeds(20U));
+    const char* const scenes[] = {
+        "", kRubs, "[renderer]\ncompliance_m_per_n = 0.0005\n",
+        "[friction]\nlaw = \"dahl\"\nmu_s = 0.5\nmu_d = 0.5\n"};
+    const bool space = seed % 5U == 4U;
+    Random random(seed + 4100U);
+    const std::string scene = space ? kRubs + sheet(random) : scenes[seed % 5U] + bows(random);
+    CAPTURE(seed, scene);
+    // Above, round the side, under it and deep, back, and down through it from above.
+    const double step = random.in(1e-4, 1e-3);
+    const double side = random.coin() ? 0.09 : -0.09;
+    const double deep = random.in(-0.03, -0.005);
+    const double x = random.in(-0.03, 0.03);
+    const engine::Vec2 corners[] = {{x, 0.06},    {side, 0.06}, {side, deep}, {x, deep},
+                                    {side, deep}, {side, 0.06}, {x, 0.06},    {x, deep}};
+    std::string path = space ? "t_s,x_m,y_m,z_m\n" : "t_s,x_m,y_m\n";
+    std::size_t ticks = 0;
+    std::size_t from_above = 0;
+    for (std::size_t k = 1; k < std::size(corners); ++k) {
+        from_above = ticks;
+        const engine::Vec2 way = corners[k] - corners[k - 1];
+        const auto steps = static_cast<std::size_t>(glm::length(way) / step) + 1;
+        for (std::size_t i = 0; i < steps; ++i, ++ticks) {
+            const engine::Vec2 h =
+                corners[k - 1] + way * (static_cast<double>(i) / static_cast<double>(steps));
+            const double t = 1e-3 * static_cast<double>(ticks);
+            path += space ? fmt::format("{},{},0.01,{}\n", t, h.x, h.y)
+                          : fmt::format("{},{},{}\n", t, h.x, h.y);
+        }
+    }
+    const auto felt = csv_body(said_of("render", scene, path));
+    REQUIRE(felt.size() == ticks);
+    const auto free = [](const auto& row) {
+        return row[1] == "FREE";
+    };
+    const auto first = std::ranges::find_if_not(felt, free);
+    REQUIRE(first != felt.end());
+    CHECK(first - felt.begin() > static_cast<std::ptrdiff_t>(from_above));
+    CHECK(std::all_of(first, felt.end(), std::not_fn(free)));
+    const std::size_t force = space ? 12 : 10;
+    double strength = 0.0;
+    for (std::size_t i = 0; i < (space ? 3U : 2U); ++i) {
+        strength = std::hypot(strength, std::stod((*first)[force + i]));
+    }
+    CHECK(strength <= 1000.0 * step * 1.001);
+}
+
 TEST_CASE("a scene that names a law or a tracker of the thesis is felt by its renderer, to the bit",
           "[cli][law][thesis]") {
     using figures::ThesisLaw;
