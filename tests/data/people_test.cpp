@@ -114,6 +114,9 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(palpate_command({"mark", file, "1", "--invalid", "x"}).code != 0);
     ran({"participant", file, "Jane Doe", "--consent", "yes"}, 2);
     ran({"participant", file, "P1", "--set", "Age=3"}, 2);
+    CHECK_THAT(
+        ran({"participant", file, "P1", "--new", "--set", "age=31", "--set", "age=32"}, 2).error,
+        Has("--set age", "twice"));
     ran({"participant", file, "P1", "--handedness", "101"}, 2);
     CHECK(::access(file.c_str(), F_OK) != 0);  // nothing was made of all that
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <ranges>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -152,7 +154,11 @@ data::ParticipantNotes notes_of(const ParticipantOptions& options) {
         notes.consent = options.consent == "yes";
     }
     for (const std::string& word : options.details) {
-        notes.details.push_back(detail_of(word));
+        auto detail = detail_of(word);
+        const auto keys = std::views::keys(notes.details);
+        refuse_if(std::ranges::find(keys, detail.first) != keys.end(),
+                  "--set {0}: {0} is given twice: give one value for it", detail.first);
+        notes.details.push_back(std::move(detail));
     }
     return notes;
 }
