@@ -125,6 +125,7 @@ void declare(CommandWords& words, CalibrateOptions& options) {
 
 /// None: standard input ended.
 std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& device,
+                                                           const engine::PantographSpec& machine,
                                                            const std::vector<Vec2>& marks) {
     std::vector<engine::MarkReading> readings;
     for (const Vec2& mark : marks) {
@@ -133,6 +134,8 @@ std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& devic
             return std::nullopt;
         }
         readings.push_back(read_mark(device, mark));
+        // A handle that moved is said at its own mark, not after the last one.
+        static_cast<void>(engine::find_home(machine, std::span(&readings.back(), 1), false));
     }
     return readings;
 }
@@ -150,7 +153,7 @@ int run(const CalibrateOptions& options) {
     say("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
         calibration.pantograph.name, counted(marks.size(), "mark"));
 
-    const auto readings = read_marks(*device, marks);
+    const auto readings = read_marks(*device, calibration.pantograph, marks);
     if (!readings) {
         say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
         return kExitStopped;
