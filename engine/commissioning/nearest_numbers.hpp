@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/commissioning/least_squares.hpp"
+#include "engine/math/least_squares.hpp"
 
 namespace palpate::engine {
 

@@ -7,7 +7,7 @@
 
 #include "engine/base/text.hpp"
 #include "engine/commissioning/handle_fit.hpp"
-#include "engine/commissioning/least_squares.hpp"
+#include "engine/math/least_squares.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -21,27 +21,6 @@ constexpr double kStill = 0.040;       ///< s within a count
 constexpr double kPatience = 0.6;      ///< s for the handle to come to rest
 constexpr double kAfterwards = 0.060;  ///< s, recorded after the force
 
-/// A pose that cannot be is the trip of the tick.
-Trip found(const Reading& reading) noexcept {
-    switch (reading.fault) {
-        case DeviceFault::none:
-            return Trip::none;
-        case DeviceFault::silent:
-            return Trip::device_silent;
-        case DeviceFault::stopped:
-            return Trip::device_stopped;
-        case DeviceFault::garbage:
-            return Trip::device_garbage;
-        case DeviceFault::unreachable:
-            return Trip::out_of_workspace;
-        case DeviceFault::lost:
-        case DeviceFault::unguarded:
-        case DeviceFault::ended:
-            break;
-    }
-    return Trip::device_lost;
-}
-
 constexpr std::array<double, 5> kForces{0.1, 0.2, 0.3, 0.5, 1.0};
 constexpr std::array<Vec3, 6> kDirections{Vec3{1.0, 0.0, 0.0}, Vec3{-1.0, 0.0, 0.0},
                                           Vec3{0.0, 1.0, 0.0}, Vec3{0.0, -1.0, 0.0},
@@ -94,7 +73,7 @@ PulseRunner::Tick PulseRunner::tick(const Vec3& force) {
                              {.force = force,
                               .hip = tick.reading.hip,
                               .counts = tick.reading.counts,
-                              .found = found(tick.reading),
+                              .found = trip_of(tick.reading.fault),
                               .fresh = tick.reading.fresh,
                               .time_ns = ticks_++ * static_cast<std::int64_t>(period_ * 1e9 + 0.5),
                               .load = load_});

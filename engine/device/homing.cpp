@@ -8,6 +8,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/pantograph.hpp"
+#include "engine/math/least_squares.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -77,60 +78,20 @@ double narrowest(std::span<const MarkReading> marks) {
     return std::sqrt(std::fmax(smallest, 0.0) / static_cast<double>(marks.size()));
 }
 
-/// Unknowns: the zeros, and the changes of the turn of one count (times the counts' size).
-constexpr std::size_t kMaxUnknowns = 4;
-using Column = std::array<double, kMaxUnknowns>;
-using Normal = std::array<Column, kMaxUnknowns>;
-
-/// Gauss's elimination with pivots. @throws HomingError if the marks do not tell
-Column solved(Normal a, Column b, std::size_t n) {
-    for (std::size_t k = 0; k < n; ++k) {
-        std::size_t pivot = k;
-        for (std::size_t i = k + 1; i < n; ++i) {
-            pivot = std::fabs(a[i][k]) > std::fabs(a[pivot][k]) ? i : pivot;
-        }
-        std::swap(a[k], a[pivot]);
-        std::swap(b[k], b[pivot]);
-        refuse_if<HomingError>(!(std::fabs(a[k][k]) > 1e-300),
-                               "the marks do not tell the encoders' zeros: give other marks");
-        for (std::size_t i = k + 1; i < n; ++i) {
-            const double share = a[i][k] / a[k][k];
-            for (std::size_t j = k; j < n; ++j) {
-                a[i][j] -= share * a[k][j];
-            }
-            b[i] -= share * b[k];
-        }
-    }
-    Column x{};
-    for (std::size_t k = n; k-- > 0;) {
-        double rest = b[k];
-        for (std::size_t j = k + 1; j < n; ++j) {
-            rest -= a[k][j] * x[j];
-        }
-        x[k] = rest / a[k][k];
-    }
-    return x;
-}
-
-/// Least squares of |J (zero + counts per_count (1 + change) - angles)| over the targets.
-Column fitted(const std::vector<Target>& targets, const Vec2& per_count, bool scale) {
-    const std::size_t n = scale ? 4 : 2;
-    Normal normal{};
-    Column right{};
+/// The zeros, and the changes of the turn of one count: least squares of
+/// |J (zero + counts per_count (1 + change) - angles)| over the targets.
+LeastSquares::Row fitted(const std::vector<Target>& targets, const Vec2& per_count, bool scale) {
+    LeastSquares fit(scale ? 4 : 2);
     for (const Target& target : targets) {
         const Vec2 turned = per_count * target.counts;
-        const std::array<Vec2, kMaxUnknowns> columns{
-            target.jacobian.column_1(), target.jacobian.column_2(),
-            target.jacobian.column_1() * turned.x, target.jacobian.column_2() * turned.y};
+        const Vec2 one = target.jacobian.column_1();
+        const Vec2 two = target.jacobian.column_2();
         const Vec2 wanted = target.jacobian * (target.angles - turned);
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t j = 0; j < n; ++j) {
-                normal[i][j] += glm::dot(columns[i], columns[j]);
-            }
-            right[i] += glm::dot(columns[i], wanted);
+        for (int k = 0; k < 2; ++k) {
+            fit.add({one[k], two[k], one[k] * turned.x, two[k] * turned.y}, wanted[k]);
         }
     }
-    return solved(normal, right, n);
+    return fit.solved(0.0);
 }
 
 void check_scale(const std::array<Axis, 2>& before, const std::array<Axis, 2>& after) {
@@ -209,7 +170,7 @@ Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks,
         targets.push_back(target_of(machine, mark));
     }
     unwind(targets, per_count);
-    const Column x = fitted(targets, per_count, scale);
+    const LeastSquares::Row x = fitted(targets, per_count, scale);
     for (std::size_t i = 0; i < 2; ++i) {
         found.axes[i].zero = x[i] - kTurn * std::floor(x[i] / kTurn + 0.5);
         if (scale) {

@@ -8,23 +8,7 @@ namespace palpate::engine {
 namespace {
 
 Trip found(const Reading& reading, bool refused) noexcept {
-    switch (reading.fault) {
-        case DeviceFault::none:
-            return refused ? Trip::scene_refused : Trip::none;
-        case DeviceFault::silent:
-            return Trip::device_silent;
-        case DeviceFault::stopped:
-            return Trip::device_stopped;
-        case DeviceFault::garbage:
-            return Trip::device_garbage;
-        case DeviceFault::unreachable:
-            return Trip::out_of_workspace;
-        case DeviceFault::lost:
-        case DeviceFault::unguarded:
-        case DeviceFault::ended:
-            break;
-    }
-    return Trip::device_lost;
+    return refused && reading.ok() ? Trip::scene_refused : trip_of(reading.fault);
 }
 
 /// The flags of the safety chain, the clock and the device; those of the scene come with its

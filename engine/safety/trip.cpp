@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "engine/device/device.hpp"
+
 namespace palpate::engine {
 
 namespace {
@@ -68,6 +70,26 @@ const TripWords& words_of(Trip trip) noexcept {
 }
 
 }  // namespace
+
+Trip trip_of(DeviceFault fault) noexcept {
+    switch (fault) {
+        case DeviceFault::none:
+            return Trip::none;
+        case DeviceFault::silent:
+            return Trip::device_silent;
+        case DeviceFault::stopped:
+            return Trip::device_stopped;
+        case DeviceFault::garbage:
+            return Trip::device_garbage;
+        case DeviceFault::unreachable:
+            return Trip::out_of_workspace;
+        case DeviceFault::lost:
+        case DeviceFault::unguarded:
+        case DeviceFault::ended:
+            break;
+    }
+    return Trip::device_lost;
+}
 
 std::string_view to_string(Trip trip) noexcept {
     return words_of(trip).name;

@@ -5,6 +5,8 @@
 
 namespace palpate::engine {
 
+enum class DeviceFault : std::uint8_t;
+
 /// Why the safety chain switched the force off. Latched until the next trial.
 enum class Trip : std::uint8_t {
     none,
@@ -35,6 +37,9 @@ enum class Trip : std::uint8_t {
 [[nodiscard]] constexpr bool waits_for_experimenter(Trip trip) noexcept {
     return trip == Trip::focus_lost || trip == Trip::stopped;
 }
+
+/// What a device's fault is to the safety chain. @return none for none
+[[nodiscard]] Trip trip_of(DeviceFault fault) noexcept;
 
 /// For the database: "over_speed".
 [[nodiscard]] std::string_view to_string(Trip trip) noexcept;
