@@ -128,14 +128,19 @@ std::optional<std::vector<engine::MarkReading>> read_marks(engine::Device& devic
                                                            const engine::PantographSpec& machine,
                                                            const std::vector<Vec2>& marks) {
     std::vector<engine::MarkReading> readings;
-    for (const Vec2& mark : marks) {
+    while (readings.size() < marks.size()) {
+        const Vec2& mark = marks[readings.size()];
         if (!wait_for_enter(fmt::format("Bring the handle to {} and press Enter. ",
                                         engine::place_text({mark, 0.0}, 2)))) {
             return std::nullopt;
         }
-        readings.push_back(read_mark(device, mark));
-        // A handle that moved is said at its own mark, not after the last one.
-        static_cast<void>(engine::find_home(machine, std::span(&readings.back(), 1), false));
+        const engine::MarkReading reading = read_mark(device, mark);
+        try {
+            static_cast<void>(engine::find_home(machine, std::span(&reading, 1), false));
+            readings.push_back(reading);
+        } catch (const engine::HomingError& error) {  // it moved: this mark once more
+            say_to(stderr, fmt::format("palpate: {}\n", error.what()));
+        }
     }
     return readings;
 }
