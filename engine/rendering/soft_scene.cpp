@@ -42,7 +42,7 @@ bool Scene::meets(ContactState& state, const Vec2& from, Contact& contact) const
     state.theta = 1.0;
     if (!soft.moving) {
         ClosestPoint cp = tracker_.track(state.track, hip);
-        if (!cp.inside || !enters(state, cp, from)) {
+        if (!cp.inside) {
             contact = free(state, cp);
             return false;
         }
@@ -94,7 +94,6 @@ Contact Scene::yielding(ContactState& state, const Vec2& hip) const noexcept {
     state.clear2 = 0.0;
     if (!std::isfinite(hip.x) || !std::isfinite(hip.y)) {
         state.soft.clear = 0.0;
-        state.approach = {};
         Contact contact = waning(state);
         contact.refused = true;
         return contact;
