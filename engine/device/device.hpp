@@ -108,6 +108,12 @@ public:
     virtual void forget_home() {}
     /// What is wrong and what to do about it, as a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
+    /// It may still give its last force, without end: nothing has acknowledged zero.
+    [[nodiscard]] virtual bool force_unproved() const { return false; }
 };
+
+/// What to do first then.
+inline constexpr const char* kForceUnproved =
+    "nothing proves that the motors are off: hands off the handle, switch off the motors' supply";
 
 }  // namespace palpate::engine

@@ -24,7 +24,7 @@ struct MarkReply {
 };
 
 /// What the experimenter asked for while a session runs, until the session does it. Screen and
-/// session share the desk on one thread; stop() and bar() are for any.
+/// session share the desk on one thread; stop(), bar() and what is said of the force are for any.
 class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
@@ -53,6 +53,9 @@ public:
     [[nodiscard]] bool awaits_handle() const { return handle_awaited_ && handle_awaited_(); }
     /// No trial begins while this stands. @param why  a sentence, a literal; none: nothing any more
     void bar(const char* why) noexcept { barred_.store(why); }
+    /// Whether the device may still give its last force (Apparatus::force_unproved).
+    void doubt_force(bool doubted) noexcept { force_doubted_.store(doubted); }
+    [[nodiscard]] bool force_doubted() const noexcept { return force_doubted_.load(); }
 
     /// Something was asked for that a session stops for between trials.
     [[nodiscard]] bool wants() const noexcept { return mark_ || pause_ || wants_stop(); }
@@ -83,6 +86,7 @@ private:
     std::function<bool()> handle_awaited_;
     std::atomic<const char*> stop_{nullptr};
     std::atomic<const char*> barred_{nullptr};
+    std::atomic<bool> force_doubted_{false};
     std::optional<MarkReply> reply_;
 };
 

@@ -7,6 +7,8 @@
 namespace palpate::protocols {
 namespace {
 
+constexpr const char* kWorksAgain = "the device works again";
+
 /// The way from a fault to a rig that may give force again.
 class Repair {
 public:
@@ -16,6 +18,7 @@ public:
         view.in_a_row = in_a_row;
         view.by_hand = waits_for_experimenter(fault.cause);
         ask_for_experimenter();
+        look();
     }
 
     /// Nobody wants a force until the experimenter goes on: no pulse moves the handle.
@@ -28,6 +31,7 @@ public:
     void try_on() {
         const bool proves = back_ && !stopped_;
         ProofStep step = prove_step(ports_.apparatus, proves ? rig_.trust.state : Trust::unknown);
+        look();
         if (!step.event) {
             ++view.tries;
             view.sentence = step.refused.empty() ? fault_.text : step.refused;
@@ -43,7 +47,7 @@ public:
         view.solved =
             stopped_ || !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
         // No longer why it could not be reached; or what comes next.
-        view.sentence = view.solved ? fault_.text : kProofComes;
+        view.sentence = !view.solved ? kProofComes : was_away_ ? kWorksAgain : fault_.text;
     }
 
     /// @param seconds  since the fault
@@ -59,6 +63,14 @@ public:
     TroubleView view;
 
 private:
+    /// Whether it is away, and whether the force is off.
+    void look() {
+        was_away_ = was_away_ || !ports_.apparatus.trouble().empty();
+        if (ports_.desk != nullptr) {
+            ports_.desk->doubt_force(ports_.apparatus.force_unproved());
+        }
+    }
+
     /// Whoever felt the rig before cannot tell whether it is the same.
     void ask_for_experimenter() {
         const bool unknown = ports_.apparatus.has_proof() && rig_.trust.state == Trust::unknown;
@@ -70,6 +82,7 @@ private:
     const TrustPort& rig_;
     bool stopped_;
     bool back_ = false;
+    bool was_away_ = false;  ///< what was said of it is no longer so
 };
 
 }  // namespace

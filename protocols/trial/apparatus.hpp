@@ -63,6 +63,8 @@ public:
     [[nodiscard]] virtual bool began_anew() { return false; }
     /// What is wrong with the device and what to do, a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
+    /// The device may still give its last force: nothing has acknowledged zero.
+    [[nodiscard]] virtual bool force_unproved() const { return false; }
     /// Somebody's hand may feel a force of it: of a rig, commissioned or not.
     [[nodiscard]] virtual bool gives_force() const noexcept { return has_proof(); }
     /// It gives the force of a commissioned rig, and nobody may feel it before that was proved (see

@@ -41,6 +41,7 @@ public:
         return haply_.device().reconnect();
     }
     [[nodiscard]] std::string trouble() const override { return haply_.device().trouble(); }
+    [[nodiscard]] bool force_unproved() const override { return haply_.device().force_unproved(); }
     [[nodiscard]] std::string device_name() const override { return "emulated " + device().name(); }
     /// The other end of the cable.
     [[nodiscard]] engine::EmulatedBoard& board() noexcept { return haply_.board(); }

@@ -200,6 +200,7 @@ public:
         const std::string trouble = device_->trouble();
         return trouble.empty() ? unproved_ : trouble;
     }
+    [[nodiscard]] bool force_unproved() const override { return device_->force_unproved(); }
     [[nodiscard]] bool gives_force() const noexcept override {
         return device_->traits().gives_force;
     }

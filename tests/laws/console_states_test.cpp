@@ -27,7 +27,7 @@ const Json kExploring = Json::parse(R"({
     "late": {"edges_us": [5, 10, 100], "trial": [9, 1, 0, 0], "session": [3456789, 99, 5, 0],
              "stale_share": 0.0003},
     "device": {"name": "board:udp:192.168.100.200:45678", "calibration": "left rig",
-               "round_trip_us": 412.3, "check": "passed", "guard": null, "dead_man": true},
+               "round_trip_us": 412.3, "check": "passed", "watchdog": null, "dead_man": true},
     "disk_free_mb": 183234, "saved_ms": 40, "seal": "0123456789abcdef", "reveal": "ask",
     "masking": {"on": true, "level_db": -20}, "notes": [], "ended": null})");
 
@@ -63,6 +63,14 @@ const std::vector<State> kStates{
          "force": {"on": false, "why": "stopped"}})",
      {{"alerts", "The trouble is over: at the participant"}},
      {"pause"}},
+    {R"({"phase": "trouble", "sentence": "nothing proves that the motors are off",
+         "force": {"on": null, "why": "nothing proves that the motors are off"}})",
+     {{"alerts", "the motors may still give force"}, {"force-word", "Force not known"}},
+     {"pause"}},
+    {R"({"phase": "ended", "ended": "given up", "sentence": "the session is over: given up",
+         "force": {"on": null, "why": "nothing proves that the motors are off"}})",
+     {{"force-word", "Force not known"}, {"force-why", "(nothing proves"}},
+     kAll},
     {R"({"alarm": true, "not_counting": [{"trial": 9, "practice": false, "why": "timed_out"},
          {"trial": 11, "practice": false, "why": "marked: my_own words"}]})",
      {{"alerts", "Three of the last six"}, {"not", "words"}, {"not", "Trial 9: timed out"}},

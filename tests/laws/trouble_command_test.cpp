@@ -1,5 +1,6 @@
 #include <csignal>
 
+#include "engine/device/device.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
@@ -89,9 +90,20 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         for (const pid_t child : children_of(program.id())) {  // the board and the guard
             kill(child, SIGKILL);
         }
+        // Nobody who asks hears that the force is off.
+        std::string shown;
+        CHECK(eventually([&] {
+            shown = palpate_command({"status", file, "--json"}).out;
+            return shown.find(R"("on":null)") != std::string::npos || !program.running();
+        }));
+        CHECK_THAT(shown, Has(engine::kForceUnproved));
+        const Finished stopped = palpate_command({"stop", file});
+        CHECK(stopped.code == 1);
+        CHECK_THAT(stopped.error, Has(engine::kForceUnproved));
         const Finished end = program.wait();
         CAPTURE(end.out, end.error);
         CHECK(end.code == 1);
+        CHECK_THAT(end.error, Has(fmt::format("palpate: {}", engine::kForceUnproved)));
         CHECK_THAT(end.error, Has("gave up after 10 tries to reach the device again: ") ||
                                   Has("faults in a row: "));
         CHECK(sql_lines(file, "PRAGMA integrity_check") == "ok\n");

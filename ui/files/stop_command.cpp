@@ -6,6 +6,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
+#include "engine/device/device.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
@@ -37,6 +38,8 @@ int run(const StopOptions& options) {
         "{} did not answer in 2 s, which hangs or is stopped: use the switch of its motors{}",
         counted(stopped.silent + stopped.uncalled, "session"),
         stopped.uncalled > 0 ? "" : ". It gives no force when it goes on");
+    refuse_if<std::runtime_error>(stopped.unproved > 0, "of {}: {}",
+                                  counted(stopped.unproved, "session"), engine::kForceUnproved);
     if (stopped.sessions > 0) {
         return 0;
     }

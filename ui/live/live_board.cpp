@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/clock.hpp"
+#include "engine/device/device.hpp"
 #include "engine/safety/trip.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "data/store/database.hpp"
@@ -243,6 +244,13 @@ void LiveBoard::noted(const std::string& text) noexcept {
     });
 }
 
+void LiveBoard::checked(const std::string& found) noexcept {
+    unless_no_memory([&] {
+        facts_.check = found;
+        show();
+    });
+}
+
 void LiveBoard::reveal() noexcept {
     revealed_ = true;
     unless_no_memory([&] { draw_outline(); });
@@ -278,9 +286,9 @@ std::string LiveBoard::text() const {
                      {"next_break_in", json_or_null(next_break())},
                      {"answered", facts_.answered},
                      {"alarm", alarm_},
-                     {"pausing", wishes_.first},
+                     {"pausing", wishes_[0]},
                      {"solved", phase_ == LivePhase::trouble && trouble_.solved},
-                     {"force", {{"on", force_on()}, {"why", why()}}},
+                     {"force", {{"on", json_or_null(force_on())}, {"why", why()}}},
                      {"reveal", protocol_.reveal == protocols::Reveal::never ? "never"
                                 : revealed_                                  ? "shown"
                                                                              : "ask"},
@@ -302,7 +310,7 @@ void LiveBoard::add_device(data::Json& state) const {
                        {"calibration", json_or_null(facts_.calibration)},
                        {"round_trip_us", json_or_null(facts_.round_trip_us)},
                        {"check", json_or_null(facts_.check)},
-                       {"guard", json_or_null(facts_.guard)},
+                       {"watchdog", json_or_null(facts_.watchdog)},
                        {"dead_man", json_or_null(dead_man)}};
     const bool noise = phase_ == LivePhase::ready || phase_ == LivePhase::explore;
     state["masking"] = facts_.masking_db
@@ -341,13 +349,16 @@ std::string LiveBoard::sentence() const {
                                         : std::string(begun);
 }
 
-bool LiveBoard::force_on() const {
-    return phase_ == LivePhase::explore && facts_.gives_force && !desk_.wants_stop();
+std::optional<bool> LiveBoard::force_on() const {
+    return wishes_[2] ? std::nullopt
+                      : std::optional(phase_ == LivePhase::explore && facts_.gives_force &&
+                                      !desk_.wants_stop());
 }
 
 std::string LiveBoard::why() const {
     const char* barred = desk_.barred();
-    return !facts_.gives_force          ? "this device gives no force"
+    return wishes_[2]                   ? engine::kForceUnproved
+         : !facts_.gives_force          ? "this device gives no force"
          : barred != nullptr            ? barred
          : desk_.wants_stop()           ? "stopped"
          : phase_ == LivePhase::trouble ? trouble_.sentence

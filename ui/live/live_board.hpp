@@ -31,7 +31,7 @@ struct LiveFacts {
     std::string device{};
     std::string calibration{};  ///< its name; empty: none
     std::string check{};        ///< of the rig; empty: none
-    std::string guard{};        ///< what ends the force when this machine does not; empty: nothing
+    std::string watchdog{};     ///< of the device: ends the force when this machine does not
     std::optional<double> round_trip_us{};  ///< none: it was not measured
     bool gives_force = false;
     bool screen = false;                 ///< a person sits at one
@@ -85,6 +85,8 @@ public:
                    bool alarm) noexcept;
     void marked(const protocols::MarkReply& reply, const std::string& reason) noexcept;
     void noted(const std::string& text) noexcept;
+    /// The rig was proved again, or was refused.
+    void checked(const std::string& found) noexcept;
     void reveal() noexcept;
     /// Shows what became another wish at the desk.
     void look() noexcept {
@@ -103,11 +105,12 @@ private:
     void add_device(data::Json& state) const;
     void add_hidden(data::Json& state) const;
     [[nodiscard]] std::string sentence() const;
-    [[nodiscard]] bool force_on() const;
+    /// None: nothing proves that it is off.
+    [[nodiscard]] std::optional<bool> force_on() const;
     [[nodiscard]] std::string why() const;
     [[nodiscard]] std::optional<std::size_t> next_break() const;
-    [[nodiscard]] std::pair<bool, bool> wishes() const noexcept {
-        return {desk_.wants_pause(), desk_.wants_stop()};
+    [[nodiscard]] std::array<bool, 3> wishes() const noexcept {
+        return {desk_.wants_pause(), desk_.wants_stop(), desk_.force_doubted()};
     }
     void show() noexcept;
     void draw_outline();
@@ -123,7 +126,7 @@ private:
     LivePhase phase_ = LivePhase::welcome;
     std::int64_t phase_ns_ = 0;
     std::int64_t shown_ns_ = 0;
-    std::pair<bool, bool> wishes_{};  ///< a pause and a stop, as they are shown
+    std::array<bool, 3> wishes_{};  ///< a pause, a stop, doubt of the force: as they are shown
     protocols::TrialNumber trial_{};
     std::size_t interval_ = 1;
     protocols::TroubleView trouble_{};

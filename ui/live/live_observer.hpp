@@ -2,6 +2,7 @@
 
 #include "protocols/session/ports.hpp"
 #include "protocols/session/recorder.hpp"
+#include "protocols/session/trust.hpp"
 #include "protocols/trial/observer.hpp"
 #include "ui/live/live_session.hpp"
 
@@ -115,7 +116,12 @@ public:
         recorder_.end_trial(trial, result);
         live_.in_trial(std::nullopt);
     }
-    void event(const protocols::Event& event) override { recorder_.event(event); }
+    void event(const protocols::Event& event) override {
+        recorder_.event(event);
+        if (event.key == protocols::kRigCheck) {
+            live_.board().checked(event.value);
+        }
+    }
     void finish_session() override { recorder_.finish_session(); }
 
 private:

@@ -299,6 +299,7 @@ StopResult stop_sessions(const std::optional<std::string>& database) {
         const bool heard = said.ended || !said.line.empty();
         (ok ? stopped.sessions : heard ? stopped.refused : stopped.silent) += 1;
         stopped.labels += ok ? answer.value("text", "") : "";
+        stopped.unproved += ok && !answer.value("proved", true) ? 1U : 0U;
     }
     return stopped;
 }

@@ -179,7 +179,8 @@ void StopLines::obey(const std::string& line, const std::shared_ptr<Caller>& cal
         caller->answer(false, "nobody feels this session: it is stopped by its file");
     } else if (asked["do"] == "stop") {
         acts_.stop(asked.contains("page") ? "experimenter's page" : "palpate stop");
-        caller->answer(true, label_);
+        caller->answer_line(one_line(data::Json{
+            {"ok", true}, {"text", label_}, {"proved", !acts_.doubts || !acts_.doubts()}}));
     } else if (caller->trusted() && acts_.obey) {
         acts_.obey(line, caller);
     } else {

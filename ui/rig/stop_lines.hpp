@@ -75,9 +75,10 @@ public:
     struct Acts {
         std::function<void(const char*)> stop;  ///< on the thread; by which way
         std::function<void(const char*)>
-            bar;            ///< no force while this sentence stands; none: nothing any more
-        bool types = true;  ///< somebody feels it: Enter and Escape at the terminal stop
-        bool pipes = true;  ///< a line stops where standard input is a pipe, too
+            bar;  ///< no force while this sentence stands; none: nothing any more
+        std::function<bool()> doubts{};  ///< nothing proves that the force is off; none: never
+        bool types = true;           ///< somebody feels it: Enter and Escape at the terminal stop
+        bool pipes = true;           ///< a line stops where standard input is a pipe, too
         ControlSocket::Obey obey{};  ///< hears all but "stop", on the thread; none: nobody does
     };
 

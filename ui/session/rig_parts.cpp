@@ -159,7 +159,7 @@ LiveFacts live_facts(const RigSpec& spec,
             .device = felt.port->device_name(),
             .calibration = calibration == felt.provenance.end() ? "" : calibration->second,
             .check = fact_of(felt, protocols::kRigCheck),
-            .guard = fact_of(felt, "device watchdog"),
+            .watchdog = fact_of(felt, "device watchdog"),
             .round_trip_us =
                 felt.round_trip > 0.0 ? std::optional(1e6 * felt.round_trip) : std::nullopt,
             .gives_force = gives_force(spec.device.kind),
@@ -248,10 +248,12 @@ std::unique_ptr<StopLines> stop_lines(const data::Database& database,
         StopLines::Acts{
             .stop = stop,
             .bar = bar,
+            .doubts = [&desk] { return desk.force_doubted(); },
             .types = screen || spec.stop_button,
-            .obey = [&live](const std::string& line, const std::shared_ptr<Caller>& caller) {
-                live.hear(line, caller);
-            }});
+            .obey =
+                [&live](const std::string& line, const std::shared_ptr<Caller>& caller) {
+                    live.hear(line, caller);
+                }});
 }
 
 void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, const char* why) {

@@ -322,6 +322,9 @@ RigEnd run_rig(data::Database& database,
             "the session ended there; what was recorded is kept, the same command goes on");
     }
     live.end(how_it_ended(end));
+    if (desk.force_doubted()) {
+        warn("{}", engine::kForceUnproved);
+    }
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});

@@ -77,6 +77,7 @@ public:
         fault_ = DeviceFault::unreachable;
         homeless_ = true;
     }
+    [[nodiscard]] bool force_unproved() const override;
     [[nodiscard]] std::string trouble() const override {
         return warning() + (trouble_.empty() ? explained(fault_) : trouble_);
     }
@@ -101,6 +102,7 @@ private:
     [[nodiscard]] bool send_zero() noexcept;
     AppliedForce hold_off(const Vec3& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
+    /// What to do first, while nothing has acknowledged zero torque.
     [[nodiscard]] std::string warning() const;
 
     Machine machine_;

@@ -10,12 +10,12 @@ std::string BoardDevice::name() const {
     return line_->kind() + " " + machine_.calibration().name() + " at " + link_->name();
 }
 
-/// What to do first, while nothing has acknowledged zero torque.
+bool BoardDevice::force_unproved() const {
+    return zero_unproved_ && std::isinf(line_->holds_force());
+}
+
 std::string BoardDevice::warning() const {
-    return zero_unproved_ && std::isinf(line_->holds_force())
-             ? "nothing proves that the motors are off: hands off the handle, switch off the "
-               "motors' supply. Then: "
-             : "";
+    return force_unproved() ? std::string(kForceUnproved) + ". Then: " : "";
 }
 
 namespace {

@@ -31,6 +31,7 @@
   let asked = false;      // this page asked for what is felt
 
   const seconds = () => performance.now() / 1000;
+  const NO_FORCE = 'No force any more.';
   const is = value => value !== null && value !== undefined;
   /// Only what is another value is written: nothing else is laid out and painted again.
   function set(of, name, value) {
@@ -90,6 +91,7 @@
     if (state && !over()) {
       if (state.phase === 'trouble') {
         all.push([!state.solved, state.solved ? 'The trouble is over: at the participant\u2019s screen it goes on.'
+          : state.force.on === null ? 'Trouble: the motors may still give force.'
           : 'Trouble: no force until it is mended.', state.sentence]);
       }
       if (state.alarm) {
@@ -105,10 +107,12 @@
   }
 
   function showForce() {
-    const now = rests() ? 'off' : gone() ? 'unknown' : state.force.on ? 'on' : 'off';
+    const now = gone() || state.force.on === null ? 'unknown' : rests() ? 'off' : state.force.on ? 'on' : 'off';
+    if (now === 'on' && $('said').textContent === NO_FORCE) say(true, '');
     set(document.body.dataset, 'force', now);
     put($('force-word'), now === 'unknown' ? 'Force not known' : 'Force ' + now);
-    put($('force-why'), gone() || over() || !state.force.why || state.phase === 'trouble' ? '' : '(' + state.force.why + ')');
+    put($('force-why'), gone() || (over() && now === 'off') || !state.force.why || state.phase === 'trouble' ? ''
+      : '(' + state.force.why + ')');
   }
 
   function trialRows() {
@@ -116,8 +120,8 @@
       ['Remaining', counted(state.remaining, 'trial') + (is(state.remaining_min) && state.remaining > 0
         ? ', some ' + Math.max(1, Math.round(state.remaining_min)) + ' min at this pace' : '')],
       ['Next break', is(state.next_break_in) ? 'after ' + counted(state.next_break_in, 'more trial') : 'none'],
-      ['Do not count', String(state.not_counting.length)],
-      ['Faults', String(state.faults.length)]
+      ['Do not count, of this run', String(state.not_counting.length)],
+      ['Faults of this run', String(state.faults.length)]
     ];
     facts($('trials'), rows);
     set($('not-h'), 'hidden', state.not_counting.length === 0);
@@ -139,7 +143,7 @@
       ['Calibration', d.calibration || none],
       ['Round trip', is(d.round_trip_us) ? Math.round(d.round_trip_us) + ' µs' : 'not measured'],
       ['Rig check', d.check || none],
-      ['Guard', d.guard || none],
+      ['Watchdog', d.watchdog || none],
       ['Dead-man key', !is(d.dead_man) ? 'not asked for' : d.dead_man ? 'held' : 'not held']
     ]);
   }
@@ -515,7 +519,8 @@
   }
 
   on('stop', async () => {
-    if ((await act({ do: 'stop' })).ok) say(true, 'No force any more.');
+    const answer = await act({ do: 'stop' });
+    if (answer.ok) say(answer.proved, answer.proved ? NO_FORCE : state.force.why);
   });
   on('pause', () => act({ do: goesOn() ? 'go on' : 'pause' }));
   on('mark', async () => {
@@ -601,7 +606,7 @@
       live = heard(event);
       if (live.strips) keep(live.strips);
       if (state === null) return;
-      if (is(live.force_on) && live.force_on !== state.force.on) {
+      if (is(live.force_on) && is(state.force.on) && live.force_on !== state.force.on) {
         state.force = { on: live.force_on, why: '' };
         showForce();
       }
