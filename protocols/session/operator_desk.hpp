@@ -15,6 +15,9 @@ namespace palpate::protocols {
 inline constexpr const char* kButtonGone = "the stop button is gone: plug it in again";
 inline constexpr const char* kButtonDown = "the stop button is pressed: release it";
 
+/// The way of a stop that nobody wanted: it holds the force, and costs the rig no trust.
+inline constexpr const char* kKeyboardElsewhere = "keyboard elsewhere";
+
 /// What a mark came to.
 struct MarkReply {
     bool found = false;       ///< an answer that counted; else nothing is changed

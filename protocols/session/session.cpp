@@ -271,6 +271,7 @@ private:
                                       fault.text),
                   .position = planned.position,
                   .value = std::string(to_string(fault.cause))});
+        ports_.alarm({.sentence = fault.text});  // it may be mended before anybody hears of it
         return mended(fault);
     }
 

@@ -210,18 +210,20 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
 }
 
 /// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out
-/// of the force spoils nothing that was felt, unless more was to come.
+/// of the force spoils nothing that was felt, unless more was to come, or an encoder stands still:
+/// that is told from strokes, and they were felt.
 void TrialRunner::note_fault(TrialId id,
                              const PlannedTrial& planned,
                              const TrialView& view,
                              TrialResult& result) {
     const bool more = view.interval < view.intervals;
-    const bool felt = tripped_s_ && *tripped_s_ <= result.done_s;
+    const engine::Trip cause = ports_.apparatus.trip();
+    const bool felt =
+        tripped_s_ && (*tripped_s_ <= result.done_s || cause == engine::Trip::stuck_encoder);
     if (is_answered(result.outcome) && (felt || (tripped_s_ && more))) {
         result.outcome = Outcome::faulted;
         result.done_s = std::min(result.done_s, *tripped_s_);
     }
-    const engine::Trip cause = ports_.apparatus.trip();
     if (result.outcome != Outcome::faulted) {
         if (tripped_s_) {
             happened_({.kind = EventKind::fault,

@@ -1,7 +1,10 @@
 #include "protocols/session/trouble.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::protocols {
@@ -21,10 +24,12 @@ public:
         look();
     }
 
-    /// Nobody wants a force until the experimenter goes on: no pulse moves the handle.
-    void stop() {
+    /// Nobody wants a force until the experimenter goes on: no pulse moves the handle. Whoever
+    /// wanted it may have changed the rig, whatever went before.
+    void stop(std::string_view way) {
         view.by_hand = true;
         stopped_ = true;
+        cause_ = way == kKeyboardElsewhere ? cause_ : to_string(engine::Trip::stopped);
     }
 
     /// One step: the device has to come back whatever is trusted, then what is not proved is.
@@ -50,14 +55,15 @@ public:
         view.sentence = !view.solved ? kProofComes : was_away_ ? kWorksAgain : fault_.text;
     }
 
-    /// @param seconds  since the fault
-    void go_on(double seconds) {
-        const bool tripped = fault_.cause != engine::Trip::none;
-        const std::string cause(tripped ? to_string(fault_.cause) : kRigCheck);
-        rig_.happened({.kind = EventKind::go_on,
-                       .text = fmt::format("after {}", cause),
-                       .duration_s = seconds,
-                       .value = cause});
+    /// @param waited_s  that the session slept since the fault
+    void go_on(double waited_s) {
+        // With a real device trying takes time as well, and a program that was held sleeps longer.
+        const double passed = static_cast<double>(monotonic_ns() - begun_ns_) * 1e-9;
+        rig_.happened(
+            {.kind = EventKind::go_on,
+             .text = fmt::format("after {}", cause_),
+             .duration_s = ports_.apparatus.gives_force() ? std::max(waited_s, passed) : waited_s,
+             .value = std::string(cause_)});
     }
 
     TroubleView view;
@@ -81,13 +87,16 @@ private:
     const Fault& fault_;
     const TrustPort& rig_;
     bool stopped_;
+    std::string_view cause_{fault_.cause != engine::Trip::none ? to_string(fault_.cause)
+                                                               : kRigCheck};
+    const std::int64_t begun_ns_ = monotonic_ns();
     bool back_ = false;
     bool was_away_ = false;  ///< what was said of it is no longer so
 };
 
 }  // namespace
 
-bool note_stop(Ports& ports, std::optional<TrialId> trial) {
+const char* note_stop(Ports& ports, std::optional<TrialId> trial) {
     const char* way = ports.desk == nullptr ? nullptr : ports.desk->take_stop();
     if (way != nullptr) {
         ports.recorder.event({.kind = EventKind::stop,
@@ -95,7 +104,7 @@ bool note_stop(Ports& ports, std::optional<TrialId> trial) {
                               .trial = trial,
                               .value = way});
     }
-    return way != nullptr;
+    return way;
 }
 
 MendResult mend(Ports& ports,
@@ -107,8 +116,8 @@ MendResult mend(Ports& ports,
     TroubleView& view = mending.view;
     TroubleView said_last;
     for (std::size_t slice = 0;; ++slice) {
-        if (note_stop(ports, trial)) {
-            mending.stop();
+        if (const char* way = note_stop(ports, trial)) {
+            mending.stop(way);
         }
         if (!view.solved && slice % kSlicesPerTry == 0) {
             mending.try_on();

@@ -47,7 +47,7 @@ struct TrustPort {
                               const TrustPort& rig,
                               std::optional<TrialId> trial = {});
 
-/// If somebody stopped the force, keeps by what. @return somebody did
-bool note_stop(Ports& ports, std::optional<TrialId> trial = {});
+/// If somebody stopped the force, keeps by what. @return the way; null: nobody did
+const char* note_stop(Ports& ports, std::optional<TrialId> trial = {});
 
 }  // namespace palpate::protocols

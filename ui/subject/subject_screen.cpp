@@ -162,7 +162,7 @@ void SubjectScreen::begin_exploring() {
         stop(engine::Trip::stopped, kEscape);
     }
     if (keyboard_is_elsewhere()) {
-        stop(engine::Trip::focus_lost, "keyboard elsewhere");
+        stop(engine::Trip::focus_lost, protocols::kKeyboardElsewhere);
     }
     if (options_.on_pointer) {
         stage_.warp_pointer(pointer_map().to_pixel(options_.start));

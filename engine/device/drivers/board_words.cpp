@@ -36,6 +36,9 @@ std::string home_pose_text(const Calibration& machine) {
 }  // namespace
 
 std::string BoardDevice::explained(DeviceFault fault) const {
+    if (fault == DeviceFault::none) {
+        return {};
+    }
     const std::string board = "the board at " + link_->name();
     if (std::string said = line_->complaint(); !said.empty() && fault != DeviceFault::unreachable) {
         return said;

@@ -196,6 +196,7 @@ bool OpenLine::silence() noexcept {
         if (answer->type == Type::state && answer->seq == kGuardSeq) {
             const OpenState state =
                 answer->report.state;  // a board that was reset has to begin anew
+            problem_ = Problem::none;  // what was wrong before explains no later fault
             return state == OpenState::configured || state == OpenState::stopped;
         }
     }
