@@ -223,9 +223,9 @@ TEST_CASE("the device is asked at once, then at every tenth question, until it i
     CHECK(kTroubleSlice * static_cast<double>(kSlicesPerTry) >= 0.5);
     CHECK(observer.troubles.front() ==
           TroubleView{.sentence = "the cable is still out: put it in", .tries = 1});
-    // Solved: what happened, no longer why the device could not be reached.
+    // Solved: what was wrong with the device is so no longer.
     CHECK(observer.troubles[30] ==
-          TroubleView{.sentence = "the cable is out: put it in", .solved = true, .tries = 3});
+          TroubleView{.sentence = "the device works again", .solved = true, .tries = 3});
 }
 
 TEST_CASE("with nobody there a session gives up after ten tries, or three faults in a row",
@@ -315,6 +315,10 @@ TEST_CASE(
     plan.trials.resize(1);
     World world;
     Patient observer;
+    class Never : public Patient {
+    public:
+        std::optional<Signal> trouble(const TroubleView& /*v*/) override { return Signal::abort; }
+    };
     {
         FaultyApparatus apparatus(world);
         apparatus.trips_in_ramp = true;
@@ -330,13 +334,21 @@ TEST_CASE(
     }
     {
         FaultyApparatus apparatus(world);
+        apparatus.trips_in_ramp = true;
+        apparatus.ramp_trip = engine::Trip::stuck_encoder;  // told from the strokes before done
+        Never never;
+        Ledger ledger;
+        CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
+                          {apparatus, never, ledger})
+                  .why == Why::aborted);
+        REQUIRE(ledger.attempts.size() == 1);
+        CHECK(ledger.attempts[0].outcome == Outcome::faulted);
+        CHECK(ledger.attempts[0].result.fault.has_value());
+    }
+    {
+        FaultyApparatus apparatus(world);
         apparatus.hidden_trip_ms = 300;  // in the slice in which done is pressed
-        class Never : public Patient {
-        public:
-            std::optional<Signal> trouble(const TroubleView& /*v*/) override {
-                return Signal::abort;
-            }
-        } never;
+        Never never;
         Ledger ledger;
         CHECK(run_session(kShortProtocol, plan, {}, SessionProgress(kShortProtocol, plan, {}),
                           {apparatus, never, ledger})

@@ -165,10 +165,14 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
 TEST_CASE(
     "after a stop no pulse moves the rig before the experimenter goes on, and then before a force",
     "[session][trust][fault][law]") {
-    const bool in_trouble = GENERATE(false, true);  // it is stopped, or while a fault is mended
+    // It is stopped; or while a fault is mended, and of one that cost nothing the rig is changed
+    // then.
+    const auto cause = GENERATE(Trip::stopped, Trip::jump, Trip::focus_lost);
+    const bool in_trouble = cause != Trip::stopped;
     World world{.seed = 5, .fault_share = 0.3};
     const int wrong = GENERATE(0, 2);
-    ChangingRig rig(world, wrong, in_trouble ? Trip::jump : Trip::stopped);
+    ChangingRig rig(world, wrong, cause);
+    rig.changes_at_faults = cause != Trip::focus_lost;
     OperatorDesk desk;
     class Stopper : public Patient {
     public:
@@ -179,6 +183,7 @@ TEST_CASE(
                 stopped_ = opened_ && (desk_ != nullptr || view.by_hand);  // else it is proved
                 if (desk_ != nullptr && opened_) {
                     desk_->stop("Escape");
+                    rig_->change();
                 }
             }
             CHECK((!stopped_ || rig_->pulses == pulses_));

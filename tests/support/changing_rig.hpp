@@ -48,7 +48,7 @@ public:
     }
     engine::ServoStatus advance() override {
         const auto status = FaultyApparatus::advance();
-        if (status == engine::ServoStatus::faulted) {
+        if (status == engine::ServoStatus::faulted && changes_at_faults) {
             change();
         }
         return status;
@@ -77,6 +77,7 @@ public:
     }
 
     bool begins_anew = false;  ///< at each change
+    bool changes_at_faults = true;
     int pulses = 0;
     bool placed = false;
     bool pulsed = false;

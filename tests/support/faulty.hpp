@@ -63,7 +63,7 @@ public:
             push(false);
         }
         if (trips_in_ramp) {
-            trip(engine::Trip::late);
+            trip(ramp_trip);
         }
         force_on = false;
     }
@@ -92,6 +92,7 @@ public:
     int fault_after_ms = 150;
     int hidden_trip_ms = 0;      ///< a trip that advance() did not see any more, 0: none
     bool trips_in_ramp = false;  ///< when it no longer matters
+    engine::Trip ramp_trip = engine::Trip::late;
 
 private:
     void push(bool fault) {

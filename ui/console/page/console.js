@@ -91,7 +91,7 @@
     if (state && !over()) {
       if (state.phase === 'trouble') {
         all.push([!state.solved, state.solved ? 'The trouble is over: at the participant\u2019s screen it goes on.'
-          : state.force.on === null ? 'Trouble: the motors may still give force.'
+          : !is(state.force.on) ? 'Trouble: the motors may still give force.'
           : 'Trouble: no force until it is mended.', state.sentence]);
       }
       if (state.alarm) {
@@ -107,7 +107,7 @@
   }
 
   function showForce() {
-    const now = gone() || state.force.on === null ? 'unknown' : rests() ? 'off' : state.force.on ? 'on' : 'off';
+    const now = gone() || !is(state.force.on) ? 'unknown' : rests() ? 'off' : state.force.on ? 'on' : 'off';
     if (now === 'on' && $('said').textContent === NO_FORCE) say(true, '');
     set(document.body.dataset, 'force', now);
     put($('force-word'), now === 'unknown' ? 'Force not known' : 'Force ' + now);
