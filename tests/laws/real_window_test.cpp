@@ -137,8 +137,8 @@ TEST_CASE("of a contact on the pointer no force is kept or said, for nobody felt
     session.wait_for_text("answered in");
     session.program().signal(SIGTERM);
     const Finished end = session.finish();
-    CHECK_THAT(end.out, Catch::Matchers::Contains(", in contact ") &&
-                            !Catch::Matchers::Contains(" N rendered at most"));
+    CHECK_THAT(answered_line(end.out),
+               Has("felt ") && !Has("contact") && !Has(" N ") && !Has("touched"));
     CHECK(session.ask("SELECT contact_ticks > 0 FROM trial") == "1");
     for (const std::string column :
          {"trial.mean_normal_force_n", "trial.max_normal_force_n", "trial.energy_j",
@@ -171,4 +171,25 @@ TEST_CASE(
     CHECK(session.ask("SELECT group_concat(outcome) FROM trial") == "complete,aborted");
     CHECK(session.ask("SELECT input FROM response") == "key");
     ran({"verify", file});
+}
+
+TEST_CASE("of an object that was never touched the person's line says so",
+          "[window][operator][blind][law]") {
+    const TemporaryFolder folder;
+    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
+                                    {"--device", "mouse", "--kind", "pilot"}),
+                          folder.file("d.sqlite"));
+    session.press_at("welcome", "space");
+    const XHand::Window window = session.wait_for_screen("ready");
+    const Vec2 away =
+        ui::PointerMap{{static_cast<double>(window.width), static_cast<double>(window.height)}}
+            .to_pixel({0.0, 0.060});
+    session.hand().move(window.x + static_cast<int>(away.x), window.y + static_cast<int>(away.y));
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.press_at("question", "1");
+    session.wait_for_text("answered in");
+    session.program().signal(SIGTERM);
+    CHECK_THAT(answered_line(session.finish().out), Has(" s, never touched, answered in "));
+    CHECK(session.ask("SELECT contact_ticks FROM trial") == "0");
 }

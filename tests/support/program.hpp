@@ -37,6 +37,14 @@ inline std::string sql_csv(const std::string& file, const std::string& query) {
     return ran({"sql", file, "--csv", "-c", query}).out;
 }
 
+/// The terminal's line of the first answered trial.
+inline std::string answered_line(const std::string& out) {
+    const std::vector<std::string> lines = lines_in(out);
+    const auto line = std::ranges::find_if(
+        lines, [](const std::string& one) { return one.find("answered in") != std::string::npos; });
+    return line == lines.end() ? "" : *line;
+}
+
 /// Words or a file are refused, and nothing is printed but why.
 inline void refused(const std::vector<std::string>& words, const std::string& why) {
     const Finished done = ran(words, 2);

@@ -60,7 +60,8 @@ std::string answer_text(const protocols::Protocol& protocol,
     return text;
 }
 
-/// What may be said of an attempt's answer: a person may see this terminal.
+/// What may be said of an attempt's answer. Who is at this terminal talks to the participant, or is
+/// one: contact and force tell the shape and the friction.
 std::string answer_line(const RigSpec& spec, const protocols::Progress& progress) {
     const protocols::TrialResult& result = progress.result;
     if (!result.response) {
@@ -68,14 +69,9 @@ std::string answer_line(const RigSpec& spec, const protocols::Progress& progress
     }
     return !held_by_a_person(spec.device.kind)
              ? answer_text(spec.study.protocol, progress.planned, result)
-             : fmt::format(
-                   "felt {:.1f} s, in contact {:.0f} %{}, answered in {:.1f} s", result.done_s,
-                   100.0 * static_cast<double>(result.summary.contact_ticks) /
-                       static_cast<double>(std::max<std::int64_t>(1, result.summary.ticks)),
-                   gives_force(spec.device.kind) ? fmt::format(", {:.1f} N rendered at most",
-                                                               result.summary.max_normal_force_n)
-                                                 : std::string(),
-                   result.response->reaction_s);
+             : fmt::format("felt {:.1f} s, {}answered in {:.1f} s", result.done_s,
+                           result.summary.contact_ticks == 0 ? "never touched, " : "",
+                           result.response->reaction_s);
 }
 
 double now_s() {
