@@ -156,11 +156,9 @@ private:
         }
         MarkReply reply{.found = last_ && progress_.counts(*last_)};
         const std::string reason = ports_.desk->take_reason();
+        const std::string why = (reason.empty() ? "" : ": ") + reason;
         if (reply.found) {
-            happened({.kind = EventKind::mark,
-                      .text = reason.empty() ? kMarkedAtDesk
-                                             : fmt::format("{}: {}", kMarkedAtDesk, reason),
-                      .trial = last_});
+            happened({.kind = EventKind::mark, .text = kMarkedAtDesk + why, .trial = last_});
             reply = {.found = true,
                      .runs_again = pending().has(last_position_),
                      .number = last_number_,
@@ -168,7 +166,7 @@ private:
             last_.reset();
             ++marks_;
         } else {
-            happened({.kind = EventKind::note, .text = "a mark found no answer that counts"});
+            happened({.kind = EventKind::note, .text = "a mark found no answer that counts" + why});
         }
         ports_.desk->reply(reply);
         ports_.marked(reply);

@@ -228,7 +228,7 @@ public:
             decided_ = true;
             felt = {trial.practice, trial.number, trial.total};
             if (random_.below(3) == 0) {
-                desk_.mark();
+                desk_.mark("a sneeze");
             }
             if (random_.below(4) == 0) {
                 desk_.pause();
@@ -282,6 +282,9 @@ TEST_CASE("a mark is answered with the trial that does not count, or that there 
                                    .pause = [](double) {},
                                    .desk = &desk}));
     CHECK(replies.size() > 3);
+    CHECK(lines(database,
+                "SELECT count(*) FROM event WHERE event_kind IN ('mark', 'note') AND text "
+                "LIKE '%: a sneeze'") == fmt::format("{} \n", replies.size()));
     std::string marked;
     for (const MarkReply& one : replies) {
         if (one.found) {
