@@ -177,6 +177,33 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
     ran(words(file));
 }
 
+TEST_CASE(
+    "a signal that comes again within a second is one wish; a later one ends the program at once",
+    "[crash][law]") {
+    const TemporaryFolder folder;
+    const auto tidy = run_into_trial(folder.file("d.sqlite"), 1);
+    for (int again = 0; again < 250 && tidy->running(); ++again) {  // timeout(1) says it twice
+        tidy->signal(SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    const Finished end = tidy->wait();
+    CHECK(end.code == 3);
+    CHECK_THAT(end.out, Has("Stopped before ", "Seal "));
+
+    const FullPipe pipe(folder.file("pipe"));
+    const std::string file = folder.file("e.sqlite");
+    const auto stuck = run_into(pipe.name(), file);
+    REQUIRE(comes_true([&] { return number(file, "SELECT count(*) FROM session") == 1; }));
+    for (const int wait_ms : {200, 1300}) {
+        stuck->signal(SIGINT);
+        CHECK(stuck->running());
+        std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    }
+    CHECK(stuck->running());
+    stuck->signal(SIGINT);
+    CHECK(stuck->wait().code == 128 + SIGINT);
+}
+
 TEST_CASE("two programs cannot run one session at once", "[crash]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");

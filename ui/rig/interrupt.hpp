@@ -2,9 +2,10 @@
 
 namespace palpate::ui {
 
-/// From now on SIGINT, SIGTERM and SIGHUP ask the session to stop instead of killing the program; a
-/// second SIGINT kills it. The force is ramped out and the trial kept as aborted. A reader of
-/// standard output that goes away (SIGPIPE) ends nothing.
+/// From now on SIGINT, SIGTERM and SIGHUP ask the session to stop instead of killing the program.
+/// The force is ramped out and the trial kept as aborted. One that comes again kills it, if the
+/// first is more than a second ago. A reader of standard output that goes away (SIGPIPE) ends
+/// nothing.
 void catch_signals();
 
 /// As a signal does.
