@@ -70,6 +70,58 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
     }
 }
 
+TEST_CASE("a number outside of its range is refused with what to give", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::vector<std::vector<const char*>> wrong{
+        {"--monitor", "0", "--monitor: \"0\" is out of range: give a number above 0\n"},
+        {"--session", "0", "--session: \"0\" is out of range: give a number above 0\n"},
+        {"--speed", "-1", "--speed: \"-1\" is out of range: give 0 or more\n"},
+        {"--speed", "fast", "--speed: \"fast\" is no number: give 0 or more\n"},
+        {"--spin", "0.6", "--spin: \"0.6\" is out of range: give 0 to 0.5\n"}};
+    for (const auto& one : wrong) {
+        CAPTURE(one);
+        CHECK_THAT(
+            ran(run_words("pilot", "P1", folder.file("d.sqlite"), {one[0], one[1]}), 2).error,
+            Has(one[2]));
+    }
+    CHECK_THAT(ran({"screenshots", "--width", "479"}, 2).error, Has("give 480 to 7680\n"));
+    CHECK(folder.names().empty());
+}
+
+TEST_CASE("a font that does not open is refused before anything is made", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string text = folder.file("text");
+    write(text, "no font\n");
+    for (const std::string& font : {folder.file("absent.ttf"), text}) {
+        for (const std::vector<std::string>& words :
+             {run_words("pilot", "P1", folder.file("d.sqlite")),
+              std::vector<std::string>{"demo", "--db", folder.file("d.sqlite")},
+              std::vector<std::string>{"screenshots", "-o", folder.file("o")}}) {
+            std::vector<std::string> more = words;
+            more.insert(more.end(), {"--font", font});
+            const Finished end = ran(more, 2);
+            CHECK_THAT(end.error, Has("--font " + font + ": ",
+                                      font == text ? "give a TrueType file" : "no such file") &&
+                                      !Has("headless"));
+            CHECK(folder.names() == std::vector<std::string>{"text"});
+        }
+    }
+}
+
+TEST_CASE("what is said of a window is not said beside --headless", "[cli][law]") {
+    const TemporaryFolder folder;
+    for (const std::vector<std::string>& window : {std::vector<std::string>{"--font", "f.ttf"},
+                                                   {"--monitor", "1"},
+                                                   {"--fullscreen"},
+                                                   {"--windowed"}}) {
+        std::vector<std::string> words =
+            run_words("pilot", "P1", folder.file("d.sqlite"), {"--headless"});
+        words.insert(words.end(), window.begin(), window.end());
+        CHECK_THAT(ran(words, 2).error, Has(window.front(), " excludes ", "--headless"));
+    }
+    CHECK(folder.names().empty());
+}
+
 TEST_CASE("what is no finite number is refused by every word that takes one", "[cli][law]") {
     const TemporaryFolder folder;
     const std::vector<std::vector<std::string>> commands{

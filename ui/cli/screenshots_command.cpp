@@ -157,6 +157,7 @@ int run(const ScreenshotOptions& options) {
         make_plan(study.protocol, study.hash, {"P1", 1}, study.protocol.seed);
     const auto language =
         options.language == "tr" ? protocols::Language::tr : protocols::Language::en;
+    static_cast<void>(find_font(options.font));
     make_folder(options.directory);
     setenv("SDL_VIDEODRIVER", "dummy", 1);
     Album album(

@@ -104,7 +104,7 @@ std::string rules_of(const Word& word) {
         rules += fmt::format(" Only beside {}.", word.only_beside);
     }
     if (!word.not_beside.empty()) {
-        rules += fmt::format(" Not beside {}.", word.not_beside);
+        rules += fmt::format(" Not beside {}.", fmt::join(word.not_beside, ", "));
     }
     if (word.one_by_one) {
         rules += " Can be given again.";

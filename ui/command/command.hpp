@@ -51,9 +51,9 @@ struct Word {
     bool is_text = false;                ///< kept in a file: it must be UTF-8
     std::vector<std::string> choices{};  ///< one of these; none: anything
     std::optional<std::pair<double, double>> range{};
-    std::string not_beside{};     ///< the name of a word that excludes this one
-    std::string only_beside{};    ///< the name of a word that has to be there too
-    std::string needed_unless{};  ///< this word has to be there, or that one
+    std::vector<std::string> not_beside{};  ///< the names of words that exclude this one
+    std::string only_beside{};              ///< the name of a word that has to be there too
+    std::string needed_unless{};            ///< this word has to be there, or that one
 
     /// Each says one thing more of the word and returns it, so that they can be chained.
     Word& required() { return needed = true, *this; }
@@ -64,7 +64,7 @@ struct Word {
     Word& kept_text() { return is_text = true, *this; }
     Word& among(std::vector<std::string> words) { return choices = std::move(words), *this; }
     Word& within(double min, double max) { return range = {min, max}, *this; }
-    Word& excludes(std::string word) { return not_beside = std::move(word), *this; }
+    Word& excludes(std::string word) { return not_beside.push_back(std::move(word)), *this; }
     Word& needs(std::string word) { return only_beside = std::move(word), *this; }
     Word& required_unless(std::string word) { return needed_unless = std::move(word), *this; }
 };

@@ -52,12 +52,30 @@ std::function<std::string(const std::string&)> one_of(std::vector<std::string> w
     };
 }
 
-/// Of the type that the word's value has, so that help says it.
-CLI::Range range_of(const Word& word) {
+/// @param give  what numbers `fits` takes, for who gave another
+/// @param help  the same, for --help
+CLI::Validator number_where(std::function<bool(double)> fits, std::string give, std::string help) {
+    const auto check = [fits = std::move(fits), give = std::move(give)](const std::string& given) {
+        double number = 0.0;
+        const bool read = CLI::detail::lexical_cast(given, number);
+        return read && fits(number) ? std::string()
+                                    : fmt::format("\"{}\" is {}: give {}", given,
+                                                  read ? "out of range" : "no number", give);
+    };
+    return {check, std::move(help)};
+}
+
+/// Help says the type that the word's value has, too.
+CLI::Validator number_within(const Word& word) {
     const auto [min, max] = *word.range;
-    return std::holds_alternative<double*>(word.target)
-             ? CLI::Range(min, max)
-             : CLI::Range(static_cast<int>(min), static_cast<int>(max));
+    const std::string lowest = number_text(min);
+    const std::string highest = number_text(max);
+    return number_where(
+        [min = min, max = max](double number) { return number >= min && number <= max; },
+        fmt::format("{} to {}", lowest, highest),
+        fmt::format("{} in [{} - {}]",
+                    std::holds_alternative<double*>(word.target) ? "FLOAT" : "INT", lowest,
+                    highest));
 }
 
 /// What a value must be, by its type and by what the word says.
@@ -73,13 +91,15 @@ void check_values(CLI::Option& option, const Word& word) {
         option.check(whole_number<std::int64_t>);
     }
     if (word.positive) {
-        option.check(CLI::PositiveNumber);
+        option.check(number_where([](double number) { return number > 0.0; }, "a number above 0",
+                                  "POSITIVE"));
     }
     if (word.not_negative) {
-        option.check(CLI::NonNegativeNumber);
+        option.check(
+            number_where([](double number) { return number >= 0.0; }, "0 or more", "NONNEGATIVE"));
     }
     if (word.range) {
-        option.check(range_of(word));
+        option.check(number_within(word));
     }
     if (!word.choices.empty()) {
         option.check(one_of(word.choices));
@@ -119,8 +139,8 @@ void declare(CLI::App& app, const CommandWords& words) {
         options[word.name] = added(app, word);
     }
     for (const Word& word : words.all) {
-        if (!word.not_beside.empty()) {
-            options.at(word.name)->excludes(options.at(word.not_beside));
+        for (const std::string& other : word.not_beside) {
+            options.at(word.name)->excludes(options.at(other));
         }
         if (!word.only_beside.empty()) {
             options.at(word.name)->needs(options.at(word.only_beside));

@@ -113,16 +113,20 @@ OpenedMasking silent(const std::string& why) {
 void add_screen_words(CommandWords& words, ScreenOptions& screen) {
     words.add("--headless", screen.headless,
               "No window: the simulated observer answers (so does it without a display)");
-    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
+    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display")
+        .excludes("--headless");
     words
         .add("--windowed", screen.windowed,
              "It does not; without either word it does in real sessions")
-        .excludes("--fullscreen");
+        .excludes("--fullscreen")
+        .excludes("--headless");
     words
         .add("--monitor", screen.monitor,
              "Number of the monitor for the subject's window; palpate doctor names them")
-        .above_zero();
-    words.add("--font", screen.font, "A TrueType font for the subject's screen");
+        .above_zero()
+        .excludes("--headless");
+    words.add("--font", screen.font, "A TrueType font for the subject's screen")
+        .excludes("--headless");
     words
         .add(
             "--speed", screen.speed,
@@ -136,10 +140,14 @@ bool wants_window(const ScreenOptions& screen) {
     }
     const FoundDisplay found = find_display();
     refuse_if(found.state == FoundDisplay::State::broken, "{}", found.trouble);
-    if (found.state == FoundDisplay::State::ready && screen.monitor > 0) {
+    const bool ready = found.state == FoundDisplay::State::ready;
+    if (ready && screen.monitor > 0) {
         require_monitor(found.monitors, static_cast<std::size_t>(screen.monitor));
     }
-    return found.state == FoundDisplay::State::ready;
+    if (ready || !screen.font.empty()) {
+        static_cast<void>(find_font(screen.font));
+    }
+    return ready;
 }
 
 LiveFacts live_facts(const RigSpec& spec,

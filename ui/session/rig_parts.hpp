@@ -24,7 +24,7 @@ void add_screen_words(CommandWords& words, ScreenOptions& screen);
 
 /// A window can be opened here and was not declined.
 /// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the
-/// session
+/// session; or if its monitor or font is not there
 [[nodiscard]] bool wants_window(const ScreenOptions& screen);
 
 /// What those who look on see of a session beside what happens in it; of its screen and its noise

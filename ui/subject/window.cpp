@@ -114,13 +114,24 @@ Own<SDL_Texture> canvas(SDL_Renderer* renderer, int width, int height) {
     return Own<SDL_Texture>(made);
 }
 
+/// Opened once: a file of another kind would end the window that was to show it.
+void require_font(const std::string& file) {
+    std::error_code no;
+    refuse_if(!std::filesystem::is_regular_file(file, no), "--font {}: there is no such file",
+              file);
+    static_cast<void>(TTF_Init());
+    const bool opens = Own<TTF_Font>(TTF_OpenFont(file.c_str(), 8)) != nullptr;
+    const std::string why = TTF_GetError();
+    TTF_Quit();
+    refuse_if(!opens, "--font {}: this is no font that opens ({}): give a TrueType file", file,
+              why);
+}
+
 }  // namespace
 
 std::string find_font(const std::string& asked) {
     if (!asked.empty()) {
-        if (std::error_code no; !std::filesystem::is_regular_file(asked, no)) {
-            throw std::invalid_argument(fmt::format("--font {}: there is no such file", asked));
-        }
+        require_font(asked);
         return asked;
     }
     for (const char* file : kFonts) {
