@@ -4,6 +4,7 @@
 
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/picking.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/window_session.hpp"
 
@@ -137,6 +138,31 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
     }
     session.wait_until("SELECT input || chosen_place FROM response",
                        place.screen.second ? "key1" : "mouse1");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}
+
+TEST_CASE(
+    "a frame that comes after its window has its place on the screen, and then people move it",
+    "[window][law]") {
+    const TemporaryFolder folder;
+    const WindowSession::Screen screen =
+        GENERATE(WindowSession::Screen{1280, 800}, WindowSession::Screen{800, 600});
+    WindowSession session(words(folder), folder.file("d.sqlite"), {}, screen);
+    const auto stands = [&](const std::vector<int>& there) {
+        return eventually([&] {
+            const XHand::Window window = session.hand().find_window("palpate: ");
+            return std::vector<int>{window.x, window.y, window.width, window.height} == there;
+        });
+    };
+    session.press_at("welcome", "space");
+    const XHand::Window window = session.wait_for_screen("ready");
+    CHECK(stands({0, 0, screen.width, screen.height}));
+    session.hand().frame(window, 1, 2, 20, 5);
+    CHECK(stands({1, 20, screen.width - 3, screen.height - 25}));
+    session.hand().frame(window, 30, 30, 30, 30);
+    pause(0.5);
+    CHECK(stands({1, 20, screen.width - 3, screen.height - 25}));
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }

@@ -1,5 +1,6 @@
 #include "tests/support/x_hand.hpp"
 
+#include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>
@@ -147,6 +148,14 @@ void XHand::hide(const Window& window) {
 
 void XHand::show(const Window& window) {
     XMapWindow(x_->display, window.id);
+    static_cast<void>(x_->all_well());
+}
+
+void XHand::frame(const Window& window, long left, long right, long top, long bottom) {
+    const std::array<long, 4> extents{left, right, top, bottom};
+    XChangeProperty(x_->display, window.id, XInternAtom(x_->display, "_NET_FRAME_EXTENTS", False),
+                    XA_CARDINAL, 32, PropModeReplace,
+                    reinterpret_cast<const unsigned char*>(extents.data()), 4);
     static_cast<void>(x_->all_well());
 }
 

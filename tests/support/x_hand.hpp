@@ -67,6 +67,8 @@ public:
     /// Takes it off the screen, as a window manager does that makes it small; and back.
     void hide(const Window& window);
     void show(const Window& window);
+    /// Tells it of a frame around it as window managers do: so many pixels at each side.
+    void frame(const Window& window, long left, long right, long top, long bottom);
     /// Checksum of the window's pixels as the screen shows them; 0: it is gone.
     /// @param from  share of its height above what is looked at
     [[nodiscard]] std::uint64_t pixels(const Window& window, double from = 0.0);

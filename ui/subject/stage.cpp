@@ -293,6 +293,7 @@ Input Stage::next(int wait_ms) {
         if (display_lost() || (interrupted_ && interrupted_())) {
             return {.kind = Input::Kind::abort};
         }
+        window_.mind_frame();
         if (needs_keyboard_) {
             mind_keyboard();
         }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 #include <SDL.h>
@@ -79,24 +80,31 @@ SDL_Rect place_of(const WindowOptions& options) {
             usable.y + std::max(0, (usable.h - height) / 2), width, height};
 }
 
-/// Title bar and frame need their place too, which nobody knows before the window is there.
-void keep_inside(SDL_Window* window, int monitor) {
-    SDL_Rect inside = usable_bounds(monitor);
+/// Takes in what hangs out of its monitor with its title bar and frame.
+/// @return they are there
+bool keep_inside(SDL_Window* window, int monitor) {
     int top = 0;
     int left = 0;
     int bottom = 0;
     int right = 0;
-    if (SDL_GetWindowBordersSize(window, &top, &left, &bottom, &right) != 0) {
-        return;
+    if (SDL_GetWindowBordersSize(window, &top, &left, &bottom, &right) != 0 ||
+        top + left + bottom + right == 0) {
+        return false;
     }
-    inside = {inside.x + left, inside.y + top, inside.w - left - right, inside.h - top - bottom};
-    int width = 0;
-    int height = 0;
-    SDL_GetWindowSize(window, &width, &height);
-    if (width > inside.w || height > inside.h) {
-        SDL_SetWindowSize(window, std::min(width, inside.w), std::min(height, inside.h));
-        SDL_SetWindowPosition(window, inside.x, inside.y);
+    const SDL_Rect usable = usable_bounds(monitor);
+    SDL_Rect is{};
+    SDL_GetWindowPosition(window, &is.x, &is.y);
+    SDL_GetWindowSize(window, &is.w, &is.h);
+    SDL_Rect fits = is;
+    fits.w = std::min(is.w, usable.w - left - right);
+    fits.h = std::min(is.h, usable.h - top - bottom);
+    fits.x = std::clamp(is.x, usable.x + left, usable.x + usable.w - right - fits.w);
+    fits.y = std::clamp(is.y, usable.y + top, usable.y + usable.h - bottom - fits.h);
+    if (SDL_RectEquals(&is, &fits) == SDL_FALSE) {
+        SDL_SetWindowSize(window, fits.w, fits.h);
+        SDL_SetWindowPosition(window, fits.x, fits.y);
     }
+    return true;
 }
 
 SDL_Renderer* renderer_of(SDL_Window* window) {
@@ -148,6 +156,7 @@ struct Window::Parts {
     Own<SDL_Renderer> renderer;
     std::string font_file;
     std::map<int, Own<TTF_Font>> fonts;  ///< by height in pixels
+    std::optional<int> unframed_on{};    ///< the monitor of a window that has no frame yet
     bool software = false;               ///< the renderer rounds corners to whole pixels
     engine::Vec2 origin{};               ///< of what is being drawn finely, pixels
     double scale = 1.0;
@@ -202,7 +211,7 @@ Window::Window(const WindowOptions& options)
                                                      SDL_WINDOW_ALLOW_HIGHDPI | whole)),
                 "opening the window"));
     if (!options.fullscreen && options.width == 0) {
-        keep_inside(parts_->window.get(), index_of(options));
+        parts_->unframed_on = index_of(options);
     }
     SDL_Renderer* renderer = checked(renderer_of(parts_->window.get()), "drawing into the window");
     parts_->renderer.reset(renderer);
@@ -317,6 +326,12 @@ double Window::text_width(std::string_view line, double height) {
     int width = 0;
     TTF_SizeUTF8(parts_->font(height), std::string(line).c_str(), &width, nullptr);
     return width;
+}
+
+void Window::mind_frame() {
+    if (parts_->unframed_on && keep_inside(parts_->window.get(), *parts_->unframed_on)) {
+        parts_->unframed_on.reset();
+    }
 }
 
 void Window::present() {

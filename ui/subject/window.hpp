@@ -92,6 +92,9 @@ public:
     /// Pixels that the line would take.
     [[nodiscard]] double text_width(std::string_view line, double height);
     void present();
+    /// Once a window manager has given the window its frame, which comes some time after it, keeps
+    /// both inside of the monitor; only then, for people may move it.
+    void mind_frame();
     /// In the window's title, behind the program's name.
     void name_screen(std::string_view name);
     void show_pointer(bool shown);
