@@ -43,6 +43,11 @@
     return Math.max(0, Math.round(-Math.log10(line.step * line.shown)));
   }
 
+  // Without a minus before zero.
+  function fixed(value, digits) {
+    return (+value.toFixed(digits) + 0).toFixed(digits);
+  }
+
   function colour(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   }
@@ -123,7 +128,7 @@
       }
       path(around(hip, 16, 4), inks.blue, 2);
       c.fill();
-      function mm(p) { return p[0] === null ? 'none' : p[0].toFixed(1) + ', ' + p[1].toFixed(1) + ' mm'; }
+      function mm(p) { return p[0] === null ? 'none' : fixed(p[0], 1) + ', ' + fixed(p[1], 1) + ' mm'; }
       words.textContent = times[at].toFixed(3) + ' s: disc, the hand at ' + mm(hip) + '; square, god-object ' + mm(go) +
         '; arrow, force ' + size.toFixed(3) + ' N (' +
         (lines.length > 2 ? 'along the plane; ' : '') + '10 mm is 1 N)' +
@@ -182,6 +187,7 @@
     var live = figure.querySelector('.live');
     var times = numbers(drawn.time.text, drawn.ticks, drawn.time.step);
     var begin = times[0], end = times[times.length - 1];
+    var least = 20 * (end - begin) / Math.max(1, drawn.ticks - 1);  // of what is shown: 20 ticks
     var shown = { min: begin, max: end };
     drawn.strips.forEach(function (strip) {
       strip.lines.forEach(function (line) {
@@ -213,8 +219,8 @@
 
     var plots = [], busy = false;
     function show(min, max) {
-      var width = Math.min(max - min, end - begin);
-      min = Math.max(begin, Math.min(min, end - width));
+      var width = Math.min(Math.max(max - min, least), end - begin);
+      min = Math.max(begin, Math.min((min + max - width) / 2, end - width));
       shown = { min: min, max: min + width };
       busy = true;
       plots.forEach(function (plot) { plot.setScale('x', shown); });
@@ -247,7 +253,7 @@
             if (high === null || value > high) high = value;
           }
           if (low !== null) {
-            parts.push(line.label + ' ' + low.toFixed(digits(line)) + ' to ' + high.toFixed(digits(line)) + ' ' +
+            parts.push(line.label + ' ' + fixed(low, digits(line)) + ' to ' + fixed(high, digits(line)) + ' ' +
               line.unit);
           }
         });
@@ -337,7 +343,7 @@
             paths: words.length ? uPlot.paths.stepped({ align: 1 }) : undefined,
             value: function (plot, value) {
               return value === null || value === undefined ? '\u2013'
-                : words.length ? words[value] : value.toFixed(digits(line)) + ' ' + line.unit;
+                : words.length ? words[value] : fixed(value, digits(line)) + ' ' + line.unit;
             }
           });
         });

@@ -101,7 +101,7 @@ void TableReader::read(Keys keys, void* record, bool complete) {
             read_value(key, entry->value, key.slot(record), *this);
         } else if (complete && key.need == Need::required) {
             add(at_, fmt::format("{} lacks the key {}: add it ({}; {})", name_, key.name,
-                                 range_of(key), key.meaning));
+                                 range_of(key), meaning_of(key)));
         }
     }
 }

@@ -207,6 +207,8 @@ template <class Record>
 [[nodiscard]] std::string range_of(const Range& range);
 /// The same of any kind of key: "letters a-z, digits and _", ...
 [[nodiscard]] std::string range_of(const Key& key);
+/// Its meaning for terminals and editors, where Markdown's links lead nowhere.
+[[nodiscard]] std::string meaning_of(const Key& key);
 
 // ----------------------------------------------------------------------------------------- reading
 

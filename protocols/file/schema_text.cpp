@@ -276,6 +276,15 @@ std::string range_of(const Key& key) {
     return std::visit(RangeText{key}, key.slot(nullptr));
 }
 
+std::string meaning_of(const Key& key) {
+    std::string text(key.meaning);
+    for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at)) {
+        text.erase(at, text.find(')', at) - at + 1);
+        text.erase(text.rfind('[', at), 1);
+    }
+    return text;
+}
+
 std::string reference_text(std::span<const TableText> tables) {
     std::string text;
     for (const TableText& table : tables) {
@@ -283,7 +292,7 @@ std::string reference_text(std::span<const TableText> tables) {
                             table.remark);
         for (const Key& key : table.keys) {
             text += fmt::format("    {:<22} {:<28} {:<11} {}\n", key.name, range_of(key),
-                                default_of(key), key.meaning);
+                                default_of(key), meaning_of(key));
         }
     }
     return text;

@@ -112,21 +112,12 @@ std::string begun_json(const Key& key) {
     return text == "\"\"" ? std::string() : text;
 }
 
-/// Links lead nowhere in an editor.
-std::string without_links(std::string text) {
-    for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at)) {
-        text.erase(at, text.find(')', at) - at + 1);
-        text.erase(text.rfind('[', at), 1);
-    }
-    return text;
-}
-
 /// Range and meaning: an editor shows them beside the key.
 std::string description_of(const Key& key) {
     const Slot slot = key.slot(nullptr);
     const bool shows_itself =
         std::holds_alternative<OneOf>(slot) || std::holds_alternative<bool*>(slot);
-    const std::string meaning = without_links(std::string(key.meaning));
+    const std::string meaning = meaning_of(key);
     return shows_itself ? meaning : fmt::format("{} ({})", meaning, range_of(key));
 }
 

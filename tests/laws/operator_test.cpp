@@ -200,6 +200,8 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     CHECK(used() == "0 0");
     CHECK_THAT(end.out, Has("four_trials: REAL, participant P1, session 1, 2 trials",
                             "This run: 0 answered", "Stopped before trial 1 of 2"));
+    CHECK_THAT(end.error, Has(" P1 --consent yes notes it"));  // as the session has them by now
+    ran({"participant", file, "P1", "--consent", "yes"});
     CHECK(bar_lines(file, "SELECT count(*) FROM trial") == "0\n");
 }
 

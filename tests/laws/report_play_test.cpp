@@ -30,15 +30,21 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
     const auto row = tests::csv_rows(asked.out).at(1);
     CAPTURE(asked.out);
     REQUIRE(row.size() == 8);
-    // A script that its policy does not name moves the slider to that tick, keeps what stands
-    // there, and presses play.
-    tests::write(page, tests::replaced(tests::slurp(page), "Content-Security-Policy", "none") +
-                           fmt::format("<script>var s = document.querySelector('.stage input'); "
-                                       "s.value = {}; s.dispatchEvent(new Event('input')); "
-                                       "document.body.dataset.at = s.getAttribute('aria-valuetext')"
-                                       " + '|' + document.querySelector('.stage p').textContent; "
-                                       "document.querySelector('.stage button').click();</script>",
-                                       row[0]));
+    // A script that its policy does not name looks at the first ticks for a minus before zero, moves
+    // the slider to that tick, keeps what stands there, goes as close as it can, and presses play.
+    tests::write(
+        page,
+        tests::replaced(tests::slurp(page), "Content-Security-Policy", "none") +
+            fmt::format("<script>var s = document.querySelector('.stage input'), p = "
+                        "document.querySelector('.stage p'), data = document.body.dataset; "
+                        "function go(to) {{ s.value = to; s.dispatchEvent(new Event('input')); }} "
+                        "data.minus = 0; for (var t = 0; t < 300; ++t) {{ go(t); "
+                        "if (/-0\\.0+\\b/.test(p.textContent)) ++data.minus; }} go({}); "
+                        "data.at = s.getAttribute('aria-valuetext') + '|' + p.textContent; "
+                        "for (t = 0; t < 40; ++t) document.querySelector('.live button').click(); "
+                        "data.closest = document.querySelector('.live output').textContent; "
+                        "document.querySelector('.stage button').click();</script>",
+                        row[0]));
     const tests::Browsed shown = tests::browsed(folder, page, "--dump-dom");
     if (!shown.there) {
         WARN("Chromium is not installed: skipped");
@@ -59,4 +65,6 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
                    "{3:.1f}, {4:.1f} mm; arrow, force {5:.3f} N (10 mm is 1 N); {6}.",
                    number(1), number(2), number(3), number(4), number(5), number(6), row[7])));
     CHECK_THAT(stage, Has(">stop</button>"));
+    CHECK_THAT(shown.done.out,
+               Has("data-minus=\"0\"") && (Has(", 20 ticks: ") || Has(", 21 ticks: ")));
 }

@@ -73,12 +73,14 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
                 continue;
             }
             question.text = worded ? longest("Hangisi daha pürüzlüydü? ") : "";
-            Shown face = shown(ChooseFace{question, question.answers - 1, false});
+            Shown face = shown(ChooseFace{question, question.answers - 1, false},
+                               question.answers == 2 ? &Words::choose_of_two : nullptr);
             face.cards = lay_out_answers(question, size);
             all.push_back(face);
         }
     };
     ask(which_of(pictures));
+    ask(which_of(std::span(pictures).first(2)));
     for (const ResponseKind kind : {ResponseKind::two_interval, ResponseKind::yes_no}) {
         ask({.kind = kind, .text = {}, .pictures = {}, .answers = 2, .labels = {}});
     }

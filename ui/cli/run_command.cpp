@@ -124,11 +124,14 @@ void check_consent(const Person& person, const RunOptions& options, const RigSpe
               "{0} is noted as not consenting: nothing real is run with them; if they have changed "
               "their mind, palpate participant {1} {0} --consent yes notes it",
               options.participant, options.database);
-    const std::string text = fmt::format(
-        "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
-        options.participant, options.database, person ? "" : " --new");
-    refuse_if(spec.study.protocol.consent_required, "{}, and this protocol demands it", text);
-    warn("{}", text);
+    const auto text = [&](const char* registers) {
+        return fmt::format(
+            "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
+            options.participant, options.database, registers);
+    };
+    refuse_if(spec.study.protocol.consent_required, "{}, and this protocol demands it",
+              text(person ? "" : " --new"));
+    warn("{}", text(""));  // the session that begins now registers them
 }
 
 /// Of a real session with somebody of another handedness than the protocol asks for: refused where
@@ -143,8 +146,8 @@ void check_handedness(const Person& person, const RunOptions& options, const Rig
     if (!person || !person->notes.handedness) {
         warn(
             "this protocol asks for handedness \"{2}\", and that of {0} is not noted; palpate "
-            "participant {1} {0}{3} --handedness SCORE notes it (-100 left to 100 right)",
-            options.participant, options.database, word, person ? "" : " --new");
+            "participant {1} {0} --handedness SCORE notes it (-100 left to 100 right)",
+            options.participant, options.database, word);
         return;
     }
     const std::int64_t score = *person->notes.handedness;

@@ -126,8 +126,9 @@ private:
     void draw() {
         stamp_ = stamp();
         const std::string said = folder_.file("said.txt");
-        const auto [check, right] =
+        auto [check, right] =
             said_by({"check", protocol_, "--long", "--svg", folder_.file("objects.svg")}, said);
+        check.resize(std::min(check.size(), check.rfind("objects drawn in ")));  // in our folder
         const auto [order, ordered] =
             said_by({"sequence", protocol_, "--participant", "P01"}, said);
         const auto [taken, pictured] =

@@ -183,9 +183,9 @@ void draw(Window& window, const ChooseFace& face) {
     band(window, either(window.instructions().choose, either(question.text, own)), 0.07, 0.25, 1.9,
          kText);
     draw_answers(window, question, face.selected);
-    const std::string_view keys = kind == ResponseKind::identification ? words.choose
-                                : kind == ResponseKind::rating         ? words.choose_level
-                                                                       : words.choose_of_two;
+    const std::string_view keys = question.answers == 2                ? words.choose_of_two
+                                : kind == ResponseKind::identification ? words.choose
+                                                                       : words.choose_level;
     const bool in_space = !question.pictures.empty() && !question.pictures.front().walls.empty();
     band(window,
          (in_space ? std::string(words.seen_from_above) + '\n' : std::string()) +
