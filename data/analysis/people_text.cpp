@@ -129,7 +129,7 @@ Table differences_table(const PeopleTable& table, const std::set<std::string>& l
                 {name, Nothing{"nobody has both"}, Nothing{}, cell_of(n), Nothing{}, Nothing{}});
             continue;
         }
-        const PeopleMean mean = mean_over_people(pairs.differences);
+        const PeopleMean mean = mean_over_people(pairs.differences, table.share ? 1.0 : 0.0);
         const SignFlip test = sign_flip(pairs.differences);
         made.rows.push_back({name, cell_of(mean.mean), cell_of(mean.interval, why_none(n)),
                              cell_of(n), n > 1 ? Cell(test.p) : Cell(Nothing{}),

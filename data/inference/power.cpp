@@ -88,7 +88,7 @@ MonteCarlo mean_of(const std::vector<double>& values) {
 double p_of(PrimaryTest test, const std::vector<PowerPerson>& people) {
     switch (test) {
         case PrimaryTest::paired_t: {
-            const auto t = paired_t(differences_of(people));
+            const auto t = paired_t(differences_of(people), 1.0);
             return t ? t->p : 1.0;
         }
         case PrimaryTest::sign_flip:
@@ -118,7 +118,7 @@ PowerPoint PowerStudies::at(std::size_t participants) {
         }
         const std::vector<PowerPerson> these(
             people.begin(), people.begin() + static_cast<std::ptrdiff_t>(participants));
-        const PeopleMean mean = mean_over_people(differences_of(these));
+        const PeopleMean mean = mean_over_people(differences_of(these), 1.0);
         studies[study] = {.p = p_of(spec_.test, these),
                           .mean = mean.mean,
                           .width = mean.interval ? mean.interval->high - mean.interval->low : 0.0};

@@ -114,38 +114,38 @@ Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind&
     for (std::size_t friction = 0; friction < report.table.frictions.size(); ++friction) {
         std::vector<double> values;
         std::vector<double> differences;
+        double size = 0.0;
         for (const auto& row : made.values) {
             if (row[friction]) {
                 values.push_back(*row[friction]);
             }
             if (friction > 0 && row[friction] && row[0]) {
-                const double max = std::max(std::fabs(*row[friction]), std::fabs(*row[0]));
-                const double difference = *row[friction] - *row[0];
-                // Equal answers in another number differ in their last bits, and all to one side.
-                differences.push_back(std::fabs(difference) <= 1e-12 * max ? 0.0 : difference);
+                size = std::max({size, std::fabs(*row[friction]), std::fabs(*row[0])});
+                differences.push_back(difference_of(*row[0], *row[friction]));
             }
         }
         made.means.push_back(values.empty() ? std::nullopt
                              : share        ? std::optional(mean_share_over_people(values))
                                             : std::optional(mean_over_people(values)));
-        made.effects.push_back(
-            differences.empty()
-                ? std::nullopt
-                : std::optional(test_of(std::move(differences), 0.0, report.options.prior_scale)));
+        made.effects.push_back(differences.empty()
+                                   ? std::nullopt
+                                   : std::optional(test_of(std::move(differences), 0.0,
+                                                           report.options.prior_scale, size)));
     }
     return made;
 }
 
 }  // namespace
 
-PeopleTest test_of(std::vector<double> values, double nothing, double prior_scale) {
-    PeopleTest made{.mean = mean_over_people(values)};
+PeopleTest test_of(std::vector<double> values, double nothing, double prior_scale, double size) {
+    PeopleTest made{.mean = mean_over_people(values, size)};
     std::vector<double> differences = values;
     for (double& one : differences) {
+        size = std::max(size, std::fabs(one));
         one -= nothing;
     }
     made.values = std::move(values);
-    made.t = paired_t(differences);
+    made.t = paired_t(differences, size);
     made.flip = sign_flip(differences);
     made.rank = signed_rank(differences);
     if (made.t) {

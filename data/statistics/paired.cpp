@@ -16,17 +16,21 @@ namespace {
 constexpr std::size_t kMaxExact = 40;  ///< 2^20 sums in each half
 constexpr int kDrawn = 1'000'000;
 
+bool alike(std::span<const double> values, double size) {
+    const auto [low, high] = std::ranges::minmax(values);
+    return high - low <= kRounding * std::max({size, std::fabs(low), std::fabs(high)});
+}
+
 /// Standard error of the mean times the 97.5 % point of t; nothing if it would be 0 or is not
 /// known.
-std::optional<double> half_width(std::span<const double> values, double mean) {
+std::optional<double> half_width(std::span<const double> values, double mean, double size) {
+    if (values.size() < 2 || alike(values, size)) {
+        return std::nullopt;
+    }
     const auto n = static_cast<double>(values.size());
     double squares = 0.0;
     for (const double value : values) {
         squares += (value - mean) * (value - mean);
-    }
-    const bool alike = std::ranges::all_of(values, [&](double v) { return v == values.front(); });
-    if (values.size() < 2 || alike) {
-        return std::nullopt;
     }
     const double t = t_quantile(0.975, n - 1.0);
     return t * std::sqrt(squares / (n - 1.0) / n);
@@ -125,9 +129,14 @@ double share_as_far(const std::vector<std::size_t>& ranks, std::size_t sum, std:
 
 }  // namespace
 
-PeopleMean mean_over_people(std::span<const double> values) {
+double difference_of(double first, double second) {
+    const double size = std::max(std::fabs(first), std::fabs(second));
+    return std::fabs(second - first) <= kRounding * size ? 0.0 : second - first;
+}
+
+PeopleMean mean_over_people(std::span<const double> values, double size) {
     PeopleMean made{.people = values.size(), .mean = mean_of(values)};
-    if (const auto half = half_width(values, made.mean)) {
+    if (const auto half = half_width(values, made.mean, size)) {
         made.interval = Interval{made.mean - *half, made.mean + *half};
     }
     return made;
@@ -135,7 +144,7 @@ PeopleMean mean_over_people(std::span<const double> values) {
 
 PeopleMean mean_share_over_people(std::span<const double> shares) {
     PeopleMean made{.people = shares.size(), .mean = mean_of(shares)};
-    const auto half = half_width(shares, made.mean);
+    const auto half = half_width(shares, made.mean, 0.0);
     if (half && made.mean > 0.0 && made.mean < 1.0) {
         const double logit = std::log(made.mean / (1.0 - made.mean));
         const double far = *half / (made.mean * (1.0 - made.mean));
@@ -192,11 +201,11 @@ Interval newcombe(std::int64_t k1, std::int64_t n1, std::int64_t k2, std::int64_
             p2 - p1 + std::hypot(two.high - p2, p1 - one.low)};
 }
 
-std::optional<PairedT> paired_t(std::span<const double> differences) {
+std::optional<PairedT> paired_t(std::span<const double> differences, double size) {
     if (differences.empty()) {
         return std::nullopt;
     }
-    const PeopleMean mean = mean_over_people(differences);
+    const PeopleMean mean = mean_over_people(differences, size);
     if (!mean.interval) {
         return std::nullopt;
     }

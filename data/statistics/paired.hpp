@@ -22,14 +22,24 @@ namespace palpate::data {
 struct PeopleMean {
     std::size_t people = 0;
     double mean = 0.0;
-    /// 95 %. Nothing for fewer than two people, or where all have the same value: how people differ
-    /// is not known then.
+    /// 95 %. Nothing for fewer than two people, or where all are alike: how people differ is not
+    /// known then.
     std::optional<Interval> interval{};
 };
 
-/// The mean of a number that each person has, with Student's t interval over people.
+/// What rounding does to a number of this size or less, with much to spare.
+inline constexpr double kRounding = 1e-12;
+
+/// second - first; 0 where rounding alone parts them: equal answers in another number differ in
+/// their last bits, and all to one side.
+[[nodiscard]] double difference_of(double first, double second);
+
+/// The mean of a number that each person has, with Student's t interval over people. People are
+/// alike where no two values are further apart than kRounding of the largest: 0.8 - 0.6 and 0.7 -
+/// 0.5 differ in their last bits, which is no spread of people.
+/// @param size  the largest of what the values are differences of, where that is known
 /// @pre every value is finite; one or more
-[[nodiscard]] PeopleMean mean_over_people(std::span<const double> values);
+[[nodiscard]] PeopleMean mean_over_people(std::span<const double> values, double size = 0.0);
 
 /// The same of a share from 0 to 1. The mean is that of the shares; the interval is Student's, with
 /// the standard error carried to the logit scale of the mean, so that it stays inside 0 to 1:
@@ -86,8 +96,10 @@ struct PairedT {
     double dz = 0.0;      ///< mean / sd
 };
 
-/// Student's paired t. Nothing for fewer than two people, or where all have the same value.
-[[nodiscard]] std::optional<PairedT> paired_t(std::span<const double> differences);
+/// Student's paired t. Nothing for fewer than two people, or where all are alike.
+/// @param size  as of mean_over_people()
+[[nodiscard]] std::optional<PairedT> paired_t(std::span<const double> differences,
+                                              double size = 0.0);
 
 /// Wilcoxon's signed ranks.
 struct SignedRank {

@@ -177,6 +177,30 @@ TEST_CASE("a paired t and its Bayes factor are those that R prints of Student's 
     CHECK_FALSE(paired_t({}));
 }
 
+TEST_CASE("what differs by rounding alone is no spread of people", "[people][law]") {
+    SEED(20U);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<int> tenths(0, 8);
+    std::vector<double> differences;
+    std::vector<double> shares;
+    for (int person = 0; person < 12; ++person) {  // two tenths more, of everybody
+        const int before = tenths(random);
+        differences.push_back((before + 2) / 10.0 - before / 10.0);
+        shares.push_back(0.5 + differences.back());
+    }
+    CHECK_FALSE(paired_t(differences));
+    CHECK_FALSE(mean_over_people(differences).interval);
+    CHECK_FALSE(mean_share_over_people(shares).interval);
+    for (double& one : differences) {
+        one -= 0.2;  // against another number than 0 only what they were says how large they are
+    }
+    CHECK_FALSE(paired_t(differences, 1.0));
+    differences.front() += 1e-9;  // a spread that no rounding makes
+    CHECK(paired_t(differences, 1.0));
+    CHECK(difference_of(0.3, 0.1 + 0.2) == 0.0);
+    CHECK(difference_of(1.0, 1.0 + 1e-9) > 0.0);
+}
+
 TEST_CASE("a Bayes factor is the noncentral t's density over the prior, by that of no effect",
           "[people][law]") {
     SEED(12U);
