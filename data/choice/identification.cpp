@@ -44,6 +44,13 @@ void name_items(IdentificationReport& report) {
         all.emplace_back(*value, name);
     }
     std::ranges::sort(all);
+    const auto equal = std::ranges::adjacent_find(all, {}, &std::pair<double, std::string>::first);
+    if (equal != all.end()) {
+        throw std::invalid_argument(fmt::format(
+            "{}: \"{}\" and \"{}\" both have the value {}: give each its own, as --item "
+            "\"{}=VALUE\"",
+            report.table.source, equal->second, (equal + 1)->second, equal->first, equal->second));
+    }
     for (const auto& [value, name] : all) {
         report.values.push_back(value);
         report.names.push_back(name);
@@ -74,32 +81,37 @@ double p_against(const ThurstoneFit& full, const ThurstoneFit& less) {
     return chi_square_p(std::max(2.0 * (full.log_likelihood - less.log_likelihood), 0.0), 1);
 }
 
-ThurstoneChange change_of(const std::vector<CallCounts>& pair, const ThurstoneSpec& spec) {
-    ThurstoneSpec relative = spec;
-    relative.checked = false;
-    relative.relative = true;
-    const ThurstoneFit full = fit_thurstone(pair, relative);
+/// @param full  of all conditions, sigmas relative
+/// @param own   that condition's part where they are not
+ThurstoneChange change_of(const std::vector<CallCounts>& counts,
+                          const ThurstoneSpec& spec,
+                          const ThurstoneFit& full,
+                          std::size_t condition,
+                          const ThurstonePart& own) {
     ThurstoneSpec less = spec;
     less.checked = less.intervals = false;
-    less.one_sigma = true;
+    less.one_sigma = condition;
     ThurstoneSpec still = less;
-    still.one_sigma = false;
-    still.no_shift = true;
-    const ThurstonePart& part = full.parts[1];
+    still.one_sigma = 0;
+    still.no_shift = condition;
+    const ThurstonePart& part = full.parts[condition];
     Interval ratio = *part.sigma_interval;
     if (full.parts[0].sigma_interval->low == 0.0) {  // a first sigma of 0 is not refuted
         ratio.high = std::numeric_limits<double>::infinity();
     }
+    if (own.sigma_interval->low == 0.0) {
+        ratio.low = 0.0;
+    }
     const bool known = full.parts[0].end == SigmaEnd::both && part.end == SigmaEnd::both;
     return {.ratio = known ? std::optional(part.sigma / full.parts[0].sigma) : std::nullopt,
             .ratio_interval = ratio,
-            .ratio_p = p_against(full, fit_thurstone(pair, less)),
+            .ratio_p = p_against(full, fit_thurstone(counts, less)),
             .shift = known && std::isfinite(part.shift_interval->low) &&
                              std::isfinite(part.shift_interval->high)
                        ? std::optional(part.shift)
                        : std::nullopt,
             .shift_interval = *part.shift_interval,
-            .shift_p = p_against(full, fit_thurstone(pair, still))};
+            .shift_p = p_against(full, fit_thurstone(counts, still))};
 }
 
 /// The first item that was never called by its name.
@@ -117,8 +129,14 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
     IdentifiedPerson person{.name = report.table.subjects[subject],
                             .counts = counts_of(report, subject)};
     person.thurstone = fit_thurstone(person.counts, spec);
+    ThurstoneSpec relative = spec;
+    relative.checked = false;
+    relative.relative = true;
+    const ThurstoneFit full =
+        person.counts.size() > 1 ? fit_thurstone(person.counts, relative) : ThurstoneFit{};
     for (std::size_t f = 1; f < person.counts.size(); ++f) {
-        person.changes.push_back(change_of({person.counts.front(), person.counts[f]}, spec));
+        person.changes.push_back(
+            change_of(person.counts, spec, full, f, person.thurstone.parts[f]));
     }
     for (const CallCounts& one : person.counts) {
         const std::string unnamed = never_named(report, one);

@@ -22,9 +22,9 @@ struct IdentificationOptions {
     std::set<std::string> given{};  ///< of the items, those that somebody named: each must be there
 };
 
-/// Of one person, two conditions: a change that is as good as none has a p near 1. Numbers are
-/// there where both sigmas have ends; intervals and p always, and they agree: a p below .05 is an
-/// interval without the ratio of 1, or the shift of 0.
+/// Of one person, two conditions, by the fit of all: a change that is as good as none has a p near
+/// 1. Numbers are there where both sigmas have ends; intervals and p always, and they agree: a p
+/// below .05 is an interval without the ratio of 1, or the shift of 0.
 struct ThurstoneChange {
     std::optional<double> ratio{};  ///< sigma of the condition over the first one's
     Interval ratio_interval{};      ///< 95 % by profile likelihood; 0 and infinite where open

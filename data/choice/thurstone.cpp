@@ -142,8 +142,8 @@ void add_intervals(ThurstoneFit& fit,
                                                                : SigmaEnd::both;
         part.sigma_interval =
             Interval{low.at ? std::exp(*low.at) : 0.0, high.at ? std::exp(*high.at) : kInfinite};
-        if (f > 0 && !layout.no_shift) {
-            Profile shift(model, top, starts, layout.first_shift() + f - 1);
+        if (layout.shifts(f)) {
+            Profile shift(model, top, starts, layout.shift(f));
             const double step = 0.1 * range;
             const Profile::Edge down = shift.edge(-step, -kFarShift * range);
             const Profile::Edge up = shift.edge(step, kFarShift * range);
@@ -221,7 +221,7 @@ ThurstoneFit fit_spaced(const std::vector<CallCounts>& counts, const ThurstoneSp
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart part;
         part.sigma = model.sigma(top.at, f);
-        part.shift = f == 0 || layout.no_shift ? 0.0 : top.at[layout.first_shift() + f - 1];
+        part.shift = layout.shifts(f) ? top.at[layout.shift(f)] : 0.0;
         fit.parts.push_back(part);
     }
     if (spec.intervals) {

@@ -100,8 +100,8 @@ double Model::row_value(const Parameters& at,
         if (spec_.relative && f > 0) {
             slope[layout_.sigma(0)] -= pulled;
         }
-        if (f > 0 && !layout_.no_shift) {
-            slope[layout_.first_shift() + f - 1] -= scale * (density(high) - density(low));
+        if (layout_.shifts(f)) {
+            slope[layout_.shift(f)] -= scale * (density(high) - density(low));
         }
         for (std::size_t a = 0; a < n; ++a) {
             (*gradient)[a] += given / p * slope[a];

@@ -17,8 +17,8 @@ using CallCounts = std::vector<std::vector<std::int64_t>>;
 struct ThurstoneSpec {
     std::vector<double> items{};  ///< values of the rows, strictly increasing, 2 or more
     double lapse = 0.02;          ///< share of answers that any response gets alike, 0 .. 0.25
-    bool one_sigma = false;       ///< the same in all conditions
-    bool no_shift = false;        ///< no condition shifts the percept
+    std::size_t one_sigma = 0;    ///< the condition whose sigma is the first one's; 0: none
+    std::size_t no_shift = 0;     ///< the condition that does not shift the percept; 0: none
     bool relative = false;  ///< sigma of a condition is fitted by its ratio to the first one's
     bool checked = true;    ///< also by the second optimiser
     bool intervals = true;  ///< also the intervals
@@ -51,20 +51,30 @@ inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 struct Layout {
     std::vector<std::size_t> used{};  ///< responses
     std::size_t conditions = 1;
-    bool one_sigma = false;
-    bool no_shift = false;
+    std::size_t one_sigma = 0;
+    std::size_t no_shift = 0;
 
-    /// Where Parameters have what: criteria first, then ln sigma of each condition (or one for
-    /// all), then shifts of all conditions but the first; how many there are.
+    /// Where Parameters have what: criteria first, then ln sigma of each condition, then shifts of
+    /// all conditions but the first; how many there are. What ThurstoneSpec takes from a condition
+    /// has no place.
     [[nodiscard]] std::size_t criteria() const { return used.size() - 1; }
     [[nodiscard]] std::size_t sigma(std::size_t condition) const {
-        return criteria() + (one_sigma ? 0 : condition);
+        return criteria() + (condition == one_sigma ? 0 : after(one_sigma, condition));
     }
-    [[nodiscard]] std::size_t first_shift() const {
-        return criteria() + (one_sigma ? 1 : conditions);
+    [[nodiscard]] bool shifts(std::size_t condition) const {
+        return condition > 0 && condition != no_shift;
+    }
+    /// @pre shifts(condition)
+    [[nodiscard]] std::size_t shift(std::size_t condition) const {
+        return criteria() + after(one_sigma, conditions) + after(no_shift, condition) - 1;
     }
     [[nodiscard]] std::size_t size() const {
-        return first_shift() + (no_shift ? 0 : conditions - 1);
+        return criteria() + after(one_sigma, conditions) + after(no_shift, conditions) - 1;
+    }
+
+private:
+    static std::size_t after(std::size_t taken, std::size_t condition) {
+        return taken > 0 && condition > taken ? condition - 1 : condition;
     }
 };
 
@@ -101,7 +111,7 @@ public:
     void keep_within(Parameters& at, std::size_t held = kNone) const {
         const Interval limits = sigma_limits(spec_, false);
         const double wide = std::log(1e4);
-        for (std::size_t f = 0; f < (layout_.one_sigma ? 1 : layout_.conditions); ++f) {
+        for (std::size_t f = 0; f < layout_.conditions; ++f) {
             if (layout_.sigma(f) == held) {
                 continue;
             }
@@ -140,7 +150,7 @@ public:
 
 private:
     [[nodiscard]] double shift(const Parameters& at, std::size_t f) const {
-        return f == 0 || layout_.no_shift ? 0.0 : at[layout_.first_shift() + f - 1];
+        return layout_.shifts(f) ? at[layout_.shift(f)] : 0.0;
     }
     /// z of the lower end of place j; j = responses in use: of the last one's upper end.
     [[nodiscard]] double edge(const Parameters& at,

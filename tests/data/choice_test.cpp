@@ -262,8 +262,8 @@ TEST_CASE("a change of sigma has a p below .05 where its interval leaves out non
         less.intervals = less.checked = false;
         return full.log_likelihood - data::fit_thurstone(both, less).log_likelihood;
     };
-    const double of_sigma = loss({.items = kFive, .one_sigma = true});
-    const double of_shift = loss({.items = kFive, .no_shift = true});
+    const double of_sigma = loss({.items = kFive, .one_sigma = 1});
+    const double of_shift = loss({.items = kFive, .no_shift = 1});
     CAPTURE(of_sigma, of_shift);
     CHECK(outside(full.parts[1].sigma_interval.value(), 1.0) == (of_sigma > 1.92072941));
     CHECK(outside(full.parts[1].shift_interval.value(), 0.0) == (of_shift > 1.92072941));
