@@ -217,7 +217,7 @@ private:
 
     [[nodiscard]] double number(const Field& field, std::string_view column) const {
         std::string_view digits = field.text;
-        if (digits.starts_with('+')) {
+        if (digits.starts_with('+') && !digits.starts_with("+-")) {
             digits.remove_prefix(1);
         }
         const auto value = parsed<double>(digits);
@@ -243,6 +243,14 @@ private:
     std::vector<std::size_t> places_;  ///< of the table's columns among the fields
     std::vector<std::size_t> text_places_;
 };
+
+std::string text_of(const std::filesystem::path& file) {
+    try {
+        return protocols::read_text(file);
+    } catch (const protocols::ProtocolError& e) {  // it names the file and why
+        throw CsvError(e.what());
+    }
+}
 
 }  // namespace
 
@@ -277,13 +285,7 @@ NumberTable read_numbers(const std::filesystem::path& file,
                          std::span<const std::string_view> wanted,
                          std::span<const std::string_view> optional,
                          std::span<const std::string_view> texts) {
-    std::string text;
-    try {
-        text = protocols::read_text(file);
-    } catch (const protocols::ProtocolError& e) {  // it names the file and why
-        throw CsvError(e.what());
-    }
-    return parse_numbers(text, file.string(), wanted, optional, texts);
+    return parse_numbers(text_of(file), file.string(), wanted, optional, texts);
 }
 
 RereadableText::RereadableText(const std::filesystem::path& file)
@@ -311,6 +313,13 @@ RereadableText::RereadableText(const std::filesystem::path& file)
             name_, why));
     }
     place_ = fmt::format("/proc/self/fd/{}", ::fileno(copy_.get()));
+}
+
+NumberTable read_numbers(const RereadableText& text,
+                         std::span<const std::string_view> wanted,
+                         std::span<const std::string_view> optional,
+                         std::span<const std::string_view> texts) {
+    return parse_numbers(text_of(text.place()), text.name(), wanted, optional, texts);
 }
 
 struct NumberRows::Source {

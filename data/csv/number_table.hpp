@@ -60,12 +60,6 @@ struct NumberTable {
                                         std::span<const std::string_view> optional = {},
                                         std::span<const std::string_view> texts = {});
 
-/// parse_numbers of a file's text. @throws CsvError also if the file cannot be read
-[[nodiscard]] NumberTable read_numbers(const std::filesystem::path& file,
-                                       std::span<const std::string_view> wanted,
-                                       std::span<const std::string_view> optional = {},
-                                       std::span<const std::string_view> texts = {});
-
 /// The text of a file that can be read more than once: what is no file on a disk, a pipe or
 /// standard input, is copied to one without a name.
 class RereadableText {
@@ -86,6 +80,18 @@ private:
     std::filesystem::path place_;
     std::unique_ptr<std::FILE, Close> copy_{};
 };
+
+/// parse_numbers of a file's text. @throws CsvError also if the file cannot be read
+[[nodiscard]] NumberTable read_numbers(const std::filesystem::path& file,
+                                       std::span<const std::string_view> wanted,
+                                       std::span<const std::string_view> optional = {},
+                                       std::span<const std::string_view> texts = {});
+
+/// The same, named as it was given.
+[[nodiscard]] NumberTable read_numbers(const RereadableText& text,
+                                       std::span<const std::string_view> wanted,
+                                       std::span<const std::string_view> optional = {},
+                                       std::span<const std::string_view> texts = {});
 
 /// parse_numbers() row by row, for what is longer than the memory: some 100 KiB of it are held.
 class NumberRows {

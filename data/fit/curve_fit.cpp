@@ -285,10 +285,7 @@ Optimum steepest(const CurveModel& model, CurvePoint near) {
 CurveFit fit_curve(const CurveModel& model) {
     const CurveSpec& spec = model.spec();
     const CurveMask free = model.free();
-    const double range = model.last() - model.first();
-    const CurvePoint middle{0.5 * (model.first() + model.last()), natural_log(2.0 / range),
-                            spec.guess, spec.lapse};
-    const Highest found = highest(model, middle, free, Search::thorough);
+    const Highest found = highest(model, model.middle(), free, Search::thorough);
     Optimum best = found.best;
     CurveFit fit;
     const Optimum second = nelder_mead(model, found.start, free);

@@ -72,9 +72,10 @@ struct CurveFit {
                                                        Quantity quantity,
                                                        double share = 0.5);
 
-/// The p of equal thresholds (or slopes b) of two curves with all else their own: 2 x the loss of
-/// log-likelihood is chi-square of one degree of freedom.
-/// @param quantity  threshold or slope
+/// The p of equal thresholds or JNDs of two curves with all else their own: 2 x the loss of
+/// log-likelihood is chi-square of one degree of freedom. Equal JNDs are equal slopes b, but of a
+/// weibull, whose JND grows with the threshold too.
+/// @param quantity  threshold or jnd
 [[nodiscard]] double equality_p(const CurveModel& one,
                                 const CurveFit& fit_one,
                                 const CurveModel& two,

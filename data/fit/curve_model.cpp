@@ -219,6 +219,10 @@ double CurveModel::log_slope_at(double location) const {
     return 0.5 * (low + high);
 }
 
+CurvePoint CurveModel::middle() const {
+    return {0.5 * (first_ + last_), natural_log(2.0 / (last_ - first_)), spec_.guess, spec_.lapse};
+}
+
 CurvePoint CurveModel::whole(CurvePoint point) const {
     point[0] = tied(point).location;
     point[2] = spec_.two_sided ? point[3] : point[2];

@@ -172,6 +172,8 @@ public:
     /// Between the outermost levels, on the axis; and the narrowest gap.
     [[nodiscard]] double first() const { return first_; }
     [[nodiscard]] double last() const { return last_; }
+    /// Where a search begins: the middle of the levels, a rise over all of them, rates as given.
+    [[nodiscard]] CurvePoint middle() const;
 
     /// The point with its location as tied, and its guess rate as two_sided has it.
     [[nodiscard]] CurvePoint whole(CurvePoint point) const;

@@ -22,11 +22,8 @@ bool of_steepness(Quantity quantity) {
     return quantity == Quantity::jnd || quantity == Quantity::weber || quantity == Quantity::slope;
 }
 
-/// Why a quantity of a curve has no end; empty where it has one.
+/// Why a quantity of a curve, which is no rate, has no end; empty where it has one.
 std::string unbounded_why(const CurveFit& fit, Quantity quantity) {
-    if (quantity == Quantity::guess || quantity == Quantity::lapse) {
-        return {};
-    }
     return fit.shallow                               ? "unbounded: the share does not grow"
          : fit.far && quantity != Quantity::at_share ? "unbounded: the share hardly changes"
          : fit.steep && of_steepness(quantity)       ? "unbounded: no level lies on the rise"
@@ -76,7 +73,7 @@ FitEstimate estimate_of(const FittedCurve& curve, const FitOptions& options, Qua
     if (!curve.fit.shallow) {
         estimate.profile = profile_interval(curve.model, curve.fit, quantity, share);
     }
-    estimate.why = unbounded_why(curve.fit, quantity);
+    estimate.why = rate ? std::string() : unbounded_why(curve.fit, quantity);
     if (estimate.why.empty() && curve.fit.maxima && !rate && !of_steepness(quantity)) {
         estimate.value = off_axis(spec.family, curve.fit.maxima->low);
         const double high = off_axis(spec.family, curve.fit.maxima->high);
@@ -110,11 +107,15 @@ void tell(FittedCurve& curve, const FitOptions& options) {
     }
 }
 
-FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint64_t stream) {
+FittedCurve fitted(const Answers& answers, const FitOptions& options) {
     FittedCurve curve{.answers = answers, .model = CurveModel(answers.levels, options.spec)};
+    if (options.spec.shared_rate() != 0) {  // fit_shared() fits all of a person
+        return curve;
+    }
     curve.fit = fit_curve(curve.model);
     if (options.bootstrap > 0 && !curve.fit.shallow) {
-        curve.samples = bootstrap(curve.model, curve.fit, options.bootstrap, options.seed, stream);
+        curve.samples =
+            bootstrap(curve.model, curve.fit, options.bootstrap, options.seed, answers.stream);
     }
     tell(curve, options);
     return curve;
@@ -137,9 +138,11 @@ void fit_shared(FitReport& report) {
     for (std::size_t first = 0; first < report.curves.size(); ++first) {
         const std::string& person = report.curves[first].answers.participant;
         std::vector<std::size_t> mine;
+        std::vector<std::uint64_t> streams;
         for (std::size_t i = 0; i < report.curves.size(); ++i) {
             if (report.curves[i].answers.participant == person) {
                 mine.push_back(i);
+                streams.push_back(report.curves[i].answers.stream);
             }
         }
         if (mine.front() != first) {
@@ -147,13 +150,11 @@ void fit_shared(FitReport& report) {
         }
         std::vector<CurveModel> models = models_of(report, person);
         share_rate(models);
-        std::vector<CurveFit> fits;
-        for (const CurveModel& one : models) {
-            fits.push_back(fit_curve(one));
-        }
+        std::vector<CurveFit> fits(models.size());
+        std::ranges::transform(models, fits.begin(), fit_curve);
         std::vector<Bootstrap> samples(models.size());
         if (options.bootstrap > 0) {
-            samples = shared_bootstrap(models, fits, options.bootstrap, options.seed, first);
+            samples = shared_bootstrap(models, fits, options.bootstrap, options.seed, streams);
         }
         for (std::size_t i = 0; i < mine.size(); ++i) {
             FittedCurve& curve = report.curves[mine[i]];
@@ -238,7 +239,7 @@ void compare(FitReport& report, const std::string& condition) {
         made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
         made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
         made.threshold_p = p_of_equal(report, *one, two, Quantity::threshold);
-        made.slope_p = p_of_equal(report, *one, two, Quantity::slope);
+        made.jnd_p = p_of_equal(report, *one, two, Quantity::jnd);
         report.differences.push_back(made);
     }
 }
@@ -372,12 +373,7 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
             people.push_back(person);
         }
         try {
-            if (options.spec.shared_rate() != 0) {
-                report.curves.push_back(
-                    {.answers = answers, .model = CurveModel(answers.levels, options.spec)});
-            } else {
-                report.curves.push_back(fitted(answers, options, report.curves.size()));
-            }
+            report.curves.push_back(fitted(answers, options));
         } catch (const std::invalid_argument& e) {
             report.left_out.push_back({answers.participant, answers.condition, e.what()});
         }

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 
 #include "protocols/procedure/procedure_state.hpp"
 #include "data/analysis/left_out.hpp"
+#include "data/csv/number_table.hpp"
 #include "data/fit/bootstrap.hpp"
 #include "data/plot/figure.hpp"
 #include "data/statistics/paired.hpp"
@@ -26,13 +26,15 @@ struct Answers {
     std::vector<Level> levels{};
     /// Of the adaptive runs that chose the levels: what their rules believe at the end.
     std::vector<protocols::Estimate> believed{};
+    std::uint64_t stream = 0;  ///< of its bootstrap: its own
 };
 
 /// Columns stimulus, n, k, and participant and condition if they are there; rows of one stimulus
-/// add up. In the order in which they first come.
+/// add up. In the order in which they first come; streams by name, so that no order of rows is in
+/// the numbers.
 /// @throws CsvError with file, line and character: no such column, no number, a stimulus_fault(), k
 /// outside 0 .. n, n above 1,000,000
-[[nodiscard]] std::vector<Answers> read_answers(const std::filesystem::path& file,
+[[nodiscard]] std::vector<Answers> read_answers(const RereadableText& text,
                                                 protocols::Family family);
 
 struct FitOptions {
@@ -76,7 +78,7 @@ struct Difference {
         threshold_interval{};  ///< bootstrap, both drawn apart; none where a curve has none
     std::optional<Interval> jnd_interval{};
     double threshold_p = 1.0;  ///< equality_p
-    double slope_p = 1.0;
+    double jnd_p = 1.0;
 };
 
 /// Answers that cannot be fitted.

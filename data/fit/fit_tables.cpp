@@ -75,7 +75,7 @@ Table differences_table(const FitReport& report) {
     Table table{.place = "differences/-",
                 .title =
                     "  Within person (interval: bootstrap; p: likelihood ratio, chi-square of "
-                    "1 df; of JND: of equal slopes b)",
+                    "1 df)",
                 .columns = heads({"participant|person", "comparison", "quantity",
                                   "difference|difference|s", "bootstrap_95|interval|so", "p|p|p"}),
                 .index = 3};
@@ -89,7 +89,7 @@ Table differences_table(const FitReport& report) {
              cell_of(one.threshold_interval), cell_of(one.threshold_p)});
         table.rows.push_back({one.participant, comparison, Named{"jnd", "JND"},
                               cell_of(one.jnd, "unbounded: that of a condition is"),
-                              cell_of(one.jnd_interval), cell_of(one.slope_p)});
+                              cell_of(one.jnd_interval), cell_of(one.jnd_p)});
     }
     return table;
 }
@@ -140,14 +140,19 @@ std::optional<double> standard_error(const CurveSpec& spec,
                                      Quantity quantity,
                                      double share) {
     CurvePoint slope{};
+    CurvePoint at = fit.at;
+    if (spec.family != Family::weibull &&
+        (quantity == Quantity::threshold || quantity == Quantity::at_share)) {
+        at[0] = 0.0;  // a place moves with the location: far from 0 differences lose their digits
+    }
     for (std::size_t i = 0; i < kCurveParameters; ++i) {
         const double se = std::sqrt(fit.covariance[i][i]);
         if (!(se > 0.0) || !std::isfinite(se)) {
             continue;
         }
         const double step = 1e-4 * se;
-        CurvePoint up = fit.at;
-        CurvePoint down = fit.at;
+        CurvePoint up = at;
+        CurvePoint down = at;
         up[i] += step;
         down[i] -= step;
         slope[i] =

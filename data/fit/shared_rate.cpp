@@ -94,9 +94,7 @@ std::vector<RatePoint> highest_by_rate(const CurveModel& model, const std::vecto
     const std::size_t rate = model.spec().shared_rate();
     CurveMask free = model.free();
     free[rate] = false;
-    const double range = model.last() - model.first();
-    CurvePoint near{0.5 * (model.first() + model.last()), engine::natural_log(2.0 / range),
-                    model.spec().guess, model.spec().lapse};
+    CurvePoint near = model.middle();
     constexpr std::size_t kSearched = 12;  // the rates between follow their neighbours
     for (std::size_t back = places.size(); back > 0; --back) {
         const std::size_t i = back - 1;
@@ -259,10 +257,8 @@ std::vector<CurveModel> all_alone(std::span<const CurveModel> models) {
 }
 
 std::vector<CurveMask> masks_of(std::span<const CurveModel> models) {
-    std::vector<CurveMask> all;
-    for (const CurveModel& one : models) {
-        all.push_back(one.free());
-    }
+    std::vector<CurveMask> all(models.size());
+    std::ranges::transform(models, all.begin(), &CurveModel::free);
     return all;
 }
 
@@ -312,13 +308,11 @@ std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
                                         std::span<const CurveFit> fits,
                                         std::size_t samples,
                                         std::uint64_t seed,
-                                        std::uint64_t stream) {
+                                        std::span<const std::uint64_t> streams) {
     std::vector<CurveModel> drawn = all_alone(models);
     const std::vector<CurveMask> free = masks_of(models);
-    std::vector<CurvePoint> from;
-    for (const CurveFit& one : fits) {
-        from.push_back(one.at);
-    }
+    std::vector<CurvePoint> from(fits.size());
+    std::ranges::transform(fits, from.begin(), &CurveFit::at);
     from = drawn_from(models.front().spec(), drawn, std::move(from), free);
     const std::size_t n = models.size();
     std::vector<Bootstrap> all(n);
@@ -333,7 +327,7 @@ std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
         for (std::size_t i = 0; i < values.size(); ++i) {
             levels[c].emplace_back(models[c].counts()[i], values[i]);
         }
-        random.emplace_back(seed, stream + c);
+        random.emplace_back(seed, streams[c]);
     }
     for (std::size_t s = 0; s < samples; ++s) {
         for (std::size_t c = 0; c < n; ++c) {
@@ -367,16 +361,15 @@ double shared_equality_p(std::span<const CurveModel> models,
                          std::size_t two,
                          const CurveFit& fit_two,
                          Quantity quantity) {
-    const std::size_t i = quantity == Quantity::threshold ? 0 : 1;
-    const std::size_t rate = models.front().spec().shared_rate();
-    const std::vector<CurveModel> plain = all_alone(models);
+    const CurveSpec& spec = models.front().spec();
+    const bool tied = quantity == Quantity::jnd && spec.family == protocols::Family::weibull;
+    const std::size_t i = tied || quantity == Quantity::threshold ? 0 : 1;
+    std::vector<CurveModel> plain = all_alone(models);
     std::vector<CurveMask> free = masks_of(models);
     std::vector<CurvePoint> near;
     for (std::size_t c = 0; c < models.size(); ++c) {
-        CurvePoint middle{0.5 * (models[c].first() + models[c].last()),
-                          engine::natural_log(2.0 / (models[c].last() - models[c].first())),
-                          models[c].spec().guess, models[c].spec().lapse};
-        middle[rate] = fit_one.at[rate];
+        CurvePoint middle = models[c].middle();
+        middle[spec.shared_rate()] = fit_one.at[spec.shared_rate()];
         near.push_back(c == one ? fit_one.at
                        : c == two
                            ? fit_two.at
@@ -386,11 +379,21 @@ double shared_equality_p(std::span<const CurveModel> models,
     free[one][i] = free[two][i] = false;
     const auto loss = [&](double place) {
         std::vector<CurvePoint> start = best.at;
-        start[one][i] = start[two][i] = place;
+        for (const std::size_t c : {one, two}) {
+            if (tied) {
+                plain[c].tie({.kind = Tie::Kind::jnd, .value = place});
+                start[c][1] = plain[c].log_slope_at(start[c][0]);
+            } else {
+                start[c][i] = place;
+            }
+        }
         return best.value - climb_together(plain, start, free, 1e-10).value;
     };
+    const auto place_of = [&](std::size_t c) {
+        return tied ? engine::natural_log(quantity_of(spec, best.at[c], quantity)) : best.at[c][i];
+    };
     const double chi_square =
-        2.0 * std::max(0.0, least_between(loss, best.at[one][i], best.at[two][i]));
+        2.0 * std::max(0.0, least_between(loss, place_of(one), place_of(two)));
     return 2.0 * protocols::normal_cdf(-std::sqrt(chi_square));
 }
 

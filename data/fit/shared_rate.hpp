@@ -20,12 +20,12 @@ void share_rate(std::span<CurveModel> models);
 
 /// bootstrap() of all of a person's conditions together: each sample is fitted with one rate.
 /// @param models, fits  after share_rate()
-/// @param stream  of the first; the others' follow
+/// @param streams  of each
 [[nodiscard]] std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
                                                       std::span<const CurveFit> fits,
                                                       std::size_t samples,
                                                       std::uint64_t seed,
-                                                      std::uint64_t stream);
+                                                      std::span<const std::uint64_t> streams);
 
 /// equality_p() of two of these curves, the rate being one of all under both hypotheses.
 /// @param models  all of the person's

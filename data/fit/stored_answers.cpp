@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -51,7 +52,7 @@ void add_beliefs(Database& database, const AnswerChoice& choice, std::vector<Ans
     }
 }
 
-/// People by their numbers in exports.
+/// People by their numbers in exports, and in the order of these.
 void number_people(Database& database, std::vector<Answers>& all) {
     for (Answers& one : all) {
         one.participant = fmt::format(
@@ -59,6 +60,20 @@ void number_people(Database& database, std::vector<Answers>& all) {
                               .first("SELECT subject FROM participant WHERE participant_code = ?1",
                                      one.participant)
                               .integer(0));
+    }
+    std::ranges::stable_sort(all, {}, &Answers::participant);
+}
+
+/// By name, whatever order they are in.
+void give_streams(std::vector<Answers>& all) {
+    std::vector<Answers*> by_name;
+    for (Answers& one : all) {
+        by_name.push_back(&one);
+    }
+    std::ranges::sort(
+        by_name, {}, [](const Answers* one) { return std::tie(one->participant, one->condition); });
+    for (std::size_t i = 0; i < by_name.size(); ++i) {
+        by_name[i]->stream = i;
     }
 }
 
@@ -131,16 +146,24 @@ StoredAnswers stored_answers(Database& database, const AnswerChoice& asked) {
     if (!choice.codes) {
         number_people(database, stored.all);
     }
+    give_streams(stored.all);
     return stored;
 }
 
-std::vector<Answers> read_answers(const std::filesystem::path& file, protocols::Family family) {
+std::vector<Answers> read_answers(const RereadableText& text, protocols::Family family) {
     constexpr std::array<std::string_view, 3> kWanted{"stimulus", "n", "k"};
     constexpr std::array<std::string_view, 2> kTexts{"participant", "condition"};
-    const NumberTable table = read_numbers(file, kWanted, {}, kTexts);
+    const NumberTable table = read_numbers(text, kWanted, {}, kTexts);
     const auto refuse = [&](std::size_t row, std::size_t column, const std::string& remedy) {
-        throw CsvError(fmt::format("{}:{}: {} is {}: {}", file.string(), table.place(row, column),
+        throw CsvError(fmt::format("{}:{}: {} is {}: {}", text.name(), table.place(row, column),
                                    kWanted.at(column), table.at(row, column), remedy));
+    };
+    const auto name = [&](std::size_t row, std::string_view column) {
+        const auto cell = table.text(row, column);
+        refuse_if<CsvError>(cell && cell->empty(),
+                            "{}:{}: {} is \"\": give a name, or leave the row out", text.name(),
+                            table.text_place(row, column), column);
+        return std::string(without_mark(cell.value_or("")));
     };
     std::vector<Answers> all;
     for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -160,8 +183,8 @@ std::vector<Answers> read_answers(const std::filesystem::path& file, protocols::
                                "comparison), a whole number from 0 to {}",
                                n, n));
         }
-        const std::string participant{without_mark(table.text(row, "participant").value_or(""))};
-        const std::string condition{without_mark(table.text(row, "condition").value_or(""))};
+        const std::string participant = name(row, "participant");
+        const std::string condition = name(row, "condition");
         auto found = std::ranges::find_if(all, [&](const Answers& one) {
             return one.participant == participant && one.condition == condition;
         });
@@ -174,7 +197,8 @@ std::vector<Answers> read_answers(const std::filesystem::path& file, protocols::
     }
     refuse_if<CsvError>(all.empty(),
                         "{}: there is no row below the head: give stimulus,n,k, a row a stimulus",
-                        file.string());
+                        text.name());
+    give_streams(all);
     return all;
 }
 

@@ -53,7 +53,7 @@ public:
     [[nodiscard]] std::int64_t number(std::size_t row) const {
         const double value = table_.at(row, 0);
         refuse_if<CsvError>(!(value >= 0.0 && value <= kLatest) || value != std::floor(value),
-                            "{}:{}: trial is {:g}: give the trial's number in the order run, a "
+                            "{}:{}: trial is {}: give the trial's number in the order run, a "
                             "whole number from 0 to 1000000000",
                             file_, table_.place(row, 0), value);
         return static_cast<std::int64_t>(value);
@@ -96,7 +96,7 @@ std::string field_of(const std::optional<double>& value) {
 }
 
 /// Of pictures: some answer names a shape.
-void check_named(const std::filesystem::path& file, const TrialTable& table) {
+void check_named(const std::string& file, const TrialTable& table) {
     const bool named = std::ranges::any_of(table.responses, [&](const std::string& response) {
         return std::ranges::binary_search(table.shapes, response);
     });
@@ -111,7 +111,7 @@ void check_named(const std::filesystem::path& file, const TrialTable& table) {
         throw CsvError(fmt::format(
             "{}: no response is the name of a shape (responses: {}; shapes: {}): give the same "
             "names in both, or answers that are yes and no, in lower case",
-            file.string(), some(table.responses), some(table.shapes)));
+            file, some(table.responses), some(table.shapes)));
     }
 }
 
@@ -221,13 +221,13 @@ TrialTable table_of_names(std::vector<NamedTrial> all) {
     return table;
 }
 
-TrialTable read_trials(const std::filesystem::path& file, bool others) {
+TrialTable read_trials(const RereadableText& text, bool others) {
     constexpr std::array<std::string_view, 1> kNumbers{"trial"};
     constexpr std::array<std::string_view, 9> kTexts{"subject",   "shape",       "friction",
                                                      "response",  "rt_s",        "confidence",
                                                      "explore_s", "since_break", "excluded"};
-    const NumberTable read = read_numbers(file, kNumbers, {}, kTexts);
-    const Rows rows(file, read);
+    const NumberTable read = read_numbers(text, kNumbers, {}, kTexts);
+    const Rows rows(text.name(), read);
     std::vector<NamedTrial> all;
     std::map<std::pair<std::string, std::int64_t>, std::size_t> seen;
     for (std::size_t row = 0; row < read.rows(); ++row) {
@@ -245,17 +245,17 @@ TrialTable read_trials(const std::filesystem::path& file, bool others) {
         refuse_if<CsvError>(!is_new,
                             "{}:{}: trial {} of this subject stands in line {} too: number the "
                             "trials of a subject in the order run, each once",
-                            file.string(), read.place(row, 0), one.trial.number,
+                            text.name(), read.place(row, 0), one.trial.number,
                             read.lines[first->second]);
         all.push_back(std::move(one));
     }
     refuse_if<CsvError>(all.empty(),
                         "{}: there is no row below the head: give "
                         "subject,trial,shape,friction,response, a row a trial",
-                        file.string());
+                        text.name());
     TrialTable table = table_of_names(std::move(all));
     if (table.alternatives > 0) {
-        check_named(file, table);
+        check_named(text.name(), table);
     }
     for (std::size_t row = 0; table.alternatives > 0 && !others && row < read.rows(); ++row) {
         if (!std::ranges::binary_search(table.shapes, rows.name(row, "response"))) {
@@ -265,7 +265,7 @@ TrialTable read_trials(const std::filesystem::path& file, bool others) {
                                     fmt::join(table.shapes, ", ")));
         }
     }
-    table.source = file.string();
+    table.source = text.name();
     return table;
 }
 

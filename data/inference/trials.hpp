@@ -2,13 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "protocols/protocol/protocol.hpp"
 #include "data/analysis/left_out.hpp"
+#include "data/csv/number_table.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/database.hpp"
 
@@ -68,7 +68,7 @@ struct NamedTrial {
 /// @param others  answers that name no shape are kept, as pictures of what nobody felt
 /// @throws CsvError with file, line and character, value and remedy; so is such an answer without
 /// `others`
-[[nodiscard]] TrialTable read_trials(const std::filesystem::path& file, bool others = true);
+[[nodiscard]] TrialTable read_trials(const RereadableText& text, bool others = true);
 
 /// The same columns, each trial a row: read_trials() of it gives the table, but for its study and
 /// kind.

@@ -160,11 +160,34 @@ TEST_CASE("the least between two places is found, however few numbers lie betwee
     CHECK(least_between(loss, high, low) == 0.0);
 }
 
+TEST_CASE("the standard error of a place is the same wherever the stimulus has its origin",
+          "[fit][law]") {
+    const auto errors = [](double first, Family family) {
+        const CurveSpec spec{.family = family, .lapse = 0.02};
+        const CurveModel model(counted(first, 40, {2, 8, 20, 33, 38}), spec);
+        const CurveFit fit = fit_curve(model);
+        return std::array{standard_error(spec, fit, Quantity::threshold).value(),
+                          standard_error(spec, fit, Quantity::at_share, 0.7).value(),
+                          std::sqrt(fit.covariance[0][0])};
+    };
+    for (const Family family : {Family::normal, Family::logistic, Family::gumbel}) {
+        const auto near = errors(1.0, family);
+        CHECK(near[0] == Approx(near[2]).epsilon(1e-9));  // the threshold is a parameter
+        for (const double far : {1e8, 1e11, 1e12}) {
+            CAPTURE(far);
+            CHECK(errors(far, family)[0] == Approx(near[0]).epsilon(1e-2));
+            CHECK(errors(far, family)[1] == Approx(near[1]).epsilon(1e-2));
+        }
+    }
+}
+
 TEST_CASE("a difference has no bootstrap interval where one of its curves has none", "[fit]") {
     const Answers bounded{
         .participant = "P01", .condition = "off", .levels = counted(1.0, 40, {2, 8, 20, 33, 38})};
-    Answers other{
-        .participant = "P01", .condition = "on", .levels = counted(1.0, 40, {0, 0, 40, 40})};
+    Answers other{.participant = "P01",
+                  .condition = "on",
+                  .levels = counted(1.0, 40, {0, 0, 40, 40}),
+                  .stream = 1};
     const auto difference = [&] {
         return fit_all("test", {bounded, other}, {.bootstrap = 100}).differences.at(0);
     };

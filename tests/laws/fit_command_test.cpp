@@ -80,6 +80,24 @@ TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][
     CHECK(curve["deviance"].get<double>() <= 8.07133136423);
 }
 
+TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes", "[fit][law]") {
+    // The same answers to stimuli 1.3 times as large: slopes are equal, JNDs are not. R 4.2.2, optim
+    // of both curves and of both with one JND.
+    std::string text = "condition,stimulus,n,k\n";
+    for (const auto& [stimulus, k] : std::vector<std::pair<double, int>>{
+             {0.5, 3}, {0.7, 8}, {0.9, 16}, {1.1, 24}, {1.4, 33}, {1.8, 38}}) {
+        text += fmt::format("a,{},40,{}\nb,{},40,{}\n", stimulus, k, 1.3 * stimulus, k);
+    }
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), text);
+    for (const auto& [lapse, p] : {std::pair{"0.02", 0.135533}, std::pair{"shared", 0.161506}}) {
+        const Json all = fitted(
+            {folder.file("d.csv"), "--function", "weibull", "--lapse", lapse, "--bootstrap", "0"});
+        CHECK(all["differences"][1]["quantity"] == "jnd");
+        CHECK(all["differences"][1]["p"].get<double>() == Approx(p).epsilon(1e-4));
+    }
+}
+
 TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it", "[fit]") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), kTwoConditions);
@@ -323,4 +341,44 @@ TEST_CASE("palpate fit of identifications says the same in any unit of the items
     CHECK(millimetres[1]["ratio_95"] == Json({0.0, nullptr}));
     CHECK(millimetres[1]["ratio_p"].get<double>() == Approx(metres[1]["ratio_p"].get<double>()));
     not_fitted({file, "--item=-10000=-1e308", "--item=10000=1e308"}, "values that differ less");
+}
+
+TEST_CASE("the changes of a person are those of the sigmas beside them, however many conditions",
+          "[fit][choice][law]") {
+    // Of "mid" R's profile (optim, 12 starts) loses 1.12 of log-likelihood at a ratio of 0.001 and
+    // 1.13 at a sigma of 0.02, less than 1.92: neither refutes 0.
+    struct Drawn {
+        const char* friction;
+        std::array<const char*, 5> answers;
+    };
+    const std::vector<Drawn> all{{"off", {"011", "1124", "1222", "2233", "4444"}},
+                                 {"mid", {"0001", "1112", "1122", "2333", "3334"}},
+                                 {"on", {"0012", "0113", "1223", "2344", "2344"}}};
+    const auto fit_of = [&](std::size_t frictions) {
+        std::string text = "subject,trial,shape,friction,response\n";
+        int trial = 0;
+        for (std::size_t f = 0; f < frictions; ++f) {
+            for (int item = 0; item < 5; ++item) {
+                for (const char answer :
+                     std::string_view(all[f].answers.at(static_cast<std::size_t>(item)))) {
+                    text += fmt::format("A,{},{},{},{}\n", trial++, 5 * item - 10, all[f].friction,
+                                        5 * (answer - '2'));
+                }
+            }
+        }
+        const TemporaryFolder folder;
+        write(folder.file("d.csv"), text);
+        return fitted({folder.file("d.csv"), "--baseline", "off"})["people"][0]["conditions"];
+    };
+    const Json two = fit_of(2);
+    CHECK(two[1]["sigma_95"][0] == 0.0);
+    CHECK(two[1]["ratio_95"][0] == 0.0);
+    const Json three = fit_of(3);
+    const double off = three[0]["sigma"];
+    for (const std::size_t f : {1U, 2U}) {
+        CHECK(three[f]["ratio"].get<double>() ==
+              Approx(three[f]["sigma"].get<double>() / off).epsilon(1e-3));
+        CHECK(((three[f]["ratio_p"].get<double>() < 0.05) ==
+               (three[f]["ratio_95"][0].get<double>() > 1.0)));
+    }
 }

@@ -30,6 +30,9 @@ TEST_CASE(
     // A column that nobody reads may be there twice, and in any bytes.
     write(csv, "\xEF\xBB\xBFstimulus,n,k,note,note\r\n1,20,2,x,\xFC\r\n2,20,9,,\r\n3,20,18,,\r\n");
     CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 60);
+    // What counts were of may stand beside them.
+    write(csv, "stimulus,n,k,correct_response,response\n1,40,2,x,a\n2,40,10,x,b\n3,40,25,x,a\n");
+    CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 120);
     // A quoted field may hold line breaks (RFC 4180); places are of the line a row begins in.
     const std::string broken =
         "stimulus,note,n,k\n1,\"a\nb \"\"c\"\",\n\n,\r\nd\",20,2\n2,5\" x,20,9\n3,,20,";
@@ -254,4 +257,43 @@ TEST_CASE(
           "subject,trial,shape,friction,response\nA,1,a,off,a\nA,2,b,off,a\nB,1,a,on,b\nB,2,b,on,"
           "b\n");
     CHECK_THAT(ran(words).out, Has("nobody has a number under both"));
+}
+
+TEST_CASE("what is drawn for a curve follows its name, and no order of rows", "[fit][law]") {
+    const TemporaryFolder folder;
+    std::vector<std::string> rows;
+    for (const auto& [who, where, hits] :
+         std::vector<std::tuple<const char*, const char*, std::vector<int>>>{
+             {"P", "on", {1, 4, 10, 15, 19}},
+             {"P", "off", {0, 2, 9, 17, 20}},
+             {"Q", "on", {2, 5, 9, 14, 18}},
+             {"Q", "off", {1, 3, 11, 16, 19}}}) {
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            rows.push_back(fmt::format("{},20,{},{},{}\n", i + 1, hits[i], who, where));
+        }
+    }
+    const std::string head = "stimulus,n,k,participant,condition\n";
+    write(folder.file("down.csv"), fmt::format("{}{}", head, fmt::join(rows, "")));
+    std::ranges::reverse(rows);
+    write(folder.file("up.csv"), fmt::format("{}{}", head, fmt::join(rows, "")));
+    for (const char* lapse : {"0.02", "shared"}) {
+        const auto intervals = [&](const std::string& file) {
+            std::map<std::string, double> all;
+            for (const Json& curve : json_of(
+                     {"fit", folder.file(file), "--bootstrap", "60", "--lapse", lapse})["curves"]) {
+                const std::string name =
+                    curve["participant"].get<std::string>() + curve["condition"].get<std::string>();
+                all[name + " low"] = curve["threshold"]["bootstrap_95"][0];
+                all[name + " high"] = curve["jnd"]["bootstrap_95"][1];
+            }
+            return all;
+        };
+        const auto down = intervals("down.csv");
+        const auto up = intervals("up.csv");
+        REQUIRE(down.size() == 8);
+        for (const auto& [name, value] : down) {
+            CAPTURE(name);
+            CHECK(up.at(name) == Approx(value).epsilon(1e-6));
+        }
+    }
 }

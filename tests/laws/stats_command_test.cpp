@@ -260,6 +260,24 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
     CHECK(same.code == 0);
     CHECK_THAT(same.out, Has("all the same: no t", "effect have no end", "the fit is singular",
                              "hardly known from fewer than 6"));
+    // 8 and 7 of 10, then 6 and 5: in doubles 0.8 - 0.6 is not 0.7 - 0.5.
+    std::string less = "subject,trial,shape,friction,response\n";
+    for (int i = 0; i < 40; ++i) {
+        const int right = (i / 20 == 0 ? 8 : 7) - (i / 10 % 2 == 0 ? 0 : 2);
+        const char* shape = i % 2 == 0 ? "a" : "b";
+        const char* wrong = i % 2 == 0 ? "b" : "a";
+        less += fmt::format("P{},{},{},{},{}\n", i / 20, i, shape, i / 10 % 2 == 0 ? "off" : "on",
+                            i % 10 < right ? shape : wrong);
+    }
+    write(folder.file("less.csv"), less);
+    auto of_less = json;
+    of_less.front() = folder.file("less.csv");
+    const Json effect =
+        Json::parse(stats(of_less).out)["applied"]["measures"]["share"]["effects"]["on"];
+    CHECK(effect["mean"].get<double>() == Approx(-0.2));
+    for (const char* number : {"t", "t_p", "interval_95", "bayes_factor_10"}) {
+        CHECK(effect[number].is_null());
+    }
 }
 
 TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy",
@@ -290,6 +308,7 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
     }
     no_stats({file}, "has no answer of identification or yes-no in real sessions: --kind chooses");
     no_stats({file, "--kind", "all"}, "--kind");
+    no_stats({file, "--kind", "simulated", "--other-answers"}, "--other-answers is for a CSV");
     const std::vector<std::string> words{file, "--kind", "simulated", "--simulations", "0"};
     const Finished text = stats(words);
     REQUIRE(text.code == 0);

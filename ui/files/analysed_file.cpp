@@ -1,7 +1,9 @@
 #include "ui/files/analysed_file.hpp"
 
+#include <filesystem>
 #include <utility>
 
+#include "engine/base/refuse.hpp"
 #include "data/store/analysed.hpp"
 
 namespace palpate::ui {
@@ -27,6 +29,16 @@ void add_answer_words(CommandWords& words, AnswerWords& answers) {
     words.add("--keep-codes", answers.keep_codes,
               "Of a database: people by the lab's codes, not by their numbers in exports");
     add_versions(words, answers.versions);
+}
+
+void AnswerWords::refuse_words_of_databases() const {
+    const AnswerWords none;
+    const bool said =
+        kind != none.kind || study != none.study || keep_codes || versions != none.versions;
+    refuse_if(said && std::filesystem::exists(file),
+              "{} is no database of palpate: --kind, --study, --keep-codes and --versions choose "
+              "among a database's answers; leave them out",
+              file);
 }
 
 void analyse(data::Database& database, const std::string& versions, const std::string& study) {

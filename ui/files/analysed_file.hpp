@@ -23,6 +23,8 @@ struct AnswerWords {
     [[nodiscard]] data::AnswerChoice choice() const {
         return {.kind = kind, .study = study, .codes = keep_codes};
     }
+    /// @throws std::invalid_argument if the file is there and any of the others is said
+    void refuse_words_of_databases() const;
     /// What `read` makes of the file, opened and seen as analyses see it, and of choice().
     template <class Read>
     [[nodiscard]] auto asked(const Read& read) const;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -10,6 +11,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "data/choice/identification.hpp"
+#include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/fit/stored_answers.hpp"
@@ -48,9 +50,12 @@ double number_of(const std::string& option, std::string_view text, std::string_v
         return *value;
     };
     const std::size_t slash = text.find('/');
-    return slash == std::string_view::npos
-             ? one(text)
-             : one(text.substr(0, slash)) / one(text.substr(slash + 1));
+    const double value = slash == std::string_view::npos
+                           ? one(text)
+                           : one(text.substr(0, slash)) / one(text.substr(slash + 1));
+    refuse_if(!std::isfinite(value), "{} is \"{}\": give a finite number, as 0.5 or 1/3", option,
+              text);
+    return value + 0.0;  // -0 is 0
 }
 
 /// "slope=1.5,0.7" of --prior.
@@ -67,6 +72,7 @@ void set_prior(data::CurveSpec& spec, const std::string& text) {
               "--prior is \"{}\": give threshold=MEAN,SD (weibull: MEDIAN,SD of the logarithm), "
               "slope=MEDIAN,SD of the logarithm, guess=A,B or lapse=A,B of a beta density",
               text);
+    refuse_if(target->has_value(), "--prior {} is there twice: give one belief for each", name);
     *target = data::Prior{number_of("--prior " + name, text.substr(equals + 1, comma - equals - 1)),
                           number_of("--prior " + name, text.substr(comma + 1))};
 }
@@ -156,20 +162,37 @@ void declare(CommandWords& words, FitWords& options) {
     declare_study(words, options);
 }
 
-/// The head of a CSV names what was answered: trials of identification, not counts.
-bool is_trial_csv(const std::string& file) {
-    return first_line(file).find("response") != std::string::npos;
+/// The head of a CSV names a response and no stimulus: trials of identification, not counts.
+bool is_trial_csv(const data::RereadableText& text) {
+    const std::string line = first_line(text.place());
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    const auto head = data::fields_of(std::string_view(line).substr(
+        line.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0));
+    const auto has = [&](std::string_view column) {
+        return std::ranges::find(head, column, &data::Field::text) != head.end();
+    };
+    return has("response") && !has("stimulus");
 }
 
-int fit_identifications(const FitWords& words, bool database) {
+/// Whose answers they are: a file's name may hold a code.
+std::string source_of(const FitWords& words, bool database, const std::string& study) {
+    const std::string kind = database && words.kind != "real" ? ", " + words.kind + " data" : "";
+    return (database && !words.keep_codes ? "study " + study : words.file) + kind;
+}
+
+/// The text of a CSV; nothing of a database.
+using Csv = std::optional<data::RereadableText>;
+
+int fit_identifications(const FitWords& words, const Csv& csv) {
     data::IdentificationOptions options{.lapse = number_of("--lapse", words.lapse)};
     data::TrialTable table =
-        !database ? data::read_trials(words.file)
-                  : words.asked([&](data::Database& file, const data::AnswerChoice& choice) {
-                        data::TrialTable stored = data::stored_trials(file, choice);
-                        options.items = data::item_values(file, stored.study);
-                        return stored;
-                    });
+        csv ? data::read_trials(*csv)
+            : words.asked([&](data::Database& file, const data::AnswerChoice& choice) {
+                  data::TrialTable stored = data::stored_trials(file, choice);
+                  options.items = data::item_values(file, stored.study);
+                  return stored;
+              });
+    table.source = source_of(words, !csv, table.study);
     if (!words.baseline.empty()) {
         data::compare_with(table, words.baseline);
     }
@@ -209,17 +232,13 @@ std::vector<std::string> order_of(const data::StoredAnswers& answers, const std:
     for (const data::Answers& one : answers.all) {
         known.insert(one.condition);
     }
+    refuse_if(known == std::set<std::string>{""},
+              "--baseline is {}: there are no conditions here to compare; leave it out", baseline);
     refuse_if(!known.contains(baseline), "--baseline is {}: give one of {}", baseline,
               fmt::join(known, ", "));
     std::erase(order, baseline);
     order.insert(order.begin(), baseline);
     return order;
-}
-
-/// Whose answers they are: a file's name may hold a code.
-std::string source_of(const FitWords& words, bool database, const std::string& study) {
-    const std::string kind = database && words.kind != "real" ? ", " + words.kind + " data" : "";
-    return (database && !words.keep_codes ? "study " + study : words.file) + kind;
 }
 
 data::FitOptions options_of(const FitWords& words, bool database) {
@@ -234,31 +253,27 @@ data::FitOptions options_of(const FitWords& words, bool database) {
     return options;
 }
 
-data::StoredAnswers answers_of(const FitWords& words, protocols::Family family, bool database) {
-    return database ? words.asked(data::stored_answers)
-                    : data::StoredAnswers{.all = data::read_answers(words.file, family)};
+data::StoredAnswers answers_of(const FitWords& words, protocols::Family family, const Csv& csv) {
+    return csv ? data::StoredAnswers{.all = data::read_answers(*csv, family)}
+               : words.asked(data::stored_answers);
 }
 
-bool holds_identifications(const FitWords& words, bool database) {
-    return database ? words.asked(data::answers_are_names) : is_trial_csv(words.file);
-}
-
-int run(const FitWords& given) {
-    const bool database = data::is_database(given.file);
-    FitWords words = given;
-    std::optional<data::RereadableText> table;  // its head is looked at before it is read
+int run(const FitWords& words) {
+    const bool database = data::is_database(words.file);
+    Csv csv;  // its head is looked at before it is read
     if (!database) {
-        words.file = table.emplace(given.file).place();
+        words.refuse_words_of_databases();
+        csv.emplace(words.file);
     }
-    if (holds_identifications(words, database)) {
+    if (csv ? is_trial_csv(*csv) : words.asked(data::answers_are_names)) {
         refuse_words_of_curves(words);
-        return fit_identifications(words, database);
+        return fit_identifications(words, csv);
     }
     refuse_if(!words.items.empty(),
               "{} holds no identifications: --item is for answers that name one of several items",
               words.file);
     data::FitOptions options = options_of(words, database);
-    const data::StoredAnswers answers = answers_of(words, options.spec.family, database);
+    const data::StoredAnswers answers = answers_of(words, options.spec.family, csv);
     options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
     data::FitReport report =

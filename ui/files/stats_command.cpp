@@ -91,9 +91,16 @@ std::filesystem::path trials_beside(const std::filesystem::path& script) {
 int run(const StatsWords& words) {
     const std::filesystem::path trials_file =
         words.script.empty() ? std::filesystem::path() : trials_beside(words.script);
-    data::TrialTable table = data::is_database(words.file)
-                               ? words.asked(data::stored_trials)
-                               : data::read_trials(words.file, words.other_answers);
+    const bool database = data::is_database(words.file);
+    if (!database) {
+        words.refuse_words_of_databases();
+    }
+    refuse_if(database && words.other_answers,
+              "{} is a database: --other-answers is for a CSV; a database knows its pictures",
+              words.file);
+    data::TrialTable table =
+        database ? words.asked(data::stored_trials)
+                 : data::read_trials(data::RereadableText(words.file), words.other_answers);
     if (!words.baseline.empty()) {
         data::compare_with(table, words.baseline);
     }
