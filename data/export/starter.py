@@ -19,7 +19,7 @@ def load_table(name):
     if "subject" in d:
         d["subject"] = d.subject.astype("category")
     if "friction" in d:
-        d["friction"] = pd.Categorical(d.friction, categories=frictions)
+        d["friction"] = pd.Categorical(d.friction, categories=frictions, ordered=True)
     for column in ("planned_object", "chosen_object", "picture_object", "felt_object"):
         if column in d:
             d[column] = pd.Categorical(d[column], categories=objects, ordered=True)
