@@ -169,6 +169,8 @@ void judge_people(Database& database, ByCode& people, LeftOut& account) {
             account.broken.push_back({found->second.name, rule});
         }
     }
+    // The order of the lab's codes is no business of whoever reads numbers.
+    std::ranges::stable_sort(account.broken, {}, &LeftOut::Reason::person);
 }
 
 void count_people(const ByCode& people, LeftOut& account) {

@@ -101,6 +101,11 @@ void check_choice(const ExplorationMeans& felt, Database& database, const Answer
     if (felt.studies.size() > 1) {
         throw std::invalid_argument(several_studies(database, felt.studies));
     }
+    if (felt.frictions.empty() && !felt.left_out.broken.empty()) {
+        throw std::invalid_argument(
+            fmt::format("{}: everybody is left out by the protocol's rules\n{}", database.file(),
+                        left_out_text(felt.left_out)));
+    }
     if (felt.frictions.size() < 2) {
         throw std::invalid_argument(fmt::format(
             "{} has {} in answered trials of {} sessions: an audit compares two conditions of "
@@ -120,8 +125,8 @@ std::vector<double> differences_of(const Means& means,
         const auto with = by_friction.find(friction);
         const auto without = by_friction.find(base);
         if (with != by_friction.end() && without != by_friction.end()) {
-            differences.push_back(with->second.sum / with->second.count -
-                                  without->second.sum / without->second.count);
+            differences.push_back(difference_of(without->second.sum / without->second.count,
+                                                with->second.sum / with->second.count));
         }
     }
     return differences;

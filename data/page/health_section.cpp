@@ -86,7 +86,9 @@ Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale sc
 void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     page.section("audit", "Does anything but friction differ?");
     if (!numbers.audit) {
-        page.paragraph("There are not two conditions of friction to compare.");
+        page.paragraph(study.nobody_left()
+                           ? "Everybody is left out by the protocol's rules: nothing is compared."
+                           : "There are not two conditions of friction to compare.");
         return;
     }
     const Audit& audit = *numbers.audit;

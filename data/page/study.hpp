@@ -75,6 +75,10 @@ public:
     [[nodiscard]] std::size_t people() const { return people_; }
     /// People as on the page.
     [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
+    /// Everybody with an answer that counts is left out by rule.
+    [[nodiscard]] bool nobody_left() const {
+        return left_out_.by_rule.people > 0 && left_out_.analysed.people == 0;
+    }
     /// " --kind simulated --study x": what other commands need to speak of the same.
     [[nodiscard]] const std::string& words() const { return words_; }
     /// Of which protocols the file has several, and " --versions apart": how they are taken; else

@@ -13,11 +13,12 @@
 namespace palpate::data {
 namespace {
 
+/// Of the sessions on the page; nothing of them is left where the rules leave out everybody.
 bool any(Database& database, const Study& study, std::string_view from) {
-    return database
-               .first(fmt::format("SELECT EXISTS (SELECT 1 FROM {})", from),
-                      std::string_view(study.name()), std::string_view(study.options().kind))
-               .integer(0) == 1;
+    return !study.nobody_left() &&
+           database.first(fmt::format("SELECT EXISTS (SELECT 1 FROM {})", from),
+                          std::string_view(study.name()), std::string_view(study.options().kind))
+                   .integer(0) == 1;
 }
 
 /// The trials that palpate stats takes without other words.

@@ -261,6 +261,33 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
     CHECK(!std::filesystem::exists(folder.file("f.html")));
 }
 
+TEST_CASE("a study whose rules leave out everybody is reported, and names nobody by order",
+          "[left-out][report]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("s.sqlite");
+    std::ofstream(folder.file("p.toml"))
+        << four_trials() + "\n[exclusion]\nsessions_finished = true\n";
+    for (const char* who : {"A", "B", "C", "D", "E"}) {
+        ran(run_words(folder.file("p.toml"), who, file, {"--headless"}));
+    }
+    edit(file, "UPDATE session SET finished = 0");
+    const Finished audit = palpate_command({"audit", file, "--kind", "simulated"});
+    CHECK(audit.code == 2);
+    CHECK_THAT(audit.error, Has("everybody is left out by the protocol's rules"));
+    std::vector<std::string> people;
+    const std::string begin = "by rule: ";
+    for (std::size_t at = audit.error.find(begin); at != std::string::npos;
+         at = audit.error.find(begin, at + 1)) {
+        people.push_back(audit.error.substr(at + begin.size(), 14));
+    }
+    CHECK(people.size() == 5);
+    CHECK(std::ranges::is_sorted(people));
+    const std::string page = folder.file("r.html");
+    ran({"report", file, "--kind", "simulated", "-o", page, "--simulations", "0"});
+    CHECK_THAT(slurp(page), Has("Everybody is left out by the protocol's rules",
+                                "5 by the rules of [exclusion]; analysed: 0"));
+}
+
 TEST_CASE("main_trial is one kind, of who consents, and no study shares a row with another",
           "[left-out][sql][law]") {
     const TemporaryFolder folder;
