@@ -91,11 +91,13 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
     }
 }
 
-void add_tracks(PageWriter& page, const Study& study) {
+void add_tracks(PageWriter& page, const Study& study, const FitReport& fit) {
     PageFigure figure{
         .id = "tracks", .title = "Adaptive tracks", .data = study.ask(page_query("tracks"))};
     std::vector<std::string> runs = figure.data.levels("run_name");
-    std::ranges::sort(runs);  // as the conditions of the fit, in the same colours
+    std::ranges::sort(runs, {}, [&](const std::string& run) {  // in the fit's colours
+        return std::pair(std::ranges::find(fit.conditions, run), run);
+    });
     const std::vector<std::string> people = figure.data.levels("person");
     bool estimates = false;
     for (const std::string& person : people) {
@@ -143,7 +145,7 @@ void add_levels(PageWriter& page, const Study& study, const PageNumbers& numbers
     page.section("levels", "Psychometric functions and tracks");
     add_curves(page, study, numbers);
     if (study.protocol().procedure) {
-        add_tracks(page, study);
+        add_tracks(page, study, *numbers.fit);
     }
 }
 
