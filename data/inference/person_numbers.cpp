@@ -114,18 +114,17 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
         ++counts[{std::to_string(shapes[i]), std::to_string(responses[i])}];
     }
     made.bits = mutual_information(counts);
-    const double max = std::max(entropy_of(shapes), 0.0);
+    const double max = std::clamp(entropy_of(shapes), 0.0, std::log2(different(shapes)));
     made.corrected = std::clamp(made.bits.miller_madow, 0.0, max);
     Confusion matrix(shapes, responses);
     const double cells = matrix.cells();
     if (shapes.size() >= 2) {
-        const double centre =
+        const double least =
             made.bits.plug_in - (different(shapes) - 1.0) * (different(responses) - 1.0) /
                                     (2.0 * static_cast<double>(shapes.size()) * std::numbers::ln2);
         const double half = kNormal95 * matrix.jackknife_error();
-        made.interval =
-            Interval{std::clamp(centre - half, 0.0, max),
-                     std::clamp(std::max(centre + half, made.bits.miller_madow), 0.0, max)};
+        made.interval = Interval{std::clamp(least - half, 0.0, max),
+                                 std::clamp(made.bits.miller_madow + half, 0.0, max)};
     }
     std::vector<std::size_t> dealt(responses.begin(), responses.end());
     Pcg32 random(seed, stream);

@@ -22,15 +22,15 @@ d_prime <- function(k, n, m, least = n) {
 }
 h <- function(n) -sum(ifelse(n > 0, n / sum(n) * log2(n / sum(n)), 0))
 plug_in <- function(t) h(rowSums(t)) + h(colSums(t)) - h(t)
-miller_madow <- function(t) min(max(plug_in(t) +
-    (sum(rowSums(t) > 0) + sum(colSums(t) > 0) - sum(t > 0) - 1) / (2 * sum(t) * log(2)), 0), h(rowSums(t)))
-bits_95 <- function(t) {  # every cell of the rows and columns corrected for, -+ the jackknife's standard errors
+by_used <- function(t) plug_in(t) +
+    (sum(rowSums(t) > 0) + sum(colSums(t) > 0) - sum(t > 0) - 1) / (2 * sum(t) * log(2))
+miller_madow <- function(t) min(max(by_used(t), 0), h(rowSums(t)))
+bits_95 <- function(t) {  # from every cell corrected for to the cells in use, -+ the jackknife's standard errors
     at <- which(t > 0); n <- sum(t)
     less <- sapply(at, function(i) { t[i] <- t[i] - 1; plug_in(t) })
     se <- sqrt((n - 1) / n * sum(t[at] * (less - sum(t[at] * less) / n)^2))
-    centre <- plug_in(t) - (sum(rowSums(t) > 0) - 1) * (sum(colSums(t) > 0) - 1) / (2 * n * log(2))
-    ends <- centre + qnorm(c(.025, .975)) * se
-    pmin(pmax(c(ends[1], max(ends[2], miller_madow(t))), 0), h(rowSums(t)))
+    by_all <- plug_in(t) - (sum(rowSums(t) > 0) - 1) * (sum(colSums(t) > 0) - 1) / (2 * n * log(2))
+    pmin(pmax(c(by_all, by_used(t)) + qnorm(c(.025, .975)) * se, 0), h(rowSums(t)))
 }
 rounded <- function(x, size) ifelse(abs(x) <= 1e-12 * size, 0, x)  # rounding is no difference
 signed_rank <- function(x) {  # every pattern of signs, ties with their mean rank
@@ -52,13 +52,14 @@ bayes_factor <- function(t, n) {  # Rouder, Speckman, Sun, Morey, Iverson 2009, 
     ends <- c(-8, 0, 8, 20, 40, 80)
     sum(mapply(function(a, b) integrate(f, a, b, rel.tol = 1e-10, abs.tol = 0)$value, ends[-6], ends[-1]))
 }
-tests <- function(x, nothing, at) {
+alike <- function(x, size = 0) diff(range(x)) <= 1e-12 * max(size, abs(x))
+tests <- function(x, nothing, at, size = 0) {  # size: the largest of what these are differences of
     x <- x[!is.na(x)]; y <- x - nothing
     if (!length(x)) return(invisible())
     say(paste0(at, '/people'), length(x)); say(paste0(at, '/mean'), mean(x))
     w <- signed_rank(y); say(paste0(at, '/wilcoxon_v'), w[1]); say(paste0(at, '/wilcoxon_p'), w[2])
     if (length(x) <= 16) say(paste0(at, '/sign_flip_p'), sign_flip(y))
-    if (length(x) > 1 && diff(range(x)) > 0) {
+    if (length(x) > 1 && !alike(x, size)) {
         t <- t.test(y)
         say(paste0(at, '/t'), unname(t$statistic)); say(paste0(at, '/t_p'), t$p.value)
         say(paste0(at, '/interval_95'), t$conf.int + nothing); say(paste0(at, '/dz'), mean(y) / sd(y))
@@ -69,7 +70,7 @@ mean_of_people <- function(x, share, at) {
     x <- x[!is.na(x)]; m <- mean(x)
     if (!length(x)) return(invisible())
     say(paste0(at, '/mean'), m)
-    if (length(x) < 2 || diff(range(x)) == 0) return(invisible())
+    if (length(x) < 2 || alike(x)) return(invisible())
     half <- qt(.975, length(x) - 1) * sd(x) / sqrt(length(x))
     if (!share) say(paste0(at, '/interval_95'), m + c(-half, half))
     else if (m > 0 && m < 1) say(paste0(at, '/interval_95'), plogis(qlogis(m) + c(-1, 1) * half / (m * (1 - m))))
@@ -96,13 +97,17 @@ mixed <- function(d, other, at) {
     d <- d[d$friction %in% c(frictions[1], other), ]; d$on <- as.numeric(d$friction == other)
     if (requireNamespace('lme4', quietly = TRUE)) tryCatch({
         # From a start of its own: bobyqa stays at a variance of 0 where lme4's first round ends there.
-        glmer <- function(model, theta, fixef) suppressMessages(suppressWarnings(lme4::glmer(model, d, binomial,
-            start = list(theta = theta, fixef = fixef), control = lme4::glmerControl('bobyqa', nAGQ0initStep = FALSE,
-            optCtrl = list(maxfun = 1e5, rhoend = 1e-8), tolPwrss = 1e-10))))
+        glmer <- function(model, thetas, fixef) {  # the highest of several: a start may end on a lower hill
+            fits <- lapply(thetas, function(theta) suppressMessages(suppressWarnings(lme4::glmer(model, d, binomial,
+                start = list(theta = theta, fixef = fixef), control = lme4::glmerControl('bobyqa', nAGQ0initStep = FALSE,
+                optCtrl = list(maxfun = 1e5, rhoend = 1e-8), tolPwrss = 1e-10)))))
+            fits[[which.max(sapply(fits, logLik))]]
+        }
+        both <- list(c(.6, 0, .4), c(.3, .3, .2), c(.3, -.3, .2))
         first <- qlogis((sum(d$right) + .5) / (nrow(d) + 1))
-        full <- glmer(right ~ on + (on | subject), c(.6, 0, .4), c(first, 0))
-        null <- glmer(right ~ 1 + (on | subject), c(.6, 0, .4), first)
-        one <- glmer(right ~ on + (1 | subject), .6, c(first, 0))
+        full <- glmer(right ~ on + (on | subject), both, c(first, 0))
+        null <- glmer(right ~ 1 + (on | subject), both, first)
+        one <- glmer(right ~ on + (1 | subject), list(.6), c(first, 0))
         v <- lme4::VarCorr(full)$subject; se <- sqrt(diag(as.matrix(vcov(full))))
         l <- c(logLik(full), logLik(null), logLik(one)); r <- pmax(0, 2 * (l[1] - l[-1]))
         to <- paste0(at, '/laplace')
@@ -189,7 +194,10 @@ part <- function(d, at) {
     for (what in names) for (f in frictions) {
         x <- value[, f, what]; to <- paste0(at, '/measures/', what)
         mean_of_people(x, what == 'share', paste0(to, '/means/', key(f)))
-        if (f != frictions[1]) tests(rounded(x - value[, frictions[1], what], pmax(abs(x), abs(value[, frictions[1], what]))), 0, paste0(to, '/effects/', key(f)))
+        if (f != frictions[1]) {
+            size <- pmax(abs(x), abs(value[, frictions[1], what]))
+            tests(rounded(x - value[, frictions[1], what], size), 0, paste0(to, '/effects/', key(f)), max(0, size, na.rm = TRUE))
+        }
     }
     for (what in colnames(slopes)) tests(slopes[, what], if (what == 'confidence_area') .5 else 0,
         paste0(at, '/within_person/', what))

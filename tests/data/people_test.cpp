@@ -230,13 +230,20 @@ struct Answered {
 };
 
 /// `trials` of five shapes, each as often; a share of the answers is right, the others are any
-/// shape.
-Answered some_answers(std::mt19937_64& random, std::size_t trials, double right) {
+/// shape, or a neighbour.
+Answered some_answers(std::mt19937_64& random,
+                      std::size_t trials,
+                      double right,
+                      bool near = false) {
     std::uniform_real_distribution<double> uniform;
     Answered all;
     for (std::size_t i = 0; i < trials; ++i) {
-        all.shapes.push_back(i % 5);
-        all.responses.push_back(uniform(random) < right ? i % 5 : random() % 5);
+        const std::size_t shape = i % 5;
+        const auto beside = [&] {
+            return shape == 0 || (shape < 4 && random() % 2 == 0) ? shape + 1 : shape - 1;
+        };
+        all.shapes.push_back(shape);
+        all.responses.push_back(uniform(random) < right ? shape : near ? beside() : random() % 5);
     }
     return all;
 }
@@ -246,6 +253,22 @@ double bits_of(double right) {
     const double hit = right + (1.0 - right) / 5.0;
     const double other = (1.0 - right) / 5.0;
     return std::log2(5.0) + hit * std::log2(hit) + 4.0 * other * std::log2(other);
+}
+
+/// Of one that is right or names a neighbour.
+double bits_beside(double right) {
+    const double wrong = 1.0 - right;
+    // Shares of the answers: an outer shape, the next one, the middle one.
+    const double outer = (right + 0.5 * wrong) / 5.0;
+    const double next = (right + 1.5 * wrong) / 5.0;
+    const double middle = (right + wrong) / 5.0;
+    const auto term = [](double p) {
+        return p * std::log2(p);
+    };
+    const double of_response = -2.0 * term(outer) - 2.0 * term(next) - term(middle);
+    const double of_outer = -term(right) - term(wrong);
+    const double of_inner = -term(right) - 2.0 * term(0.5 * wrong);
+    return of_response - (2.0 * of_outer + 3.0 * of_inner) / 5.0;
 }
 
 }  // namespace
@@ -307,19 +330,20 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
     const int people = asked != nullptr ? std::atoi(asked) : 300;
     const double right = GENERATE(0.3, 0.5, 0.7);
     const std::size_t trials = GENERATE(std::size_t{50}, std::size_t{100});
+    const bool near = GENERATE(false, true);
+    const double truth = near ? bits_beside(right) : bits_of(right);
     std::mt19937_64 random(3);
     int held = 0;
     double bias = 0.0;
     for (int i = 0; i < people; ++i) {
-        const Answered one = some_answers(random, trials, right);
+        const Answered one = some_answers(random, trials, right, near);
         const Transmitted sent = transmitted(one.shapes, one.responses, 0, 1, 1);
-        held +=
-            sent.interval->low <= bits_of(right) && bits_of(right) <= sent.interval->high ? 1 : 0;
-        bias += (sent.bits.miller_madow - bits_of(right)) / people;
+        held += sent.interval->low <= truth && truth <= sent.interval->high ? 1 : 0;
+        bias += (sent.bits.miller_madow - truth) / people;
     }
-    CAPTURE(right, trials, held, bias);
+    CAPTURE(right, trials, near, held, bias);
     if (asked != nullptr) {
-        WARN("right " << right << ", " << trials << " trials: held "
+        WARN("right " << right << (near ? ", else beside, " : ", ") << trials << " trials: held "
                       << static_cast<double>(held) / people << ", Miller-Madow's bias " << bias);
     }
     CHECK(static_cast<double>(held) / people > 0.93 - 3.5 * std::sqrt(0.05 / people));
