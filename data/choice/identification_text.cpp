@@ -83,8 +83,10 @@ Table conditions_table(const IdentificationReport& report, const IdentifiedPerso
              fit ? cell_of(fit->deviance) : Cell(Nothing{})});
         add_notes(report, person, f, table);
     }
-    table.notes.push_back(
-        fmt::format("Deviance {:.1f} of {} df.", person.thurstone.deviance, person.thurstone.df));
+    const ThurstoneFit& fit = person.thurstone;
+    table.notes.push_back(fit.df > 0
+                              ? fmt::format("Deviance {:.1f} of {} df.", fit.deviance, fit.df)
+                              : "No goodness of fit: no answers are left to say it.");
     if (!person.thurstone.agree) {
         table.notes.push_back(
             fmt::format("The optimisers end apart, at log-likelihoods of {:.9g} and {:.9g}: the "
@@ -164,7 +166,7 @@ std::string identification_text(const IdentificationReport& report) {
     }
     out += table_text(over_people_table("over_people/-", report.over_people));
     for (const std::string& who : report.left_out) {
-        out += fmt::format("\nLeft out: {}\n", who);
+        out += fmt::format("\nLeft out: {}\n", plain(who));
     }
     const std::string versions = versions_text(report.table.versions);
     return versions.empty() ? out : out + '\n' + versions;

@@ -123,7 +123,8 @@ Table effects_table(const StatsReport& report, const StatsPart& part) {
     Table table = tests_table(
         "measures/*/effects/*",
         fmt::format("  What friction changes within person, against {}: paired t with its "
-                    "interval; sign-flip: all patterns of\n  signs; Wilcoxon: exact, ties and all; "
+                    "interval; sign-flip: all patterns of\n  signs of up to 40 people; Wilcoxon: "
+                    "exact, ties and all; "
                     "BF10: JZS, Cauchy prior of r = {:.4g} (Rouder et al. 2009; above 1\n  for an "
                     "effect, below for none)",
                     report.table.frictions.front(), report.options.prior_scale),

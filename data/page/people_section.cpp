@@ -154,7 +154,9 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
                                 stats.table.frictions.front()),
                     minus(fmt::format("{:+.3f}", effect->mean.mean)),
                     (ends ? "95 % " + minus(interval_text(*ends)) : "no interval") +
-                        (effect->t ? fmt::format("; p = {:.3f}", effect->t->p) : std::string()));
+                        (!effect->t             ? std::string()
+                         : effect->t->p < 0.001 ? "; p < 0.001"
+                                                : fmt::format("; p = {:.3f}", effect->t->p)));
             }
         }
     }

@@ -201,6 +201,10 @@ Table over_people_table(std::string place, std::span<const OverPeople> all) {
         .columns = heads({"what", "people", "mean|mean|s", "interval_95|interval|s",
                           "sign_flip_p|sign-flip p|p", "median|median, unbounded by rank|s",
                           "geometric||-", "left_out||-"})};
+    if (std::ranges::any_of(all,
+                            [](const OverPeople& one) { return one.test && !one.test->exact; })) {
+        table.notes.emplace_back("p of sign-flip: of patterns drawn by chance, not of all.");
+    }
     for (const OverPeople& one : all) {
         const auto shown = [&](double value) {
             return one.ratio ? std::exp(value) : value;

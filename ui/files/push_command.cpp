@@ -35,12 +35,10 @@ int run(const PushOptions& options) {
     refuse_if(options.database.empty() || options.url.empty(),
               "push needs FILE and --to postgresql://..., or --roles");
     const data::PushReport done = data::push_file(options.database, options.url, options.choice);
-    say("{}: {}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
+    say("{}: {}{}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
+        done.declined > 0 ? fmt::format(" ({} of them left out: no consent)", done.declined) : "",
         counted(done.rows, "row"));
     say("Sent to {}.\n", done.way);
-    if (done.declined > 0) {
-        say("{} left out: no consent.\n", counted(done.declined, "session"));
-    }
     for (const std::string& conflict : done.conflicts) {
         say_to(stderr, fmt::format("conflict: {}; not pushed\n", plain(conflict)));
     }
