@@ -120,10 +120,10 @@ std::vector<Cell> primary_row(const StatsReport& report, const StatsPart& part, 
         return {name, none, none, Nothing{}, none};
     }
     const PeopleTest& test = *share->effects[f];
-    const double p = report.table.primary == PrimaryTest::sign_flip   ? test.flip.p
-                   : report.table.primary == PrimaryTest::signed_rank ? test.rank.p
-                   : test.t                                           ? test.t->p
-                                                                      : 1.0;
+    const Cell p = report.table.primary == PrimaryTest::sign_flip   ? Cell(test.flip.p)
+                 : report.table.primary == PrimaryTest::signed_rank ? Cell(test.rank.p)
+                 : test.t                                           ? Cell(test.t->p)
+                          : Cell(Nothing{"all the same: no t"});
     return {name, cell_of(test.mean.mean), cell_of(test.mean.interval), Nothing{}, p};
 }
 
