@@ -183,7 +183,7 @@ constexpr Key kTiming[]{
 
 constexpr Key kResponse[]{
     {.name = "kind", .slot = at<&ResponseSpec::kind>,
-     .meaning = "what is asked after feeling"},
+     .meaning = "what is asked after feeling; two_interval needs [procedure]"},
     {.name = "question", .slot = at<&ResponseSpec::question>, .form = Form::free,
      .meaning = "what the screen asks; left out: a sentence of its own"},
     {.name = "levels", .slot = at<&ResponseSpec::levels>, .range = {2, 9},

@@ -220,7 +220,9 @@ std::vector<TableText> protocol_reference() {
          "three axes",
          keys_of<SurfaceSpec>()},
         {"[[object]]",
-         fmt::format("once each, {} to {} of them pictured", kMinPictures, kMaxPictures),
+         fmt::format("once each, {} to {} of them pictured; any number from 1 if no picture is "
+                     "asked for (kind in [response])",
+                     kMinPictures, kMaxPictures),
          keys_of<ObjectSpec>()}};
     for (TableText& table : object_reference()) {
         all.push_back(std::move(table));

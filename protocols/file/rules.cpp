@@ -146,13 +146,24 @@ private:
         run_limits();
     }
 
+    [[nodiscard]] bool in_design(const std::string& key) const {
+        return places_.has("design." + key);
+    }
+    /// Whoever did not write the value looks for it in vain.
+    [[nodiscard]] std::string stands(const std::string& key, std::size_t value) const {
+        return fmt::format("{} is {}{}", key, value, in_design(key) ? "" : ", its default");
+    }
+    [[nodiscard]] std::string remedy(const std::string& key, std::size_t wanted) const {
+        return in_design(key) ? fmt::format("give {}", wanted)
+                              : fmt::format("add {} = {} to [design]", key, wanted);
+    }
+
     void catch_trials() {
-        const DesignSpec& design = protocol_.design;
-        add_if(design.catch_trials > 0 && objects_of(protocol_, false).empty(),
-               "design.catch_trials",
-               "catch_trials is {}, but every object is pictured: add an [[object]] with pictured "
-               "= false, or give 0",
-               design.catch_trials);
+        const std::string key = "catch_trials";
+        const std::size_t asked = protocol_.design.catch_trials;
+        add_if(asked > 0 && objects_of(protocol_, false).empty(), "design." + key,
+               "{}, but every object is pictured: add an [[object]] with pictured = false, or {}",
+               stands(key, asked), remedy(key, 0));
     }
 
     void run_limits() {
@@ -160,10 +171,9 @@ private:
         if (const auto why = why_infeasible(block_trials(protocol_, 0), block_limits(design))) {
             const bool of_object = why->factor == Infeasible::Factor::object;
             const std::string key = of_object ? "max_run_object" : "max_run_friction";
-            add("design." + key,
-                fmt::format("{} is {}: {}", key,
-                            of_object ? design.max_run_object : design.max_run_friction,
-                            why->reason));
+            const std::size_t limit = of_object ? design.max_run_object : design.max_run_friction;
+            add("design." + key, fmt::format("{}: {}{}", stands(key, limit), why->reason,
+                                             in_design(key) ? "" : ": " + remedy(key, 0)));
         }
     }
 
@@ -192,8 +202,8 @@ private:
         const auto needs = [&](const std::string& key, std::size_t given, std::size_t wanted,
                                std::string_view why) {
             add_if(given != wanted, "design." + key,
-                   "{} is {}: order = \"first_order\" {}: give {}, or order = \"random\"", key,
-                   given, why, wanted);
+                   "{}: order = \"first_order\" {}: {}, or give order = \"random\"",
+                   stands(key, given), why, remedy(key, wanted));
         };
         needs("repetitions", design.repetitions, conditions,
               fmt::format("lets each of {} follow each once", counted(conditions, "condition")));

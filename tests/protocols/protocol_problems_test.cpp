@@ -46,7 +46,11 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
                text.find("[design]") - text.find("[[friction]]\n" + second));
     const std::string said = refusal(text);
     CHECK_THAT(said, StartsWith(place_of(text, "3     # two levels")));
-    CHECK_THAT(said, Has("max_run_friction is 3", "0 for no limit"));
+    CHECK_THAT(said, Has("max_run_friction is 3: ", "0 for no limit"));
+    text = replaced(text, "max_run_friction = 3", "#");
+    CHECK_THAT(refusal(text), StartsWith(place_of(text, "design]")) &&
+                                  Has("max_run_friction is 3, its default: ",
+                                      "0 for no limit: add max_run_friction = 0 to [design]"));
 }
 
 TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
@@ -55,7 +59,12 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
         text.erase(at, std::string("pictured = false\n").size());
     }
     CHECK_THAT(refusal(text),
-               StartsWith(place_of(text, "4         # both")) && Has("every object is pictured"));
+               StartsWith(place_of(text, "4         # both")) &&
+                   Has("catch_trials is 4, but every object is pictured", "or give 0"));
+    text = replaced(text, "catch_trials = 4", "#");
+    CHECK_THAT(refusal(text), StartsWith(place_of(text, "design]")) &&
+                                  Has("catch_trials is 4, its default, but every object",
+                                      "or add catch_trials = 0 to [design]"));
 }
 
 TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
