@@ -45,8 +45,13 @@ public:
         for (bool fresh = true; check_mark(), !pending().empty();) {
             const TrialView next = view_of_next();
             const std::size_t marks = marks_;
-            if (check_stop() == Signal::abort || check_pause(next) == Signal::abort ||
-                ((!fresh || !trusted()) && between(next) == Signal::abort)) {
+            if (check_stop() == Signal::abort || check_pause(next) == Signal::abort) {
+                return stopped();
+            }
+            if (wants_stop()) {  // since the pause
+                continue;
+            }
+            if ((!fresh || !trusted()) && between(next) == Signal::abort) {
                 return stopped();
             }
             fresh = true;  // what is wanted now comes without another gap
@@ -131,6 +136,9 @@ private:
     }
 
     [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
+    [[nodiscard]] bool wants_stop() const {
+        return ports_.desk != nullptr && ports_.desk->wants_stop();
+    }
 
     void happened(const Event& event) {
         ports_.recorder.event(event);
@@ -192,7 +200,7 @@ private:
     /// A stop while nothing is felt, and what stands against every trial, hold the session until
     /// the experimenter goes on.
     Signal check_stop() {
-        if (ports_.desk == nullptr || !ports_.desk->wants_stop()) {
+        if (!wants_stop()) {
             return Signal::go_on;
         }
         const char* barred = ports_.desk->barred();
@@ -253,13 +261,13 @@ private:
             happened(event);
         }
         if (check.refused().empty()) {
-            return trusted() ? Signal::go_on : mend_unproved(kAnother);
+            return trusted() || wants_stop() ? Signal::go_on : mend_unproved(kAnother);
         }
         happened({.kind = EventKind::provenance,
                   .text = check.refused(),
                   .key = std::string(kRigCheck),
                   .value = std::string(kRefused)});
-        return mend_unproved(check.refused());
+        return wants_stop() ? Signal::go_on : mend_unproved(check.refused());
     }
 
     /// The device went away before anybody began: no attempt has failed.

@@ -229,3 +229,34 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
     check_end(gave_up, 1, Has("3 faults in a row"));
     CHECK(terminal.as_before());
 }
+
+TEST_CASE("a stop in a break or a pause is shown at once, and one chord goes on",
+          "[window][stop][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    write(folder.file("p.toml"), replaced(four_trials(), "break_every = 0", "break_every = 1"));
+    WindowSession session(
+        run_words(folder.file("p.toml"), "P1", file, {"--device", "mouse", "--kind", "pilot"}),
+        file);
+    const auto stopped = [&] {
+        ran({"stop", file});
+        session.wait_for_screen("trouble");
+        pause(0.3);
+        session.hand().chord("p");
+        session.wait_for_screen("ready");
+        pause(0.5);
+        CHECK(session.screen_name() == "ready");
+    };
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.press_at("question", "1");
+    session.wait_for_screen("break");
+    stopped();
+    session.hand().chord("p");
+    session.wait_for_screen("pause");
+    stopped();
+    CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'stop'") == "2");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}

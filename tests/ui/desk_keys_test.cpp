@@ -109,6 +109,15 @@ TEST_CASE("a break asks for the handle before it asks for Space", "[screen][desk
     CHECK_THAT(rig.words(), Catch::Matchers::Contains("Press Space to go on"));
 }
 
+TEST_CASE("a break and a pause end with a stop, which is still to be shown",
+          "[screen][desk][law]") {
+    DeskRig rig;
+    const Later somebody([&] { rig.desk.stop("shell"); }, 500);
+    const bool rests = GENERATE(true, false);
+    CHECK((rests ? rig.screen.rest(3600.0, kTrial) : rig.screen.pause(kTrial)) == Signal::go_on);
+    CHECK(rig.desk.wants_stop());
+}
+
 TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",
           "[screen][desk][law]") {
     DeskRig rig;

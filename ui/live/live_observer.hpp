@@ -59,7 +59,7 @@ public:
     [[nodiscard]] Signal pause(const TrialView& next) override {
         enter(LivePhase::pause, &next);
         const bool waits = !live_.board().facts().screen;
-        while (waits && !desk_.take_pause()) {
+        while (waits && !desk_.wants_stop() && !desk_.take_pause()) {
             if (interrupted_()) {
                 return Signal::abort;
             }

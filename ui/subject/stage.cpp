@@ -349,7 +349,7 @@ bool Stage::pause_or_abort() {
     constexpr int kWaitMs = 50;
     drop_bar();  // it has come
     show(PauseFace{});
-    while (desk_ != nullptr && !desk_->take_pause()) {
+    while (desk_ != nullptr && !desk_->wants_stop() && !desk_->take_pause()) {
         if (next(kWaitMs).kind == Input::Kind::abort) {
             return true;
         }

@@ -86,7 +86,8 @@ public:
     [[nodiscard]] std::size_t early_presses() const noexcept { return early_; }
     /// Waits, still showing the face. True if the session is to end.
     bool wait_or_abort(double seconds);
-    /// Shows that the session pauses until the desk asks again. True if the session is to end.
+    /// Shows that the session pauses until the desk asks again, or somebody wants no force, which
+    /// is shown then. True if the session is to end.
     bool pause_or_abort();
 
     /// Where faces are drawn.

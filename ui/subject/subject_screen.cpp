@@ -346,6 +346,9 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
         }
+        if (options_.desk != nullptr && options_.desk->wants_stop()) {
+            return Signal::go_on;  // no rest: the experimenter comes
+        }
         if (shown.seconds_left == 0 &&
             (input.kind == Input::Kind::go || input.kind == Input::Kind::enter)) {
             return Signal::go_on;  // also where the handle is away: the experimenter is called then
