@@ -160,9 +160,10 @@ std::vector<Answers> read_answers(const RereadableText& text, protocols::Family 
     };
     const auto name = [&](std::size_t row, std::string_view column) {
         const auto cell = table.text(row, column);
-        refuse_if<CsvError>(cell && cell->empty(),
-                            "{}:{}: {} is \"\": give a name, or leave the row out", text.name(),
-                            table.text_place(row, column), column);
+        if (cell && cell->empty()) {  // its place is there only with the column
+            throw CsvError(fmt::format("{}:{}: {} is \"\": give a name, or leave the row out",
+                                       text.name(), table.text_place(row, column), column));
+        }
         return std::string(without_mark(cell.value_or("")));
     };
     std::vector<Answers> all;
