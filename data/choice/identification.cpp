@@ -76,9 +76,10 @@ std::vector<CallCounts> counts_of(const IdentificationReport& report, std::size_
     return counts;
 }
 
-/// Against a model with less: p of chi-square with the parameters that are missing.
-double p_against(const ThurstoneFit& full, const ThurstoneFit& less) {
-    return chi_square_p(std::max(2.0 * (full.log_likelihood - less.log_likelihood), 0.0), 1);
+/// Against a model with one parameter less, whose fit may end on a lower hill than the profile.
+double p_against(const ThurstoneFit& full, const ThurstoneFit& less, double profile_loss) {
+    const double loss = std::min(full.log_likelihood - less.log_likelihood, profile_loss);
+    return chi_square_p(std::max(2.0 * loss, 0.0), 1);
 }
 
 /// @param full  of all conditions, sigmas relative
@@ -105,13 +106,13 @@ ThurstoneChange change_of(const std::vector<CallCounts>& counts,
     const bool known = full.parts[0].end == SigmaEnd::both && part.end == SigmaEnd::both;
     return {.ratio = known ? std::optional(part.sigma / full.parts[0].sigma) : std::nullopt,
             .ratio_interval = ratio,
-            .ratio_p = p_against(full, fit_thurstone(counts, less)),
+            .ratio_p = p_against(full, fit_thurstone(counts, less), part.ratio_loss),
             .shift = known && std::isfinite(part.shift_interval->low) &&
                              std::isfinite(part.shift_interval->high)
                        ? std::optional(part.shift)
                        : std::nullopt,
             .shift_interval = *part.shift_interval,
-            .shift_p = p_against(full, fit_thurstone(counts, still))};
+            .shift_p = p_against(full, fit_thurstone(counts, still), part.shift_loss)};
 }
 
 /// The first item that was never called by its name.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/base/refuse.hpp"
 #include "data/statistics/solve.hpp"
@@ -66,14 +67,30 @@ public:
             const double right = sign * std::min(sign * (start + sign * way), sign * end);
             const double loss = loss_at(right);
             if (loss >= kLoss95) {
-                return {between_edges(left, loss_left, right, loss), loss};
+                const double at = between_edges(left, loss_left, right, loss);
+                ends_.push_back(near_);
+                return {at, loss};
             }
             if (right == end) {
+                ends_.push_back(near_);
                 return {std::nullopt, loss};
             }
             left = right;
             loss_left = loss;
         }
+    }
+
+    /// The loss where the parameter is 0, from all starts and where walks ended: a climb may end on
+    /// a lower hill.
+    double loss_at_none() {
+        double best = kLowest;
+        for (const std::vector<Parameters>* all : {&starts_, &std::as_const(ends_)}) {
+            for (Parameters start : *all) {
+                start[parameter_] = 0.0;
+                best = std::max(best, climb(model_, std::move(start), parameter_).value);
+            }
+        }
+        return std::max(top_.value - best, 0.0);
     }
 
 private:
@@ -117,6 +134,7 @@ private:
     const std::vector<Parameters>& starts_;
     std::size_t parameter_;
     Parameters near_{};
+    std::vector<Parameters> ends_{};
 };
 
 void add_intervals(ThurstoneFit& fit,
@@ -142,11 +160,15 @@ void add_intervals(ThurstoneFit& fit,
                                                                : SigmaEnd::both;
         part.sigma_interval =
             Interval{low.at ? std::exp(*low.at) : 0.0, high.at ? std::exp(*high.at) : kInfinite};
+        if (spec.relative && f > 0) {
+            part.ratio_loss = sigma.loss_at_none();
+        }
         if (layout.shifts(f)) {
             Profile shift(model, top, starts, layout.shift(f));
             const double step = 0.1 * range;
             const Profile::Edge down = shift.edge(-step, -kFarShift * range);
             const Profile::Edge up = shift.edge(step, kFarShift * range);
+            part.shift_loss = spec.relative ? shift.loss_at_none() : 0.0;
             part.shift_interval = Interval{down.at.value_or(-kInfinite), up.at.value_or(kInfinite)};
         }
     }

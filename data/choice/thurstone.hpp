@@ -29,6 +29,8 @@ struct ThurstonePart {
     /// range. Of a ratio where sigmas are relative.
     std::optional<Interval> sigma_interval{};
     std::optional<Interval> shift_interval{};
+    double ratio_loss = 0.0;  ///< of log-likelihood where a relative sigma is 1
+    double shift_loss = 0.0;  ///< and there where the shift is 0
 };
 
 /// A fitted model: percepts are normal about an item's place, criteria cut them into responses.
