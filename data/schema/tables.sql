@@ -233,7 +233,7 @@ CREATE TABLE event (
     plan_position INTEGER CHECK (plan_position >= 0),  -- what it is about, or what comes next
     part          INTEGER CHECK (part >= 0),        -- redo: 0 practice, else 1 + plan.block
     count         INTEGER CHECK (count >= 0),       -- ticks lost; redo: answers; gave up, reconnect: tries in vain
-    duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause or the trouble; masking: without noise
+    duration_s    REAL CHECK (duration_s >= 0),     -- go on, rig check: of the pause or the trouble, since the last check in it; masking: without noise
     key           TEXT,                             -- [details] provenance, participant: what; mark: undone, it takes the one before back; that of no trial is of the session
     noted_utc     TEXT,                             -- [details] participant: when it was noted, after all before it whatever the clock says
     value         TEXT                              -- [details] of key; fault, go on: the cause; reconnect: anew, or nothing; stop: by what; reveal: who asked; device, operator: the new one; participant, is really: whose the session is

@@ -147,7 +147,8 @@ using TrialId = std::int64_t;
 enum class EventKind : std::uint8_t {
     rest,           ///< "break": before the trial at `position`
     pause,          ///< by the experimenter, before the trial at `position`
-    go_on,          ///< after a pause or a trouble of `duration_s`; `value`: its cause
+    go_on,          ///< after a pause or a trouble; `duration_s`, of a trouble since its last
+                    ///< rig check, which has what went before; `value`: the cause
     abort,          ///< before the trial at `position`
     gave_up,        ///< before the trial at `position`, after `count` tries in vain
     fault,          ///< of `trial` at `position`; `value`: its cause

@@ -142,7 +142,8 @@ private:
 
     void happened(const Event& event) {
         ports_.recorder.event(event);
-        waited_s_ += event.kind == EventKind::go_on ? event.duration_s.value_or(0.0) : 0.0;
+        const bool waited = event.kind == EventKind::go_on || event.kind == EventKind::provenance;
+        waited_s_ += waited ? event.duration_s.value_or(0.0) : 0.0;
         progress_ = apply(std::move(progress_), event);
         trust_ = apply(trust_, event);
     }

@@ -33,7 +33,8 @@ public:
     }
 
     /// One step: the device has to come back whatever is trusted, then what is not proved is.
-    void try_on() {
+    /// @param waited_s  that the session slept since the fault
+    void try_on(double waited_s) {
         const bool proves = back_ && !stopped_;
         ProofStep step = prove_step(ports_.apparatus, proves ? rig_.trust.state : Trust::unknown);
         look();
@@ -46,6 +47,12 @@ public:
             step.event->text += ", after " + counted(view.tries, "try", "tries") + " in vain";
             step.event->count = static_cast<std::int64_t>(view.tries);
         }
+        if (step.event->key ==
+            kRigCheck) {  // nobody could change the rig before it and be believed
+            step.event->duration_s = lasted(waited_s);
+            slept_s_ = waited_s;
+            begun_ns_ = monotonic_ns();
+        }
         back_ = true;
         rig_.happened(*step.event);
         ask_for_experimenter();
@@ -55,20 +62,25 @@ public:
         view.sentence = !view.solved ? kProofComes : was_away_ ? kWorksAgain : fault_.text;
     }
 
-    /// @param waited_s  that the session slept since the fault
+    /// @param waited_s  as of try_on()
     void go_on(double waited_s) {
-        // With a real device trying takes time as well, and a program that was held sleeps longer.
-        const double passed = static_cast<double>(monotonic_ns() - begun_ns_) * 1e-9;
-        rig_.happened(
-            {.kind = EventKind::go_on,
-             .text = fmt::format("after {}", cause_),
-             .duration_s = ports_.apparatus.gives_force() ? std::max(waited_s, passed) : waited_s,
-             .value = std::string(cause_)});
+        rig_.happened({.kind = EventKind::go_on,
+                       .text = fmt::format("after {}", cause_),
+                       .duration_s = lasted(waited_s),
+                       .value = std::string(cause_)});
     }
 
     TroubleView view;
 
 private:
+    /// Seconds since the fault, or since the motors were proved after it. With a real device trying
+    /// takes time as well, and a program that was held sleeps longer.
+    [[nodiscard]] double lasted(double waited_s) const {
+        const double passed = static_cast<double>(monotonic_ns() - begun_ns_) * 1e-9;
+        const double slept = waited_s - slept_s_;
+        return ports_.apparatus.gives_force() ? std::max(slept, passed) : slept;
+    }
+
     /// Whether it is away, and whether the force is off.
     void look() {
         was_away_ = was_away_ || !ports_.apparatus.trouble().empty();
@@ -89,7 +101,8 @@ private:
     bool stopped_;
     std::string_view cause_{fault_.cause != engine::Trip::none ? to_string(fault_.cause)
                                                                : kRigCheck};
-    const std::int64_t begun_ns_ = monotonic_ns();
+    std::int64_t begun_ns_ = monotonic_ns();
+    double slept_s_ = 0.0;
     bool back_ = false;
     bool was_away_ = false;  ///< what was said of it is no longer so
 };
@@ -116,11 +129,12 @@ MendResult mend(Ports& ports,
     TroubleView& view = mending.view;
     TroubleView said_last;
     for (std::size_t slice = 0;; ++slice) {
+        const double waited_s = static_cast<double>(slice) * kTroubleSlice;
         if (const char* way = note_stop(ports, trial)) {
             mending.stop(way);
         }
         if (!view.solved && slice % kSlicesPerTry == 0) {
-            mending.try_on();
+            mending.try_on(waited_s);
         }
         if (ports.interrupted()) {
             return {Signal::abort, view.tries};
@@ -133,7 +147,7 @@ MendResult mend(Ports& ports,
             return {*said, view.tries};
         }
         if (said == Signal::go_on && view.solved) {
-            mending.go_on(static_cast<double>(slice) * kTroubleSlice);
+            mending.go_on(waited_s);
             ports.apparatus.allow();  // a stop after that is the next trial's, and holds it
             return {Signal::go_on, view.tries};
         }
