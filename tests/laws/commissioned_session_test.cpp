@@ -32,17 +32,28 @@ std::string real_words(const TemporaryFolder& folder,
 }
 
 /// A session in a window, as an operator opens it.
+/// @param replaced  a file that somebody writes over with `other` at the first question
 std::unique_ptr<TypedTo> opened_session(const TemporaryFolder& folder,
                                         FreeBoard& board,
                                         const Xvfb& screen,
-                                        const std::string& words) {
+                                        const std::string& words,
+                                        const std::string& replaced = "",
+                                        const std::string& other = "") {
     std::unique_ptr<TypedTo> typed;
+    const std::string text = replaced.empty() ? "" : slurp(replaced);
     for (int attempt = 0; attempt < 8 && !(typed && typed->program().running()); ++attempt) {
         board.bring("0,89.3");
+        if (!replaced.empty()) {
+            std::ofstream(replaced) << text;
+        }
         typed = std::make_unique<TypedTo>(
             folder, fmt::format("run{}", attempt), words,
             std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
+        if (!replaced.empty()) {
+            CHECK(eventually([&] { return times(typed->program().out(), "Type yes:") > 0; }));
+            std::ofstream(replaced) << other;
+        }
         operate(*typed, board, "If it ends early");
     }
     return typed;
@@ -225,6 +236,32 @@ TEST_CASE(
                        "reconnect anew; start pose; rig check; go on rig check; ") &&
                    EndsWith("fault device_silent; reconnect anew; start pose; rig check; "
                             "go on device_silent"));
+    ran({"verify", folder.file("d.sqlite")});
+}
+
+TEST_CASE("a session is felt on the calibration that was checked, whatever its file becomes then",
+          "[commission][open][window][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder, "--open");
+    const std::string rig = commissioned_rig(folder, board.word());
+    const std::string other = protocols::to_toml(protocols::load_calibration("2diy_gen3"));
+    const auto checked = protocols::calibration_id(protocols::load_calibration(rig));
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
+    const auto typed =
+        opened_session(folder, board, screen, real_words(folder, board, rig), rig, other);
+    CHECK_THAT(typed->program().out(), Has(": REAL, "));
+    CHECK(slurp(rig) == other);
+    press_up_to(hand, *typed, "question");
+    end_session(hand, *typed);
+    CHECK(typed->program().wait().code == 3);
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT value, (SELECT max(calibration_sha256) FROM trial) FROM session_provenance "
+        "WHERE key = 'calibration sha256'");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == checked);
+    CHECK(row.text(1) == checked);
     ran({"verify", folder.file("d.sqlite")});
 }
 

@@ -15,6 +15,7 @@
 #include "ui/cli/plan_text.hpp"
 #include "ui/cli/study_advice.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/open_apparatus.hpp"
 
@@ -107,10 +108,11 @@ bool print_feasibility(const Study& study,
     spec.key = key;
     spec.seed = study.protocol.seed;
     spec.device = parse_device(options.device);
-    spec.calibration = options.calibration;
+    spec.rig = rig_file_of(spec.device, options.calibration);
+    const std::string unproved = objection(spec.rig, options.device, options.calibration);
+    spec.rig.record.reset();  // nobody is asked to prove it
     spec.recordings = load_recordings(spec.device);
     OpenedApparatus opened = open_apparatus(spec);
-    const std::string unproved = rig_objection(options.device, options.calibration);
     if (!unproved.empty()) {
         opened.findings.insert(opened.findings.begin(),
                                {protocols::Verdict::warn, "no real session: " + unproved});

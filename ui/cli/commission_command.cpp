@@ -225,7 +225,8 @@ void write_rig(const CommissionOptions& options,
 }
 
 int run(const CommissionOptions& options) {
-    engine::Calibration machine = calibration_of(parse_device(options.device), options.calibration);
+    engine::Calibration machine =
+        rig_file_of(parse_device(options.device), options.calibration).calibration;
     if (parse_device(options.device).kind == DeviceChoice::Kind::haply_emulator) {
         machine.home = engine::Exploration{}.start;
     }

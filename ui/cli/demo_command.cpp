@@ -5,6 +5,7 @@
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/rig_parts.hpp"
@@ -56,6 +57,7 @@ void declare(CommandWords& words, DemoOptions& options) {
 RigSpec rig_of(const DemoOptions& options) {
     RigSpec spec;
     spec.device = parse_device(options.device);
+    spec.rig = rig_file_of(spec.device, "");
     const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
     spec.study = emulated ? ten_trials_of(load_study(kHaplyProtocol)) : load_study(kProtocol);
     spec.screen = options.screen;

@@ -36,7 +36,7 @@ struct DoctorOptions {
 /// What the checks need to know of the study; the program's defaults without a protocol.
 struct DoctorSpec {
     DeviceChoice device;
-    engine::Calibration calibration{};
+    protocols::RigFile rig{};
     std::optional<protocols::Protocol> protocol{};
     DeviceDemand demand{};
     double rate_hz = 1000.0;
@@ -44,10 +44,10 @@ struct DoctorSpec {
 
 DoctorSpec plan_of(const DoctorOptions& options) {
     DoctorSpec plan{.device = parse_device(options.device)};
-    plan.calibration = calibration_of(plan.device, options.calibration);
+    plan.rig = rig_file_of(plan.device, options.calibration);
     if (!options.protocol.empty()) {
         plan.protocol = load_study(options.protocol).protocol;
-        require_fit(*plan.protocol, plan.device, plan.calibration.axes());
+        require_fit(*plan.protocol, plan.device, plan.rig.calibration.axes());
         plan.demand.start = engine::Vec3(  // its force is check_feasible's
             plan.protocol->apparatus.start,
             plan.protocol->surface ? plan.protocol->surface->start_height : 0.0);
@@ -69,12 +69,12 @@ std::shared_ptr<engine::Device> open_device(const DoctorSpec& plan) {
         }
         case DeviceChoice::Kind::simulated: {
             engine::PantographModel model;
-            model.plant.machine = plan.calibration.pantograph;
+            model.plant.machine = plan.rig.calibration.pantograph;
             return std::make_unique<engine::SimulatedPantograph>(model, period);
         }
         case DeviceChoice::Kind::haply_emulator: {
             const std::shared_ptr<engine::EmulatedHaply> rig(
-                new engine::EmulatedHaply(protocols::emulated_haply(plan.calibration, period)));
+                new engine::EmulatedHaply(protocols::emulated_haply(plan.rig.calibration, period)));
             return {rig, &rig->device()};  // the board lives as long as its device
         }
         case DeviceChoice::Kind::mouse:
@@ -83,7 +83,7 @@ std::shared_ptr<engine::Device> open_device(const DoctorSpec& plan) {
         case DeviceChoice::Kind::comedi:
             break;
     }
-    return ui::open_device(plan.device, plan.calibration, period);
+    return ui::open_device(plan.device, plan.rig.calibration, period);
 }
 
 /// Of the machine in use, unless its axes are straight, and of every one that ships.
@@ -156,8 +156,8 @@ void look_at_device(Report& report, const std::string& word, const DoctorSpec& p
     }
 }
 
-Check check_commissioned(const DoctorOptions& options) {
-    std::string why = rig_objection(options.device, options.calibration);
+Check check_commissioned(const DoctorOptions& options, const protocols::RigFile& rig) {
+    std::string why = objection(rig, options.device, options.calibration);
     return {.name = "commissioning",
             .status = why.empty() ? CheckStatus::ok : CheckStatus::warn,
             .detail = why.empty() ? options.calibration + " is the record of this device"
@@ -204,9 +204,9 @@ int run(const DoctorOptions& options) {
     const auto before = processor_time();
     look_at_device(report, options.device, plan);
     if (pushes_a_person(plan.device.kind)) {
-        report.look("commissioning", [&] { return check_commissioned(options); });
+        report.look("commissioning", [&] { return check_commissioned(options, plan.rig); });
     }
-    report.look("kinematics", [&] { return check_kinematics(linkages(plan.calibration)); });
+    report.look("kinematics", [&] { return check_kinematics(linkages(plan.rig.calibration)); });
     report.look("clock", check_clock);
     report.look("kernel", check_kernel);
     look_at_timing(report, plan.rate_hz, options.seconds);

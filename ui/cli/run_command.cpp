@@ -249,9 +249,8 @@ RigSpec rig_spec(const RunOptions& options) {
     RigSpec spec;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
-    spec.calibration = options.calibration;
-    require_fit(spec.study.protocol, spec.device,  // refused before a file is made
-                calibration_of(spec.device, spec.calibration).axes());
+    spec.rig = rig_file_of(spec.device, options.calibration);
+    require_fit(spec.study.protocol, spec.device, spec.rig.calibration.axes());
     spec.screen = options.screen;
     const auto resume =
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
@@ -265,7 +264,7 @@ RigSpec rig_spec(const RunOptions& options) {
     spec.handle_free = options.handle_free;
     spec.kind = kind_of(options, spec.device, spec.study.protocol);
     check_device(options, spec);
-    take_record(spec, options.device);
+    check_record(spec, options.device, options.calibration);
     check_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;

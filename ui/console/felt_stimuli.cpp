@@ -71,7 +71,10 @@ std::vector<std::pair<std::string, Presentation>> stimuli_of(const protocols::Pr
 
 }  // namespace
 
-FeltStimuli::FeltStimuli(std::string protocol, RigSpec rig, std::string device)
+FeltStimuli::FeltStimuli(std::string protocol,
+                         RigSpec rig,
+                         std::string device,
+                         const std::string& calibration)
     : protocol_(std::move(protocol)), rig_(std::move(rig)), device_(std::move(device)) {
     using Kind = DeviceChoice::Kind;
     refuse_if(rig_.device.kind == Kind::mouse || rig_.device.kind == Kind::replay,
@@ -82,6 +85,7 @@ FeltStimuli::FeltStimuli(std::string protocol, RigSpec rig, std::string device)
     rig_.screen.speed = 1.0;
     rig_.kind =
         held_by_a_person(rig_.device.kind) ? data::RunKind::pilot : data::RunKind::simulated;
+    check_record(rig_, device_, calibration);
     read_again();
 }
 
@@ -168,7 +172,6 @@ void FeltStimuli::open() {
     refuse_if(rig_.study.protocol.safety.dead_man && held_by_a_person(rig_.device.kind),
               "the protocol asks for a dead-man key, which the window of a session has: palpate "
               "run with --kind pilot lets one feel it");
-    take_record(rig_, device_);
     opened_ = open_and_check(rig_);
 }
 

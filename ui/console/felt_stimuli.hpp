@@ -19,9 +19,13 @@ public:
     /// One that nobody ended ends then.
     static constexpr double kLongest = 30.0;  // s
 
-    /// @param rig  its device, calibration and handle_free; of the study nothing yet
+    /// @param rig  its device, rig and handle_free; of the study nothing yet
+    /// @param device  as --device has it, and so `calibration`
     /// @throws std::invalid_argument for a device that cannot be felt without a window
-    FeltStimuli(std::string protocol, RigSpec rig, std::string device);
+    FeltStimuli(std::string protocol,
+                RigSpec rig,
+                std::string device,
+                const std::string& calibration);
 
     /// {"device": "sim", "stimuli": ["convex, friction off", ...], "on": 3 or null, "said": "..."}
     /// as an event of the page. Any thread.

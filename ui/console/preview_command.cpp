@@ -18,6 +18,7 @@
 #include "ui/console/page_server.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/json_line.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -207,9 +208,9 @@ int run(const PreviewOptions& options) {
     if (!options.device.empty()) {
         RigSpec rig;
         rig.device = parse_device(options.device);
-        rig.calibration = options.calibration;
+        rig.rig = rig_file_of(rig.device, options.calibration);
         rig.handle_free = options.handle_free;
-        felt.emplace(options.protocol, std::move(rig), options.device);
+        felt.emplace(options.protocol, std::move(rig), options.device, options.calibration);
     }
     Drawn drawn(options.protocol);
     PageServerSpec spec;

@@ -9,13 +9,12 @@
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/pointer_device.hpp"
 #include "engine/device/simulated_pantograph.hpp"
-#include "protocols/file/calibration_file.hpp"
 
 namespace palpate::ui {
 
 using Kind = DeviceChoice::Kind;
 
-engine::Calibration calibration_of(const DeviceChoice& choice, const std::string& name_or_file) {
+protocols::RigFile rig_file_of(const DeviceChoice& choice, const std::string& name_or_file) {
     if (!name_or_file.empty()) {
         protocols::RigFile rig = protocols::load_rig(name_or_file);
         engine::Calibration& calibration = rig.calibration;
@@ -30,11 +29,11 @@ engine::Calibration calibration_of(const DeviceChoice& choice, const std::string
                   "--calibration {}: {} has three axes, which an open board alone drives: give "
                   "--device board:PORT, or the calibration of a pantograph",
                   name_or_file, calibration.name());
-        return std::move(calibration);
+        return rig;
     }
     const bool small = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator ||
                        choice.kind == Kind::board;
-    return protocols::load_calibration(small ? "2diy_gen3" : "mk2");
+    return protocols::load_rig(small ? "2diy_gen3" : "mk2");
 }
 
 std::string device_name(const DeviceChoice& choice, const std::string& machine, bool surface) {

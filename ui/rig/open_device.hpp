@@ -7,16 +7,17 @@
 
 #include "engine/device/calibration.hpp"
 #include "engine/device/device.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "ui/rig/device_choice.hpp"
 
 namespace palpate::ui {
 
 /// The machine that `choice` is: what --calibration names, or, without it, the Mk-II for sim and
 /// comedi and the 2DIY gen3 for Haply and open boards. Of a rig that was commissioned with another
-/// device its damping is not known.
-/// @throws protocols::ProtocolError as protocols::load_calibration
-[[nodiscard]] engine::Calibration calibration_of(const DeviceChoice& choice,
-                                                 const std::string& name_or_file);
+/// device its damping is not known. Read it once: the file may be another one a question later.
+/// @throws protocols::ProtocolError as protocols::load_rig
+[[nodiscard]] protocols::RigFile rig_file_of(const DeviceChoice& choice,
+                                             const std::string& name_or_file);
 
 /// What the device calls itself once it is opened (engine::Device::name()); an emulated board
 /// without its port, which is another one each time.

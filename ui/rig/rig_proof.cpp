@@ -154,6 +154,9 @@ std::optional<engine::RigRecord> record_in(const std::string& file) {
 std::string objection(const protocols::RigFile& rig,
                       const std::string& device,
                       const std::string& calibration) {
+    if (!pushes_a_person(parse_device(device).kind)) {
+        return {};
+    }
     const auto& record = rig.record;
     const std::string output = name_for(device);
     const std::string words =

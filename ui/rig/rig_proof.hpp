@@ -29,7 +29,7 @@ struct OpeningFact {
 /// @param device       as --device has it
 /// @param calibration  as --calibration has it; empty: the device's own
 /// @return why no real session may be run with this record, a sentence with the remedy; empty: it
-/// may
+/// may, or the device gives no person force
 [[nodiscard]] std::string objection(const protocols::RigFile& rig,
                                     const std::string& device,
                                     const std::string& calibration);

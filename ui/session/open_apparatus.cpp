@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/simulated_pantograph.hpp"
-#include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
 #include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
@@ -27,9 +27,9 @@ constexpr const char* kKeepsForce =
     "a force is on; put a switch into the motors' supply, within the experimenter's reach";
 
 std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
-                                                          const engine::Calibration& calibration,
                                                           std::vector<OpeningFact>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
+    const auto& [calibration, record] = spec.rig;
     require_fit(protocol, spec.device, calibration.axes());
     const auto hand = [&] {
         return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed, spec.hand);
@@ -59,20 +59,20 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
             break;
     }
     const double period = 1.0 / protocol.apparatus.rate_hz;
-    if (spec.record) {
+    if (record) {
         ask_for_home(calibration, spec.handle_free);
     }
     auto device = open_device(spec.device, calibration, period);
-    if (spec.record) {
-        opening = prove_opening(*device, calibration, *spec.record, period, spec.handle_free,
+    if (record) {
+        opening = prove_opening(*device, calibration, *record, period, spec.handle_free,
                                 spec.stop_button);
     }
     auto apparatus = std::make_unique<protocols::DeviceApparatus>(
         protocol, std::move(device), spec.spin_share,
         unproved(spec) ? protocols::kUnprovedForce : std::numeric_limits<double>::infinity());
-    if (spec.record) {
+    if (record) {
         apparatus->prove_by(proof_between_trials(
-            calibration, *spec.record, period,
+            calibration, *record, period,
             [port = apparatus.get()] { return port->stopped() || interrupted(); }));
     }
     return apparatus;
@@ -101,45 +101,29 @@ std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
     return lines;
 }
 
-protocols::RigFile rig_file(const DeviceChoice& choice, const std::string& calibration) {
-    return calibration.empty() ? protocols::RigFile{calibration_of(choice, {})}
-                               : protocols::load_rig(calibration);
-}
-
 }  // namespace
 
 bool unproved(const RigSpec& spec) {
-    return spec.kind == data::RunKind::pilot && pushes_a_person(spec.device.kind) && !spec.record;
+    return spec.kind == data::RunKind::pilot && pushes_a_person(spec.device.kind) &&
+           !spec.rig.record;
 }
 
-std::string rig_objection(const std::string& device, const std::string& calibration) {
-    const DeviceChoice choice = parse_device(device);
-    return pushes_a_person(choice.kind)
-             ? objection(rig_file(choice, calibration), device, calibration)
-             : std::string();
-}
-
-void take_record(RigSpec& spec, const std::string& device) {
-    if (!pushes_a_person(spec.device.kind)) {
+void check_record(RigSpec& spec, const std::string& device, const std::string& calibration) {
+    const std::string why = objection(spec.rig, device, calibration);
+    if (why.empty()) {
         return;
     }
-    const protocols::RigFile rig = rig_file(spec.device, spec.calibration);
-    const std::string why = objection(rig, device, spec.calibration);
-    if (why.empty()) {
-        spec.record = rig.record;
-    } else if (spec.kind == data::RunKind::real) {
-        throw std::invalid_argument("no real session: " + why);
-    } else {
-        warn("{}{}", why,
-             unproved(spec)
-                 ? fmt::format(". Until then it gives {:g} N at most", protocols::kUnprovedForce)
-                 : "");
-    }
+    refuse_if(spec.kind == data::RunKind::real, "no real session: {}", why);
+    spec.rig.record.reset();
+    warn("{}{}", why,
+         unproved(spec)
+             ? fmt::format(". Until then it gives {:g} N at most", protocols::kUnprovedForce)
+             : "");
 }
 
 data::TrialDevice felt_on(const RigSpec& spec) {
     const DeviceChoice& device = spec.device;
-    const engine::Calibration calibration = calibration_of(device, spec.calibration);
+    const engine::Calibration& calibration = spec.rig.calibration;
     const bool surface = spec.study.protocol.surface.has_value();
     const bool calibrated = gives_force(device.kind) && (!surface || calibration.gantry);
     return {.name = device_name(device, calibration.name(), surface),
@@ -179,9 +163,9 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
 }
 
 OpenedApparatus open_apparatus(const RigSpec& spec) {
-    const engine::Calibration calibration = calibration_of(spec.device, spec.calibration);
+    const engine::Calibration& calibration = spec.rig.calibration;
     OpenedApparatus opened;
-    auto apparatus = make_apparatus(spec, calibration, opened.opening);
+    auto apparatus = make_apparatus(spec, opened.opening);
     opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
     opened.provenance = engine::provenance(apparatus->rights());
     if (apparatus->device().traits().gives_force) {

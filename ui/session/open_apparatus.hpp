@@ -30,15 +30,10 @@ struct OpenedApparatus {
 /// it may give.
 [[nodiscard]] bool unproved(const RigSpec& spec);
 
-/// @param device  as --device has it, and so `calibration`
-/// @return why nobody may hold the rig in a real session; empty: they may, or it gives no person
-/// force
-[[nodiscard]] std::string rig_objection(const std::string& device, const std::string& calibration);
-
-/// Of a rig that gives force to a person: puts what was commissioned into `spec`, and says where
-/// nothing was. @param device  as --device has it
+/// Of a rig that gives force to a person: takes a record out of `spec` against which there is an
+/// objection(), and says which. @param device  as --device has it, and so `calibration`
 /// @throws std::invalid_argument why nobody may hold it in a real session
-void take_record(RigSpec& spec, const std::string& device);
+void check_record(RigSpec& spec, const std::string& device, const std::string& calibration);
 
 /// What the device of `spec` calls itself, and the calibration that trials on it have, before it is
 /// opened. Without the port of an emulated board, which is another one each time.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/commissioning/rig_record.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "protocols/protocol/observer_model.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/session_store.hpp"
@@ -35,8 +35,7 @@ struct RigSpec {
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
     protocols::HandSpec hand{};  ///< of a simulated hand
-    std::string calibration;     ///< a file or a shipped machine's name; empty: the device's own
-    std::optional<engine::RigRecord> record{};  ///< the rig is proved when it is opened
+    protocols::RigFile rig{};    ///< of rig_file_of(); with a record it is proved when it is opened
     bool handle_free =
         false;  ///< the operator's word that it is, and at home, was given beforehand
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay

@@ -16,6 +16,7 @@
 #include "data/store/sqlite_recorder.hpp"
 #include "data/store/uuid.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/session/open_apparatus.hpp"
 #include "ui/session/provenance.hpp"
 
@@ -81,6 +82,7 @@ SimulatedSession::SimulatedSession(const SimulatedStudy& of, std::size_t index)
                           : protocols::Person{.spec = of.study.protocol.observer};
     plan_ = plan_of(of, key_, index);
     RigSpec rig;
+    rig.rig = rig_file_of(rig.device, "");
     rig.study = of.study;
     rig.key = key_;
     rig.seed = of.seed;
