@@ -80,12 +80,17 @@ TEST_CASE("weak pulses of an opening and of commission end by every way to stop,
         return true;
     };
     ends("terminal", types);
-    ends("palpate stop", [&](pid_t) {
-        const Finished stop = palpate_command({"stop"});
-        CHECK_THAT(stop.code == 0 ? stop.out : stop.error,
-                   Has(stop.code == 0 ? "weak pulses that prove a rig" : "is yours"));
-        return stop.code == 0;
-    });
+    for (const bool named : {false, true}) {  // its file is not there yet
+        ends("palpate stop", [&](pid_t) {
+            const Finished stop =
+                named ? palpate_command({"stop", made}) : palpate_command({"stop"});
+            CHECK_THAT(stop.code == 0 ? stop.out : stop.error,
+                       Has(stop.code == 0 ? "weak pulses that prove a rig"
+                           : named        ? "there is no such file"
+                                          : "is yours"));
+            return stop.code == 0;
+        });
+    }
     for (const int signal : {SIGINT, SIGHUP}) {
         ends(strsignal(signal), [&](pid_t program) { return kill(program, signal) == 0; });
     }

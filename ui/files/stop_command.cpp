@@ -25,11 +25,11 @@ void declare(CommandWords& words, StopOptions& options) {
 }
 
 int run(const StopOptions& options) {
-    if (std::error_code unknown;
-        options.database && !std::filesystem::exists(*options.database, unknown)) {
-        throw std::invalid_argument(fmt::format("{}: there is no such file", *options.database));
-    }
     const StopResult stopped = stop_sessions(options.database);
+    std::error_code unknown;  // weak pulses come before a new file
+    refuse_if(options.database && !std::filesystem::exists(*options.database, unknown) &&
+                  stopped.sessions + stopped.silent + stopped.uncalled == 0,
+              "{}: there is no such file", *options.database);
     if (stopped.sessions > 0) {
         say("No force any more in {}:\n{}", counted(stopped.sessions, "session"), stopped.labels);
     }
