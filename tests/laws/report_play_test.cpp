@@ -30,8 +30,9 @@ TEST_CASE("the slider of a trial's page shows hand, god-object and force of that
     const auto row = tests::csv_rows(asked.out).at(1);
     CAPTURE(asked.out);
     REQUIRE(row.size() == 8);
-    // A script that its policy does not name looks at the first ticks for a minus before zero, moves
-    // the slider to that tick, keeps what stands there, goes as close as it can, and presses play.
+    // A script that its policy does not name looks at the first ticks for a minus before zero,
+    // moves the slider to that tick, keeps what stands there, goes as close as it can, and presses
+    // play.
     tests::write(
         page,
         tests::replaced(tests::slurp(page), "Content-Security-Policy", "none") +
