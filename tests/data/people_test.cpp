@@ -379,9 +379,7 @@ TEST_CASE("a trend gives back the slopes of a plane, and leaves out what it cann
     const auto seed = GENERATE(palpate::tests::seeds(20U));
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    const double a = uniform(random);
-    const double b = uniform(random);
-    const double c = uniform(random);
+    const auto [a, b, c] = std::array{uniform(random), uniform(random), uniform(random)};
     std::vector<Moment> moments;
     for (int i = 0; i < 60; ++i) {
         const double rest = i % (10 + static_cast<int>(seed % 5));
@@ -397,6 +395,7 @@ TEST_CASE("a trend gives back the slopes of a plane, and leaves out what it cann
     }
     CHECK_FALSE(trend(moments).since_break);
     CHECK(trend(moments).trial.value() == Approx(b).margin(1e-12));
-    CHECK_FALSE(trend(std::vector<Moment>(moments.begin(), moments.begin() + 2)).trial);
+    moments.resize(2);
+    CHECK_FALSE(trend(moments).trial);
     CHECK_FALSE(trend({}).trial);
 }

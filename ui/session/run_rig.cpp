@@ -202,6 +202,15 @@ std::string how_it_ended(const protocols::SessionEnd& end) {
                                                            : "given up: " + end.fault;
 }
 
+void show_end(LiveSession& live,
+              const protocols::OperatorDesk& desk,
+              const protocols::SessionEnd& end) {
+    live.end(how_it_ended(end));
+    if (desk.force_doubted()) {
+        warn("{}", engine::kForceUnproved);
+    }
+}
+
 protocols::SessionView view_of(const RigSpec& spec,
                                const protocols::Plan& plan,
                                const data::OpenedSession& opened,
@@ -317,10 +326,7 @@ RigEnd run_rig(data::Database& database,
         throw std::runtime_error(
             "the session ended there; what was recorded is kept, the same command goes on");
     }
-    live.end(how_it_ended(end));
-    if (desk.force_doubted()) {
-        warn("{}", engine::kForceUnproved);
-    }
+    show_end(live, desk, end);
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
         record.event(
             {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});
