@@ -351,8 +351,7 @@ TEST_CASE("the interval of transmitted bits holds the channel's own", "[inferenc
 
 TEST_CASE("the area of confidence is the share of pairs, ties half, counted one by one",
           "[inference][law]") {
-    const auto seed = GENERATE(palpate::tests::seeds(30U));
-    std::mt19937 random(seed);
+    std::mt19937 random(GENERATE(palpate::tests::seeds(30U)));
     const auto levels = [&] {
         std::vector<double> all(1 + random() % 20);
         for (double& one : all) {

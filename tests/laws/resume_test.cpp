@@ -178,7 +178,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
 }
 
 TEST_CASE(
-    "a signal that comes again within a second is one wish; a later one ends the program at once",
+    "a signal that comes again within a second is one wish, a later one ends the program at once",
     "[crash][law]") {
     const TemporaryFolder folder;
     const auto tidy = run_into_trial(folder.file("d.sqlite"), 1);
