@@ -54,10 +54,12 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     }
     all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
     all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));
-    for (const auto& [open, inside, to_press] : {std::tuple(true, false, &Words::press_to_feel),
-                                                 std::tuple(false, false, &Words::bring_to_start),
-                                                 std::tuple(false, true, &Words::bring_out)}) {
-        const StartMark mark{{0.03, -0.2, 0.01}, 0.005, true, open, inside, true};
+    for (const auto& [x, open, inside, to_press] :
+         {std::tuple(0.03, true, false, &Words::press_to_feel),
+          std::tuple(0.03, false, false, &Words::bring_to_start),
+          std::tuple(0.004, false, false, &Words::bring_to_height),
+          std::tuple(0.0, false, true, &Words::bring_out)}) {
+        const StartMark mark{{x, 0.0, 0.01}, 0.005, true, open, inside, true};
         all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2, mark}, to_press));
     }
     for (const bool shape : {false, true}) {

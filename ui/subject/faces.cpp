@@ -111,6 +111,12 @@ void draw_start(Window& window, const StartMark& mark) {
     });
 }
 
+/// What keeps the trial from beginning.
+std::string_view bring(const Words& words, const StartMark& mark) {
+    const bool in_ring = mark.in_space && glm::length(Vec2(mark.away)) <= mark.radius;
+    return mark.inside ? words.bring_out : in_ring ? words.bring_to_height : words.bring_to_start;
+}
+
 }  // namespace
 
 void draw(Window& window, const WelcomeFace& face) {
@@ -146,8 +152,7 @@ void draw(Window& window, const ReadyFace& face) {
         draw_start(window, *face.start);
     }
     if (face.start && !face.start->open) {
-        press(window, face.start->inside ? words.bring_out : words.bring_to_start,
-              face.start->refused ? kAccent : kText);
+        press(window, bring(words, *face.start), face.start->refused ? kAccent : kText);
     } else {
         press(window, face.dead_man ? words.hold_to_feel : words.press_to_feel, kAccent);
     }

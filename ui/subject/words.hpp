@@ -18,7 +18,7 @@ struct Words {
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;
     std::string_view ready, hold_handle, press_to_feel, hold_to_feel, bring_to_start,
-        bring_out;  ///< where the ring reaches into an object
+        bring_to_height, bring_out;  ///< where the ring reaches into an object
     std::string_view feel, along_surface, decide_soon, keep_down, space_when_known,
         enter_when_known;
     std::string_view space_when_felt, enter_when_felt;
