@@ -126,8 +126,9 @@ TEST_CASE("poles are found from every side", "[contact][surface]") {
 
 TEST_CASE("right beside a pole the foot is as near as any heading out of it leads",
           "[contact][surface][law]") {
-    // So near to the tip the patch is its tangents there, S(u, v) = tip + 2 u (P1(v) - tip) + O(u^2),
-    // P1(v) the second row's Bezier curve: the foot is at most as far as the nearest of 2,001 of them.
+    // So near to the tip the patch is its tangents there, S(u, v) = tip + 2 u (P1(v) - tip) +
+    // O(u^2), P1(v) the second row's Bezier curve: the foot is at most as far as the nearest of
+    // 2,001 of them.
     SurfaceData patch;
     patch.degree_u = 2;
     patch.degree_v = 2;

@@ -81,8 +81,8 @@ TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][
 }
 
 TEST_CASE("the p beside a weibull's JND is of equal JNDs, not of equal slopes", "[fit][law]") {
-    // The same answers to stimuli 1.3 times as large: slopes are equal, JNDs are not. R 4.2.2, optim
-    // of both curves and of both with one JND.
+    // The same answers to stimuli 1.3 times as large: slopes are equal, JNDs are not. R 4.2.2,
+    // optim of both curves and of both with one JND.
     std::string text = "condition,stimulus,n,k\n";
     for (const auto& [stimulus, k] : std::vector<std::pair<double, int>>{
              {0.5, 3}, {0.7, 8}, {0.9, 16}, {1.1, 24}, {1.4, 33}, {1.8, 38}}) {
