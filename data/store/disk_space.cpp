@@ -27,7 +27,9 @@ std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trial
 
 std::int64_t bytes_free(const std::string& file) {
     struct statvfs disk {};
-    if (statvfs(file.c_str(), &disk) != 0) {
+    const std::string folder = std::filesystem::absolute(file).parent_path().string();
+    if (statvfs(file.c_str(), &disk) != 0 &&
+        (errno != ENOENT || statvfs(folder.c_str(), &disk) != 0)) {
         throw StoreError(
             fmt::format("{}: the room on its disk is not known: {}", file, std::strerror(errno)));
     }

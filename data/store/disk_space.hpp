@@ -13,7 +13,7 @@ namespace palpate::data {
 /// holds a part of it twice.
 [[nodiscard]] std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials);
 
-/// What the file's disk can still take of ours, bytes.
+/// What the disk of the file, or of its folder while it is not there, can still take, bytes.
 /// @throws StoreError if nobody knows it
 [[nodiscard]] std::int64_t bytes_free(const std::string& file);
 

@@ -204,6 +204,11 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
                                  2.0);
     CHECK_THROWS_WITH(data::require_space(file, protocol, many),
                       Has("a.sqlite", "free some space"));
+    const std::string none = folder.file("none.sqlite");  // before it is made
+    CHECK_NOTHROW(data::require_space(none, protocol, 1));
+    CHECK_THROWS_WITH(data::require_space(none, protocol, 2 * many), Has("none.sqlite"));
+    CHECK_THROWS_WITH(data::require_space(folder.file("no/b.sqlite"), protocol, 1),
+                      Has("is not known"));
 }
 
 TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",

@@ -7,8 +7,10 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/file/keys.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
@@ -275,6 +277,13 @@ RigSpec rig_spec(const RunOptions& options) {
     return spec;
 }
 
+/// Of a session that begins: before a device is touched and a file is made.
+void check_space(const RunOptions& options, const Study& study) {
+    const protocols::Plan plan = make_plan(study.protocol, study.hash, {options.participant, 1},
+                                           options.seed.value_or(study.protocol.seed));
+    data::require_space(options.database, study.protocol, plan.trials.size());
+}
+
 /// The session that goes on or begins: its key and seed are in `spec` from here on.
 void choose(data::Database& database, const RunOptions& options, RigSpec& spec) {
     const SessionChoice choice =
@@ -287,8 +296,10 @@ void choose(data::Database& database, const RunOptions& options, RigSpec& spec) 
               choice.last + 1);
     require_kind(choice, spec.study, spec.kind, options.database);  // before a device is touched
     if (choice.begun) {
-        check_goes_on(database, spec);
-    } else if (!options.new_version) {
+        return check_goes_on(database, spec);
+    }
+    check_space(options, spec.study);
+    if (!options.new_version) {
         check_version(database, spec.study, spec.kind);
     }
 }
@@ -330,6 +341,7 @@ int run(const RunOptions& options) {
         check_consent({}, options, spec);
         check_handedness({}, options, spec);
         require_writable(options.database, "");
+        check_space(options, spec.study);
         felt = open_and_check(spec);
     }
     data::Database database(options.database, data::Access::write);
