@@ -192,6 +192,23 @@ DESK_CASE("a board that is reset in a trial has forgotten where it was") {
     CHECK(glm::length(Vec2(reading.hip) - *desk.truth.home) < 3e-4);
 }
 
+DESK_CASE("a board that somebody else set up meanwhile is set up anew, its place found at home") {
+    PressedDesk<TestType> desk(20);
+    desk.ticks({}, 2);
+    desk.cable.pass(300'000'000);  // a rest: the board has stopped by itself
+    const OpenConfig other{.token = 1, .zero_counts = true, .limit = {1000, 1000}};
+    CHECK(desk.cable.send(open_frame(open_config(7, other)).view()));
+    desk.cable.pass(5'000'000);
+    CHECK(desk.ticks(kGuardedPress, 4).fault == DeviceFault::lost);
+    CHECK_FALSE(desk.board.enabled());
+    CHECK_FALSE(desk.device->reconnect());
+    CHECK_THAT(desk.device->trouble(), Has("put the handle at its home pose"));
+    desk.plant.lead(*desk.truth.home);
+    desk.cable.pass(20'000'000);
+    CHECK(desk.device->reconnect());
+    CHECK(desk.ticks(kGuardedPress, 5).ok());
+}
+
 DESK_CASE("a cable pulled with the force on has its motors off, and comes back") {
     PressedDesk<TestType> desk(20);
     desk.cable.plug(false);

@@ -216,11 +216,19 @@ void OpenLine::keep_off() noexcept {
     }
 }
 
+/// What a board says after an order with our token: its answer to that was measured before.
+/// One that does not know the token was set up by somebody else, as another board is.
+OpenLine::Answer OpenLine::obeys(Type order, std::int64_t wait_ns) noexcept {
+    const auto answer = call(open_token(order, next_seq(), config_.token), wait_ns);
+    if (answer && answer->type == Type::nak && answer->why == kOpenOtherToken) {
+        set_up_ = false;
+        return fail(Problem::was_reset, Answer::lost);
+    }
+    return answer ? probe(wait_ns) : Answer::pending;
+}
+
 bool OpenLine::forgive() noexcept {
-    const auto answer = call(open_token(Type::clear, next_seq(), config_.token), kPatience);
-    const bool good = answer && answer->type == Type::state;
-    // The report was measured before it was forgiven: look again.
-    if (!good || probe(kPatience) != Answer::complete) {
+    if (obeys(Type::clear, kPatience) != Answer::complete || report_.state == OpenState::stopped) {
         return false;
     }
     problem_ = Problem::none;
@@ -234,12 +242,10 @@ OpenLine::Answer OpenLine::wake(std::int64_t wait_ns) noexcept {
     waking_ = true;
     Answer answer = probe(wait_ns);
     if (answer == Answer::complete && report_.state == OpenState::stopped) {
-        const auto cleared = call(open_token(Type::clear, next_seq(), config_.token), wait_ns);
-        answer = cleared ? probe(wait_ns) : Answer::pending;
+        answer = obeys(Type::clear, wait_ns);
     }
     if (answer == Answer::complete && report_.state == OpenState::configured) {
-        const auto armed = call(open_token(Type::arm, next_seq(), config_.token), wait_ns);
-        answer = armed ? probe(wait_ns) : Answer::pending;
+        answer = obeys(Type::arm, wait_ns);
     }
     if (answer == Answer::complete && report_.state != OpenState::armed) {
         answer = fail(Problem::watchdog_fired, Answer::stopped);

@@ -80,6 +80,7 @@ private:
     [[nodiscard]] Problem look() noexcept;
     [[nodiscard]] Problem look_once() noexcept;
     [[nodiscard]] Answer take(const OpenReport& report) noexcept;
+    [[nodiscard]] Answer obeys(OpenType order, std::int64_t wait_ns) noexcept;
     [[nodiscard]] Answer fail(Problem problem, Answer answer) noexcept;
 
     OpenWiring wiring_;

@@ -125,6 +125,8 @@ struct OpenAnswer {
                                     const OpenAxes& torque,
                                     std::size_t axes = 2) noexcept;
 
+/// Of a NAK: the token is not that of the board's last CONFIG.
+inline constexpr std::uint8_t kOpenOtherToken = 5;
 /// Of a NAK in a datagram: the board listens to somebody else.
 inline constexpr std::uint8_t kOpenOtherHost = 7;
 
