@@ -279,8 +279,9 @@ TEST_CASE("what is drawn for a curve follows its name, and no order of rows", "[
     for (const char* lapse : {"0.02", "shared"}) {
         const auto intervals = [&](const std::string& file) {
             std::map<std::string, double> all;
-            for (const Json& curve : json_of(
-                     {"fit", folder.file(file), "--bootstrap", "60", "--lapse", lapse})["curves"]) {
+            const Json fit =
+                json_of({"fit", folder.file(file), "--bootstrap", "60", "--lapse", lapse});
+            for (const Json& curve : fit["curves"]) {
                 const std::string name =
                     curve["participant"].get<std::string>() + curve["condition"].get<std::string>();
                 all[name + " low"] = curve["threshold"]["bootstrap_95"][0];
