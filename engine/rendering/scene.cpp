@@ -195,11 +195,12 @@ template <bool HasFriction, bool HasSlew, bool HasDamper>
     return felt<HasFriction, HasDamper>(state, walk, hip, mu);
 }
 
-bool Scene::enters(ContactState& state, const ClosestPoint& cp, const Vec2& from) noexcept {
+/// A closed outline has no way round.
+bool Scene::enters(ContactState& state, const ClosestPoint& cp, const Vec2& from) const noexcept {
     const Vec2& hip = state.last_hip;
     const double size = std::fabs(hip.x) + std::fabs(hip.y);
-    return state.approach.enters(cp.distance, glm::length(hip - from),
-                                 rounding_of(cp.distance, size));
+    return outline_->closed() || state.approach.enters(cp.distance, glm::length(hip - from),
+                                                       rounding_of(cp.distance, size));
 }
 
 /// Without a contact so far: does one begin?

@@ -201,9 +201,9 @@ private:
     void add_softness();
     Contact yielding(ContactState& state, const Vec2& hip) const noexcept;
     bool meets(ContactState& state, const Vec2& from, Contact& contact) const noexcept;
-    [[nodiscard]] static bool enters(ContactState& state,
-                                     const ClosestPoint& cp,
-                                     const Vec2& from) noexcept;
+    [[nodiscard]] bool enters(ContactState& state,
+                              const ClosestPoint& cp,
+                              const Vec2& from) const noexcept;
     [[nodiscard]] Contact waning(ContactState& state) const noexcept;
     [[nodiscard]] Contact pressed(ContactState& state,
                                   const Walk& walk,

@@ -147,8 +147,11 @@ void TickLaws::check_free(const Tick& now) {
                   : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
     if (free(c) && !c.skipped && (!started_ || (free(last_.contact) && !last_far_))) {
+        // Round an open end a hand comes to the back, deeper than it moved, and stays there.
+        const bool behind = !scene_->outline().closed() && started_ &&
+                            (last_.cp.inside || now.cp.distance > glm::length(now.h - last_.h));
         check("a hand inside is touched",
-              !now.cp.inside || now.cp.distance <= kFootSlack * same_ ||
+              !now.cp.inside || behind || now.cp.distance <= kFootSlack * same_ ||
                   on_end_normal(now.cp.place, now.h) || on_knife_edge(now.cp.place) ||
                   outside_of_some(exact_, now.h, now.cp.distance + kFootSlack * same_));
     }
