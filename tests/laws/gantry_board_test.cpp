@@ -145,10 +145,10 @@ TEST_CASE("patches are felt through a board of three axes, from its pins to the 
     CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
               "'%[gantry.axis_z]%'") == "1");
     const std::string whole = " FROM sample JOIN trial USING (trial_id) WHERE fault_cause IS NULL";
-    // HIP follows from counts: 10 mm of drum, 2400 a turn, home 30 mm up, in whole steps of 100 nm.
-    CHECK(row("SELECT max(abs(hip_z_m - (0.030 + 0.010 * 6.283185307179586 / 2400 * count_3))) < "
+    // HIP follows from counts: 10 mm of drum, 2400 a turn, home 40 mm up, in whole steps of 100 nm.
+    CHECK(row("SELECT max(abs(hip_z_m - (0.040 + 0.010 * 6.283185307179586 / 2400 * count_3))) < "
               "0.51e-7 AND max(abs(hip_x_m - 0.010 * 6.283185307179586 / 2400 * count_1)) < "
-              "0.51e-7 AND min(count_3) < -1100 AND max(count_1) - min(count_1) > 500 AND "
+              "0.51e-7 AND min(count_3) < -1500 AND max(count_1) - min(count_1) > 500 AND "
               "max(count_2) - min(count_2) > 500" +
               whole) == "1");
     CHECK(row("SELECT count(*) FROM trace_chunk WHERE holds LIKE '%hip%'") == "0");
@@ -245,7 +245,7 @@ TEST_CASE(
     CHECK(folder.names().empty());
     // A workspace that does not hold the patch.
     write(folder.file("narrow.toml"),
-          replaced(slurp(kGantry), "high_mm = 60\nhome_mm = 30", "high_mm = 25\nhome_mm = 20"));
+          replaced(slurp(kGantry), "high_mm = 60\nhome_mm = 40", "high_mm = 25\nhome_mm = 20"));
     TypedTo emulator(folder, "keys",
                      "haply-emulator --open --preset '" + folder.file("narrow.toml") +
                          "' --link '" + folder.file("board") + "'");

@@ -13,7 +13,7 @@ using namespace palpate::tests;
 namespace {
 
 constexpr const char* kExample = PALPATE_SOURCE_DIR "/examples/gantry.toml";
-constexpr const char* kAtHome = "0,0,30";
+constexpr const char* kAtHome = "0,0,40";
 
 std::string board_words(const std::string& preset) {
     return "--open --preset '" + preset + "'";
@@ -82,8 +82,8 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
     }
     SECTION("a handle that was not at home") {
         FreeBoard board(folder, board_words(kExample));
-        board.bring("15,0,30");
-        CHECK_THAT(found(folder, board, "15,0,30"),
+        board.bring("15,0,40");
+        CHECK_THAT(found(folder, board, "15,0,40"),
                    Has("encoder x counts 0.63 times",
                        "All this if the handle rested at home and then at each "
                        "mark: was it there"));
@@ -92,7 +92,7 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
         FreeBoard board(folder, board_words(kExample));
         board.bring("unplug 3");
         CHECK_THAT(found(folder, board),
-                   Has("encoder z did not count on the way to (0, 0, -10) mm: is its "
+                   Has("encoder z did not count on the way to (0, 0, 0) mm: is its "
                        "cable in"));
     }
 }

@@ -98,7 +98,7 @@ private:
     engine::Vec3 torque_{};
 };
 
-/// Drums of 10 mm, 2,400 counts a turn, 12 N, as in examples/gantry.toml; home 40 mm up.
+/// Drums of 10 mm, 2,400 counts a turn, 12 N, home 40 mm up: what examples/gantry.toml says.
 inline engine::Calibration gantry_machine() {
     engine::Calibration machine;
     machine.board.emplace();
