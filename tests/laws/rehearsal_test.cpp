@@ -37,16 +37,15 @@ void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
         goes_on = eventually([&] {
             const auto window = hand.find_window("palpate: ");
             const std::string& at = window.title;
-            const bool another = at != before;
+            const int said = times(run.program().out(), "trouble: ");
+            const bool another = at != before || said > troubles;
             if (at == "palpate: explore" && !felt) {
                 felt = board.motors() != "0, 0";
             } else if (at == "palpate: ready" && !explores) {
                 board.bring("explore");
                 explores = true;
-            } else if ((at == "palpate: break" || at == "palpate: trouble") &&
-                       (another || times(run.program().out(), "trouble: ") > troubles)) {
+            } else if ((at == "palpate: break" || at == "palpate: trouble") && another) {
                 const std::string out = run.program().out();
-                troubles = times(out, "trouble: ");
                 const std::string last = out.substr(std::min(out.rfind("trouble: "), out.size()));
                 const bool mark = last.find("to the second mark") != std::string::npos;
                 board.bring(mark ? last_place(last) : "0,89.3");  // without a jump, let go
@@ -57,6 +56,7 @@ void rehearse(XHand& hand, TypedTo& run, FreeBoard& board) {
             }
             course += another ? "\n" + at : ".";
             before = at;
+            troubles = said;
             pause(0.3);
             return another || !run.program().running();
         });
