@@ -264,11 +264,17 @@ private:
         if (check.refused().empty()) {
             return trusted() || wants_stop() ? Signal::go_on : mend_unproved(kAnother);
         }
+        const std::size_t doubtful = trust_.trials;
+        const std::string since =
+            doubtful == 0 ? std::string()
+                          : fmt::format(". Doubtful: the last {}, begun since it was right",
+                                        counted(doubtful, "attempt", "attempts"));
         happened({.kind = EventKind::provenance,
-                  .text = check.refused(),
+                  .text = check.refused() + since,
+                  .count = static_cast<std::int64_t>(doubtful),
                   .key = std::string(kRigCheck),
                   .value = std::string(kRefused)});
-        return wants_stop() ? Signal::go_on : mend_unproved(check.refused());
+        return wants_stop() ? Signal::go_on : mend_unproved(check.refused() + since);
     }
 
     /// The device went away before anybody began: no attempt has failed.
