@@ -1,10 +1,14 @@
 #include "tests/support/x_hand.hpp"
 
+#include <cstring>
+
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>
 #include <X11/keysym.h>
+
+#include "tests/support/catch.hpp"
 
 namespace palpate::tests {
 namespace {
@@ -209,11 +213,16 @@ ScreenImage XHand::image(const Window& window) {
     if (image == nullptr) {
         return {};
     }
+    REQUIRE(image->bits_per_pixel == 32);
     ScreenImage shown{.width = image->width, .height = image->height};
-    for (int y = 0; y < image->height; ++y) {
-        for (int x = 0; x < image->width; ++x) {
-            shown.pixels.push_back(static_cast<std::uint32_t>(XGetPixel(image, x, y)) & 0xffffffU);
-        }
+    const auto width = static_cast<std::size_t>(image->width);
+    shown.pixels.resize(width * static_cast<std::size_t>(image->height));
+    for (std::size_t y = 0; y < static_cast<std::size_t>(image->height); ++y) {
+        std::memcpy(&shown.pixels[y * width],
+                    image->data + y * static_cast<std::size_t>(image->bytes_per_line), width * 4);
+    }
+    for (std::uint32_t& pixel : shown.pixels) {
+        pixel &= 0xffffffU;
     }
     XDestroyImage(image);
     return shown;
