@@ -151,8 +151,8 @@ TEST_CASE("an answered trial that breaks a rule says which and by how much", "[s
     };
     CHECK(with(&TrialSummary::late_ticks, std::int64_t{5}) ==
           "late 0.12 % of its ticks, above 0.1 %");
-    CHECK(with(&TrialSummary::contact_ticks, std::int64_t{999}) == "contact 0.999 s, below 1 s");
-    CHECK(with(&TrialSummary::path_length_m, 0.1) == "path 100.0 mm, below 160 mm");
+    CHECK(with(&TrialSummary::contact_ticks, std::int64_t{999}) == "contact below 1 s");
+    CHECK(with(&TrialSummary::path_length_m, 0.1) == "path below 160 mm");
     CHECK(with(&TrialSummary::stale_ticks, std::int64_t{4000}).empty());  // unless it is asked for
     protocol.invalid.stale_share = 0.01;
     CHECK(with(&TrialSummary::stale_ticks, std::int64_t{40}).empty());
@@ -162,10 +162,8 @@ TEST_CASE("an answered trial that breaks a rule says which and by how much", "[s
     nothing.ticks = 1000;
     nothing.late_ticks = 1000;
     CHECK(why_invalid(protocol, nothing, true) ==
-          "late 100.00 % of its ticks, above 0.1 %; contact 0.000 s, below 1 s; path 0.0 mm, below "
-          "160 mm");
-    CHECK(why_invalid(protocol, nothing, false) ==
-          "contact 0.000 s, below 1 s; path 0.0 mm, below 160 mm");
+          "late 100.00 % of its ticks, above 0.1 %; contact below 1 s; path below 160 mm");
+    CHECK(why_invalid(protocol, nothing, false) == "contact below 1 s; path below 160 mm");
     CHECK_FALSE(why_invalid(protocol, TrialSummary{}, true).empty());  // nothing was felt
     protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
     CHECK(why_invalid(protocol, nothing, true).empty());
