@@ -32,7 +32,6 @@ std::string two_patches(int repetitions) {
          {"practice_repetitions = 1", "practice_repetitions = 0"},
          {"explore_min_s = 2", "explore_min_s = 0.5"},
          {"gap_s = 1.5", "gap_s = 0"},
-         {"start_mm = [0, 0]", "start_mm = [0, 0]\nstart_radius_mm = 0"},  // its hand is elsewhere
          {"[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"}});
 }
 

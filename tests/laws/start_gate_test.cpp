@@ -196,12 +196,12 @@ TEST_CASE("in space a trial begins within the start's radius, in each direction"
                                      "pilot", "--windowed"}),
                           file);
     session.press_at("welcome", "space");
-    for (const char* beside : {"8,0,30", "0,-8,30", "0,0,38"}) {
+    for (const char* beside : {"8,0,40", "0,-8,40", "0,0,48"}) {
         CAPTURE(beside);
         board.bring(beside);
         CHECK(stays_ready(session));
     }
-    board.bring("1,-1,32");
+    board.bring("1,-1,42");
     CHECK(begins(session));
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
