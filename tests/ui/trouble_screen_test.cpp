@@ -110,32 +110,51 @@ TEST_CASE("without a dead-man key Space is done as ever, and nobody hears of it"
     CHECK(rig.holds.empty());
 }
 
-TEST_CASE("Escape switches the force off at once, and only while there is one",
+TEST_CASE("Escape says on every screen, once and at once, that no force is wanted",
           "[screen][fault][law]") {
     Rig rig(false);
-    {
-        const Later subject([] {
-            press(SDLK_ESCAPE);  // no force yet
-            press(SDLK_SPACE);
-            press(SDLK_ESCAPE);  // by now there may be
-        });
-        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
-    }
-    CHECK(rig.stops == 0);
+    int pressed = 0;
+    const auto escape = [&pressed] {
+        press(SDLK_ESCAPE);
+        ++pressed;
+    };
+    const auto on = [&](const char* name, const std::function<void()>& show) {
+        CAPTURE(name);
+        {
+            const Later subject([&] {
+                escape();
+                press(SDLK_ESCAPE, KMOD_NONE, true);  // held on
+                press(SDLK_SPACE);
+                press(SDLK_1);
+            });
+            show();
+        }
+        CHECK(rig.stops == pressed);
+    };
+    on("welcome", [&] { CHECK(rig.screen.welcome({.trials = 10}) == Signal::go_on); });
+    on("ready", [&] { CHECK(rig.screen.ready(kTrial) == Signal::go_on); });
+    escape();  // before the screen of the exploration: it forgets what was not meant for it
     CHECK(rig.screen.explore(kTrial, 0.0).signal == Signal::go_on);
-    CHECK(rig.stops == 1);
-    press(SDLK_ESCAPE);
+    CHECK(rig.stops == pressed);
+    escape();
     CHECK(rig.explore_until_quiet(0.5).signal == Signal::go_on);
-    CHECK(rig.stops == 2);
+    CHECK(rig.stops == pressed);
     press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
-    press(SDLK_ESCAPE);  // also instead of an answer to the stop question, which it takes back
+    escape();  // also instead of an answer to the stop question, which it takes back
     press(SDLK_y);
     CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
-    CHECK(rig.stops == 3);
+    CHECK(rig.stops == pressed);
+    on("question", [&] {
+        const auto pictures = question(ResponseKind::identification);
+        CHECK(rig.screen.choose(kTrial, pictures).signal == Signal::done);
+    });
+    on("feedback", [&] { CHECK(rig.screen.feedback(kTrial, true) == Signal::go_on); });
+    on("gap", [&] { CHECK(rig.screen.gap(1.0) == Signal::go_on); });
+    on("break", [&] { CHECK(rig.screen.rest(0.0, kTrial) == Signal::go_on); });
     CHECK_FALSE(rig.screen.trouble({.sentence = "the device is gone"}).has_value());
-    press(SDLK_ESCAPE);
+    escape();
     CHECK_FALSE(rig.screen.trouble({.sentence = "the device is gone"}).has_value());
-    CHECK(rig.stops == 3);
+    CHECK(rig.stops == pressed);
 }
 
 TEST_CASE(

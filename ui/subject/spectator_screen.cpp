@@ -22,9 +22,9 @@ Signal or_abort(bool aborted, Signal signal) {
 
 SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options)
     : observer_(observer),
-      on_stop_(options.on_stop),
       asks_(options.asks),
-      stage_(options.window, options.watermark, options.interrupted, options.desk) {}
+      stage_(
+          options.window, options.watermark, options.interrupted, options.desk, options.on_stop) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
     stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
@@ -59,14 +59,8 @@ ExplorationStep SpectatorScreen::explore(const protocols::TrialView& trial, doub
         exploring_ = face;
         stage_.show(face);
     }
-    const Input input = stage_.next(0);
-    if (input.kind == Input::Kind::abort) {
-        return {.signal = Signal::abort};
-    }
-    if (input.kind == Input::Kind::stop && on_stop_) {
-        on_stop_(engine::Trip::stopped, "Escape");
-    }
-    return observer_.explore(trial, elapsed_s);
+    return stage_.next(0).kind == Input::Kind::abort ? ExplorationStep{.signal = Signal::abort}
+                                                     : observer_.explore(trial, elapsed_s);
 }
 
 Choice SpectatorScreen::choose(const protocols::TrialView& trial,

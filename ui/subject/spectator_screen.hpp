@@ -30,7 +30,6 @@ public:
 
 private:
     protocols::Observer& observer_;
-    std::function<void(engine::Trip, const char*)> on_stop_;
     protocols::ResponseKind asks_;
     Stage stage_;
     std::optional<ExploreFace> exploring_;

@@ -48,12 +48,14 @@ Stage::Stage(const WindowOptions& window,
              std::string watermark,
              std::function<bool()> interrupted,
              protocols::OperatorDesk* desk,
+             std::function<void(engine::Trip, const char*)> on_stop,
              std::function<void()> on_close)
     : window_(window),
       watermark_(std::move(watermark)),
       interrupted_(std::move(interrupted)),
       looked_ns_(monotonic_ns()),
       desk_(desk),
+      on_stop_(std::move(on_stop)),
       on_close_(std::move(on_close)) {
     SDL_PumpEvents();
     SDL_FlushEvent(
@@ -121,21 +123,29 @@ void Stage::redraw() {
     window_.present();
 }
 
-SafetyKeys Stage::forget_earlier() {
+void Stage::stop() const {
+    if (on_stop_) {
+        on_stop_(engine::Trip::stopped, "Escape");
+    }
+}
+
+bool Stage::forget_earlier() {
     if (display_lost()) {
-        return {};
+        return false;
     }
     SDL_PumpEvents();
-    SafetyKeys forgotten;
+    bool released = false;
     SDL_Event event;
     while (SDL_PeepEvents(&event, 1, SDL_GETEVENT, SDL_KEYDOWN, SDL_KEYUP) > 0) {
         const SDL_Keycode symbol = event.key.keysym.sym;
-        forgotten.released |= event.type == SDL_KEYUP && symbol == SDLK_SPACE;
-        forgotten.stop |= event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE;
+        released |= event.type == SDL_KEYUP && symbol == SDLK_SPACE;
+        if (event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE) {
+            stop();
+        }
     }
     SDL_FlushEvents(SDL_MOUSEBUTTONDOWN, SDL_MOUSEBUTTONUP);
     looked_ns_ = monotonic_ns();
-    return forgotten;
+    return released;
 }
 
 void Stage::guard_until(std::int64_t ns) {
@@ -323,6 +333,9 @@ Input Stage::next(int wait_ms) {
         const bool begins = input.kind == Input::Kind::go || input.kind == Input::Kind::enter;
         if (begins && needs_keyboard_ && keyboard_is_elsewhere()) {
             continue;
+        }
+        if (input.kind == Input::Kind::stop) {
+            stop();
         }
         if (input.kind != Input::Kind::none) {
             input.seen_ns = monotonic_ns();

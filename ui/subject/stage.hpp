@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/safety/trip.hpp"
 #include "protocols/session/operator_desk.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/window.hpp"
@@ -26,7 +27,7 @@ struct Input {
         click,
         motion,
         release,  ///< Space was let go
-        stop,     ///< Escape: the force off, now
+        stop,     ///< Escape: on_stop was called
         lost,     ///< the window lost the keyboard, was hidden or was to be closed: the same
         abort,    ///< the experimenter's second step, the operating system's signal, no display
     } kind = Kind::none;
@@ -38,25 +39,21 @@ struct Input {
         0.0;  ///< time since the queue was last looked at: how late it may be seen
 };
 
-/// What was forgotten that must not be.
-struct SafetyKeys {
-    bool released = false;  ///< Space was let go
-    bool stop = false;      ///< Escape was pressed
-};
-
 /// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q asks, Y
 /// within 3 s stops; nothing else can end a session, closing the window neither. Escape is one
-/// step, and ends no more than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s
+/// step, whatever is shown: no force is wanted, and it ends no more than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s
 /// marks the trial, and Ctrl+Shift+P asks for a pause; both say so at the lower edge.
 class Stage {
 public:
     /// @param interrupted  a signal asks the session to end
     /// @param desk         outlives this; none: its keys do nothing
+    /// @param on_stop      the force off, now, for this cause and in this way
     /// @param on_close     somebody wants to close the window, which stays
     Stage(const WindowOptions& window,
           std::string watermark,
           std::function<bool()> interrupted,
           protocols::OperatorDesk* desk = nullptr,
+          std::function<void(engine::Trip, const char*)> on_stop = {},
           std::function<void()> on_close = {});
 
     /// Shows `face` from now on, redrawn whenever the window needs it, and then names it in the
@@ -74,8 +71,9 @@ public:
     void drop_bar() { bar_ = Bar::none; }
     /// Waits up to `wait_ms` for something that matters.
     Input next(int wait_ms);
-    /// Forgets presses and clicks that came before now: they were meant for another screen.
-    SafetyKeys forget_earlier();
+    /// Forgets presses and clicks that came before now, but Escape: they were meant for another
+    /// screen. @return Space was let go
+    bool forget_earlier();
     /// next() keeps back what might answer (keys and clicks, not Escape, a release or the chords)
     /// and may have come before this time. A key that is held on is no press afterwards either.
     void guard_until(std::int64_t ns);
@@ -97,6 +95,7 @@ public:
 
 private:
     void redraw();
+    void stop() const;
     void mind_keyboard();
     [[nodiscard]] Input read_window(const SDL_Event& event);
     /// Of the canvas, from where the display says that the pointer is.
@@ -129,6 +128,7 @@ private:
     std::int64_t guarded_ns_ = 0;  ///< until then nothing answers
     std::size_t early_ = 0;
     protocols::OperatorDesk* desk_;
+    std::function<void(engine::Trip, const char*)> on_stop_;
     std::function<void()> on_close_;
     protocols::MarkReply reply_{};  ///< of Bar::marked
     bool desk_closed_ = false;

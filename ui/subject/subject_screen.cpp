@@ -17,7 +17,6 @@ using protocols::Signal;
 /// itself.
 constexpr int kExploreWaitMs = 1;
 constexpr int kIdleWaitMs = 50;
-constexpr const char* kEscape = "Escape";
 /// The dot of the handle follows it this often, ms, and from so far on, m.
 constexpr int kFollowMs = 25;
 constexpr double kFollow = 0.0002;
@@ -37,6 +36,7 @@ SubjectScreen::SubjectScreen(SubjectScreenOptions options)
              options_.watermark,
              options_.interrupted,
              options_.desk,
+             options_.on_stop,
              options_.on_close) {}
 
 Signal SubjectScreen::wait_for_go() {
@@ -101,7 +101,7 @@ Signal SubjectScreen::wait_at_start(ReadyFace face, bool checks_desk) {
     }
 }
 
-SafetyKeys SubjectScreen::guard(std::int64_t shown_ns) {
+bool SubjectScreen::guard(std::int64_t shown_ns) {
     stage_.guard_until(shown_ns + static_cast<std::int64_t>(options_.guard_s * 1e9));
     return stage_.forget_earlier();
 }
@@ -154,12 +154,8 @@ void SubjectScreen::begin_exploring() {
     in_trouble_.reset();
     stage_.in_trial(true);
     stage_.window().show_pointer(false);
-    const SafetyKeys forgotten = guard(monotonic_ns());
-    if (forgotten.released) {
+    if (guard(monotonic_ns())) {
         hold(false);
-    }
-    if (forgotten.stop) {
-        stop(engine::Trip::stopped, kEscape);
     }
     if (keyboard_is_elsewhere()) {
         stop(engine::Trip::focus_lost, protocols::kKeyboardElsewhere);
@@ -170,14 +166,12 @@ void SubjectScreen::begin_exploring() {
     }
 }
 
-/// To the apparatus: where the pointer is, whether someone holds the key, whether to stop.
+/// To the apparatus: where the pointer is, whether someone holds the key, and is still there.
 void SubjectScreen::pass_on(const Input& input) {
     if (input.kind == Input::Kind::motion && options_.on_pointer) {
         options_.on_pointer(pointer_map().to_object(input.pixel));
     } else if (input.kind == Input::Kind::release) {
         hold(false);
-    } else if (input.kind == Input::Kind::stop) {
-        stop(engine::Trip::stopped, kEscape);
     } else if (input.kind == Input::Kind::lost) {
         stop(engine::Trip::focus_lost, input.way);
         hold(false);  // nobody can tell any more

@@ -35,8 +35,8 @@ struct SubjectScreenOptions {
     /// latest with the first explore() after the key was let go.
     std::function<void(bool)> on_hold;
     protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
-    /// While an object is felt: the force off, now, for this cause and in this way. Escape, and
-    /// whatever takes the window out of the participant's sight or reach.
+    /// The force off, now, for this cause and in this way: Escape on any screen, and while an object
+    /// is felt whatever takes the window out of the participant's sight or reach.
     std::function<void(engine::Trip, const char*)> on_stop;
     std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
 };
@@ -77,7 +77,7 @@ private:
     /// Presses so far were meant for another screen, and those of the guard time are not for this
     /// one.
     /// @param shown_ns  when it was
-    SafetyKeys guard(std::int64_t shown_ns);
+    bool guard(std::int64_t shown_ns);
     /// One of the answers on cards().
     /// @param cards    where they stand now: a window may change its size meanwhile
     /// @param show     draws them with the one that is marked
