@@ -204,11 +204,8 @@ private:
         if (!wants_stop()) {
             return Signal::go_on;
         }
-        const char* barred = ports_.desk->barred();
         const engine::Trip cause = engine::Trip::stopped;
-        return mended({.cause = cause,
-                       .text = std::string(barred != nullptr ? barred : explanation(cause)),
-                       .last = {}});
+        return mended({.cause = cause, .text = std::string(explanation(cause)), .last = {}});
     }
 
     Signal check_pause(const TrialView& next) {

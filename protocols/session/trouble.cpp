@@ -17,7 +17,6 @@ class Repair {
 public:
     Repair(Ports& ports, const Fault& fault, std::size_t in_a_row, const TrustPort& rig)
         : ports_(ports), fault_(fault), rig_(rig), stopped_(fault.cause == engine::Trip::stopped) {
-        view.sentence = fault.text;
         view.in_a_row = in_a_row;
         view.by_hand = waits_for_experimenter(fault.cause);
         ask_for_experimenter();
@@ -40,7 +39,7 @@ public:
         look();
         if (!step.event) {
             ++view.tries;
-            view.sentence = step.refused.empty() ? fault_.text : step.refused;
+            sentence_ = step.refused.empty() ? fault_.text : step.refused;
             return;
         }
         if (!back_) {
@@ -56,10 +55,18 @@ public:
         back_ = true;
         rig_.happened(*step.event);
         ask_for_experimenter();
-        view.solved =
-            stopped_ || !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
+        solved_ = stopped_ || !ports_.apparatus.has_proof() || rig_.trust.state == Trust::proved;
         // No longer why it could not be reached; or what comes next.
-        view.sentence = !view.solved ? kProofComes : was_away_ ? kWorksAgain : fault_.text;
+        sentence_ = !solved_ ? kProofComes : was_away_ ? kWorksAgain : fault_.text;
+    }
+
+    [[nodiscard]] bool solved() const { return solved_; }
+
+    /// What is to be said now: also of what stands against every force, as long as it does.
+    void say_now() {
+        const char* barred = ports_.desk == nullptr ? nullptr : ports_.desk->barred();
+        view.solved = solved_ && barred == nullptr;
+        view.sentence = solved_ && barred != nullptr ? barred : sentence_;
     }
 
     /// @param waited_s  as of try_on()
@@ -99,6 +106,8 @@ private:
     const Fault& fault_;
     const TrustPort& rig_;
     bool stopped_;
+    bool solved_ = false;
+    std::string sentence_{fault_.text};
     std::string_view cause_{fault_.cause != engine::Trip::none ? to_string(fault_.cause)
                                                                : kRigCheck};
     std::int64_t begun_ns_ = monotonic_ns();
@@ -133,9 +142,10 @@ MendResult mend(Ports& ports,
         if (const char* way = note_stop(ports, trial)) {
             mending.stop(way);
         }
-        if (!view.solved && slice % kSlicesPerTry == 0) {
+        if (!mending.solved() && slice % kSlicesPerTry == 0) {
             mending.try_on(waited_s);
         }
+        mending.say_now();
         if (ports.interrupted()) {
             return {Signal::abort, view.tries};
         }

@@ -162,6 +162,59 @@ TEST_CASE("a rig that begins anew while pulses move it is looked at from its pla
     CHECK(observer.troubles.back().by_hand);
 }
 
+TEST_CASE("what stands against every force is said while it does, and nothing goes on meanwhile",
+          "[session][desk][law]") {
+    // A button is pressed before each of the first trials, held for some looks, and let go.
+    const int held = GENERATE(1, 7, 40);
+    CAPTURE(held);
+    constexpr const char* kHeld = "the button is pressed";
+    OperatorDesk desk;
+    class Holder : public Patient {
+    public:
+        Holder(OperatorDesk& desk, int held) : desk_(&desk), held_(held) {}
+        Signal gap(double seconds) override {
+            if (released < 3) {
+                desk_->stop("button");
+                desk_->bar(kHeld);
+            }
+            return Patient::gap(seconds);
+        }
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            const bool barred = desk_->barred() != nullptr;
+            CHECK(barred == (view.sentence == kHeld));
+            CHECK(view.solved != barred);
+            CHECK(view.by_hand);
+            if (!barred) {
+                ++released;
+                looks_ = 0;
+            } else if (++looks_ == held_) {
+                desk_->bar(nullptr);
+            }
+            return Signal::go_on;  // asked for at every look
+        }
+        int released = 0;
+
+    private:
+        OperatorDesk* desk_;
+        int held_;
+        int looks_ = 0;
+    } observer(desk, held);
+    World world;
+    FaultyApparatus apparatus(world);
+    Kinds kept;
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                                       {.apparatus = apparatus,
+                                        .observer = observer,
+                                        .recorder = kept,
+                                        .pause = [](double) {},
+                                        .desk = &desk});
+    CHECK((end.why == SessionEnd::Why::finished));
+    CHECK(observer.released == 3);
+    CHECK(kept.count[EventKind::go_on] == 3);
+}
+
 TEST_CASE(
     "after a stop no pulse moves the rig before the experimenter goes on, and then before a force",
     "[session][trust][fault][law]") {
