@@ -247,6 +247,7 @@ std::optional<RuleAnswer> TrialRunner::answer(const PlannedTrial& planned,
         result.outcome = choice.signal == Signal::too_late ? Outcome::unanswered : Outcome::aborted;
         return std::nullopt;
     }
+    note_away(planned, choice.away_s);
     Response response = response_of(choice, question_.confidence);
     response.correct = is_right(protocol_, plan_, planned, felt, choice.place);
     if (question_.kind == ResponseKind::identification) {
@@ -288,6 +289,24 @@ void TrialRunner::drain(TrialId id, bool exploring) {
         }
         ports_.recorder.append(id, ticks);
     }
+}
+
+/// Its time says less, and so may the answer: who looks on decides whether it counts.
+void TrialRunner::note_away(const PlannedTrial& planned, double away_s) {
+    constexpr double kGlance = 0.1;
+    if (away_s <= kGlance) {
+        return;
+    }
+    const std::string text = fmt::format(
+        "for {:.1f} s the question was out of sight, or the keyboard with another window", away_s);
+    happened_({.kind = EventKind::note,
+               .text = text,
+               .trial = last_,
+               .position = planned.position,
+               .duration_s = away_s,
+               .key = "question away"});
+    ports_.alarm(
+        {.sentence = text + ": its answer is kept; mark the trial if it should not count"});
 }
 
 void TrialRunner::note_lost_ticks(TrialId id, const PlannedTrial& planned) {

@@ -50,6 +50,7 @@ private:
                     const TrialView& view,
                     TrialResult& result);
     void note_lost_ticks(TrialId id, const PlannedTrial& planned);
+    void note_away(const PlannedTrial& planned, double away_s);
     /// @return what the protocol's rule takes in, if it does
     std::optional<RuleAnswer> answer(const PlannedTrial& planned,
                                      std::span<const Presentation> felt,

@@ -138,6 +138,7 @@ struct Choice {
     std::optional<int> confidence{};     ///< 1 .. kMaxConfidence, if the question asks for it
     double confidence_reaction_s = 0.0;  ///< scale shown -> confidence; 0 if not asked for
     std::size_t early_presses = 0;  ///< too early to be an answer, at the question or the scale
+    double away_s = 0.0;  ///< that the keyboard was elsewhere meanwhile: a window before, or none
     std::optional<Confirmation> confirmation{};  ///< if the question asks for it
     std::optional<Confirmation> confidence_confirmation{};
 };

@@ -183,6 +183,51 @@ TEST_CASE(
     CHECK(session.finish().code == 3);
 }
 
+TEST_CASE("Escape holds a session on any screen, and a question without its keys is noted",
+          "[window][safety][law]") {
+    const TemporaryFolder folder;
+    WindowSession session(run_words(kFourTrials, "P1", folder.file("d.sqlite"),
+                                    {"--device", "mouse", "--kind", "pilot", "--windowed"}),
+                          folder.file("d.sqlite"));
+    XHand& hand = session.hand();
+    const auto stops = [&](const char* screen) {
+        CAPTURE(screen);
+        session.wait_for_screen(screen);
+        pause(0.3);
+        hand.key("Escape");
+    };
+    const auto goes_on = [&](const std::string& count) {
+        session.wait_for_screen("trouble");
+        session.wait_until("SELECT count(*) FROM event WHERE event_kind = 'stop'", count);
+        hand.key("space");
+        pause(0.3);
+        CHECK(session.screen_name() == "trouble");
+        leave_trouble(hand);
+    };
+    session.press_at("welcome", "space");
+    stops("ready");
+    goes_on("1");
+    CHECK(session.ask("SELECT count(*) FROM trial") == "0");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    pause(0.7);
+    session.press_at("explore", "space");
+    stops("question");  // it keeps its answer
+    hand.take_keyboard_away();
+    pause(1.0);
+    hand.focus(hand.find_window("palpate: "));
+    pause(0.3);
+    session.press_at("question", "1");
+    goes_on("2");
+    CHECK(session.ask("SELECT outcome FROM trial") == "complete");
+    CHECK(session.ask("SELECT count(*) FROM event WHERE key = 'question away' AND trial_id = 1 AND "
+                      "duration_s BETWEEN 0.8 AND (SELECT reaction_s FROM response)") == "1");
+    session.wait_for_text("the keyboard with another window: its answer is kept");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+    ran({"verify", folder.file("d.sqlite")});
+}
+
 // With those that have boards: palpate stop asks a rig that is being commissioned, too.
 TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal end the force",
           "[open][safety][law]") {

@@ -261,12 +261,16 @@ Choice SubjectScreen::pick(const std::function<std::vector<Card>()>& cards,
     const std::int64_t shown = show(std::nullopt);
     guard(shown);  // a press while the answers were being drawn was not one of them
     Picker picking(shown, question.confirm);
-    while (!picking.chosen()) {
+    double away_s = 0.0;
+    for (std::int64_t seen_ns = shown; !picking.chosen();) {
         const Input input = stage_.next(kIdleWaitMs);
+        const std::int64_t now = monotonic_ns();
+        away_s += keyboard_is_elsewhere() ? static_cast<double>(now - seen_ns) * 1e-9 : 0.0;
+        seen_ns = now;
         if (input.kind == Input::Kind::abort) {
             return {.signal = Signal::abort};
         }
-        const double waited = static_cast<double>(monotonic_ns() - shown) * 1e-9;
+        const double waited = static_cast<double>(now - shown) * 1e-9;
         if (question.timeout_s > 0.0 && waited > question.timeout_s) {
             return {.signal = Signal::too_late};
         }
@@ -276,6 +280,7 @@ Choice SubjectScreen::pick(const std::function<std::vector<Card>()>& cards,
     }
     Choice choice = *picking.chosen();
     choice.early_presses = stage_.early_presses();
+    choice.away_s = away_s;
     return choice;
 }
 
@@ -303,6 +308,7 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
         choice.confidence_reaction_s = sure.reaction_s;
         choice.confidence_confirmation = sure.confirmation;
         choice.early_presses += sure.early_presses;
+        choice.away_s += sure.away_s;
     }
     stage_.in_trial(false);
     return choice;
