@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdlib>
+#include <mutex>
 #include <new>
 #include <utility>
 #include <vector>
@@ -26,7 +27,7 @@ struct Unset {
     [[nodiscard]] T* allocate(std::size_t count) {
         constexpr std::size_t kLarge = std::size_t{2} << 20U;
         const std::size_t bytes = count * sizeof(T);  // of ticks of a trial: far from overflow
-        const bool many = bytes >= 2 * kLarge;
+        const bool many = bytes >= kLarge / 2;
         const std::size_t whole = (bytes + kLarge - 1) / kLarge * kLarge;
         void* const memory = many ? std::aligned_alloc(kLarge, whole) : std::malloc(bytes);
         if (memory == nullptr) {
@@ -52,5 +53,30 @@ struct Unset {
 
 /// Ticks that are written before they are read.
 using Ticks = std::vector<engine::TickRecord, Unset<engine::TickRecord>>;
+
+/// Memory of ticks that nobody needs any more, for those to come: pages that need not be cleared
+/// again. For several threads, of which each holds one at a time.
+class TickRooms {
+public:
+    /// Empty, maybe with room.
+    [[nodiscard]] Ticks take() {
+        const std::lock_guard lock(mutex_);
+        if (rooms_.empty()) {
+            return {};
+        }
+        Ticks room = std::move(rooms_.back());
+        rooms_.pop_back();
+        return room;
+    }
+    void give(Ticks room) {
+        room.clear();
+        const std::lock_guard lock(mutex_);
+        rooms_.push_back(std::move(room));
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<Ticks> rooms_;
+};
 
 }  // namespace palpate::data

@@ -253,7 +253,7 @@ void check_end(const StoredRow& session, const TrialCheck& trials, Findings& fin
 
 void check_all(Database& database,
                const StoredRow& session,
-               std::vector<Ticks>& rooms,
+               TickRooms& rooms,
                SessionReport& report,
                Findings& findings) {
     const std::int64_t id = session.integer("session_id");
@@ -303,9 +303,7 @@ void check_destroyed(Database& database, std::int64_t session, Findings& finding
 
 }  // namespace
 
-SessionReport check_session(Database& database,
-                            const StoredRow& session,
-                            std::vector<Ticks>& rooms) {
+SessionReport check_session(Database& database, const StoredRow& session, TickRooms& rooms) {
     SessionReport report{.id = session.integer("session_id"),
                          .study = session.text("study_name"),
                          .participant = session.text("participant_code"),

@@ -10,6 +10,6 @@ namespace palpate::data {
 /// @param rooms  for ticks, of sessions before: for those to come
 [[nodiscard]] SessionReport check_session(Database& database,
                                           const StoredRow& session,
-                                          std::vector<Ticks>& rooms);
+                                          TickRooms& rooms);
 
 }  // namespace palpate::data

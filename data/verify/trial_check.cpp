@@ -113,7 +113,7 @@ TrialCheck::TrialCheck(Database& database,
                        std::int64_t session,
                        const SessionFrame& frame,
                        SessionReport& report,
-                       std::vector<Ticks>& rooms)
+                       TickRooms& rooms)
     : database_(database),
       frame_(frame),
       report_(report),
@@ -158,11 +158,7 @@ void TrialCheck::finish() {
 void TrialCheck::finish_first() {
     TrialRows& first = pending_.front();  // its task refers to it
     const auto take_down = [&] {
-        for (CheckedInterval& one : first.intervals) {
-            report_.replayed += static_cast<std::int64_t>(one.trace.ticks.size());
-            one.trace.ticks.clear();
-            rooms_.push_back(std::move(one.trace.ticks));
-        }
+        report_.replayed += first.replayed;
         std::ranges::move(first.found, std::back_inserter(report_.findings));
         pending_.pop_front();
     };
@@ -229,12 +225,6 @@ void TrialCheck::check_planned(TrialRows& pending,
     const auto expected = presentations_of(frame_.protocol, planned, stimulus);
     pending.intervals =
         check_intervals(database_, frame_, trial, expected, answered, known_, findings);
-    for (CheckedInterval& one : pending.intervals) {
-        if (!rooms_.empty()) {
-            one.trace.ticks = std::move(rooms_.back());
-            rooms_.pop_back();
-        }
-    }
     pending.fault_ticks =
         rows_of(database_, "SELECT * FROM fault_tick WHERE trial_id = ?1 ORDER BY tick",
                 trial.integer("trial_id"));
@@ -261,6 +251,9 @@ void TrialCheck::check_ticks_of(TrialRows& pending) const {
     const std::span<const CheckedInterval> intervals = pending.intervals;
     Findings findings(pending.found);
     findings.look_at(trial.integer("trial_id"));
+    for (CheckedInterval& one : pending.intervals) {
+        one.trace.ticks = rooms_.take();
+    }
     check_ticks(frame_, pending.intervals, period_ns_, findings);
     if (pending.is_answer) {
         check_simulated_answer(frame_, *pending.response, intervals, question_, pending.done,
@@ -277,12 +270,14 @@ void TrialCheck::check_ticks_of(TrialRows& pending) const {
             check_invalid(frame_, trial, pending.mark, felt, findings);
         }
     }
-    for (CheckedInterval& one : pending.intervals) {
-        one.scene.reset();
-    }
     const StoredTrace none;
     check_fault_ticks(pending.fault_ticks, trial, intervals.empty() ? none : intervals.back().trace,
                       findings);
+    for (CheckedInterval& one : pending.intervals) {
+        one.scene.reset();
+        pending.replayed += static_cast<std::int64_t>(one.trace.ticks.size());
+        rooms_.give(std::move(one.trace.ticks));
+    }
 }
 
 /// Its answer did when it ended.

@@ -23,7 +23,7 @@ public:
                std::int64_t session,
                const SessionFrame& frame,
                SessionReport& report,
-               std::vector<Ticks>& rooms);
+               TickRooms& rooms);
 
     /// What is found may be in the report later only.
     void check(const StoredRow& trial);
@@ -43,6 +43,7 @@ private:
         std::size_t done = 0;    ///< trials of the session before
         bool is_answer = false;  ///< to the question
         std::vector<Finding> found{};
+        std::int64_t replayed = 0;           ///< ticks
         std::optional<std::size_t> ticks{};  ///< the task that looks at them
     };
 
@@ -67,7 +68,7 @@ private:
     Database& database_;
     const SessionFrame& frame_;
     SessionReport& report_;
-    std::vector<Ticks>& rooms_;  ///< empty, of trials before: for those to come
+    TickRooms& rooms_;
     std::vector<KnownScene> known_;
     protocols::Question question_;
     protocols::SessionProgress progress_;  ///< before the trial that is looked at

@@ -138,7 +138,7 @@ Verification verify(Database& database) {
     try_to(findings, "sqlite_schema", [&] { check_schema(database, findings); });
     try_to(findings, "secret", [&] { check_secrets(database, findings); });
     try_to(findings, "session", [&] {
-        std::vector<Ticks> rooms;
+        TickRooms rooms;
         for (const StoredRow& session : rows_of(database, kSessions)) {
             found.sessions.push_back(check_session(database, session, rooms));
         }
