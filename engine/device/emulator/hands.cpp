@@ -200,24 +200,49 @@ void GantryHand::bring(const Vec3& place) {
     refuse_if(!Gantry(machine_).weakest_force(place),
               "({:.9g}, {:.9g}, {:.9g}) mm is outside the workspace of {}: give a place within it",
               1e3 * place.x, 1e3 * place.y, 1e3 * place.z, machine_.name);
+    glide_to(place);
+    keeps_ = held_;
+}
+
+/// At rest there, in whatever holds it.
+void GantryHand::put(const Vec3& place) noexcept {
     plant_.begin({.start = place, .tremor = 0.0});
     plant_.set_force(force_);
-    keeps_ = held_;
+    aim_.reset();
+}
+
+void GantryHand::glide_to(const Vec3& place) noexcept {
+    from_ = place_ = hip();
+    aim_ = place;
+    time_ = 0.0;
+}
+
+/// At rest at both ends.
+void GantryHand::glide(double seconds) noexcept {
+    time_ += seconds;
+    const double way = glm::length(*aim_ - from_);
+    if (kSpeed * time_ >= way) {
+        return put(*aim_);
+    }
+    const double t = kSpeed * time_ / way;
+    place_ = from_ + t * t * (3.0 - 2.0 * t) * (*aim_ - from_);
 }
 
 void GantryHand::hold(bool held) {
     GantryModel model = model_of({.gantry = machine_}, held);
     model.friction = plant_.model().friction;
     model.weight = plant_.model().weight;
-    const Vec3 place = plant_.position();
-    held_ = held;
+    const Vec3 place = hip();
+    held_ = keeps_ = held;
     plant_ = GantryPlant(model);
-    bring(place);
+    put(place);
 }
 
 void GantryHand::explore() {
     hold(true);
-    before_set_up();
+    keeps_ = explores_ = false;
+    rested_ = 0.0;
+    glide_to(machine_.home());
 }
 
 void GantryHand::set_torque(const Vec3& newton_metres) noexcept {
@@ -231,7 +256,7 @@ void GantryHand::set_torque(const Vec3& newton_metres) noexcept {
 
 void GantryHand::before_set_up() noexcept {
     if (held_) {
-        plant_.begin(round_from(machine_));
+        put(machine_.home());
         explores_ = false;
         keeps_ = false;
         rested_ = 0.0;
@@ -239,6 +264,9 @@ void GantryHand::before_set_up() noexcept {
 }
 
 void GantryHand::advance(double seconds) noexcept {
+    if (aim_) {
+        return glide(seconds);
+    }
     if (!held_) {
         plant_.advance(seconds);
         return;
@@ -266,7 +294,7 @@ void GantryHand::advance(double seconds) noexcept {
 
 double GantryHand::angle(std::size_t axis) const noexcept {
     const StraightAxis& straight = machine_.axes[axis];
-    return (plant_.position()[static_cast<int>(axis)] - straight.home) / straight.radius;
+    return (hip()[static_cast<int>(axis)] - straight.home) / straight.radius;
 }
 
 }  // namespace palpate::engine
