@@ -156,6 +156,40 @@ TEST_CASE(
     ran({"verify", folder.file("d.sqlite")});
 }
 
+TEST_CASE("weak pulses of a break end by Escape at the window, and prove nothing",
+          "[commission][haply][window][safety][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    const std::string rig = commissioned_rig(folder, board.word());
+    const Xvfb screen(1280, 800);
+    XHand hand(screen.display());
+    const auto typed = opened_session(folder, board, screen, real_words(folder, board, rig));
+    TypedTo& run = *typed;
+    INFO(run.program().error());
+    hand.wait_for_window("palpate: welcome", WindowSession::kPatience);
+    press_up_to(hand, run, "question");
+    board.bring("0,89.3");
+    press_up_to(hand, run, "break");
+    CHECK(eventually([&] { return board.motors() != "0, 0"; }));
+    hand.key("Escape");
+    hand.wait_for_window("palpate: trouble", WindowSession::kPatience);
+    CHECK(board.motors() == "0, 0");
+    pause(3.0);  // longer than four pulses
+    CHECK(board.motors() == "0, 0");
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    const auto count = [&](const std::string& what) {
+        auto row = database.prepare(
+            "SELECT count(*) FROM event WHERE " + what +
+            " AND event_id > (SELECT max(event_id) FROM event WHERE event_kind = 'break')");
+        REQUIRE(row.step());
+        return row.integer(0);
+    };
+    CHECK(count("event_kind = 'stop' AND value = 'Escape'") == 1);
+    CHECK(count("key = 'rig check' AND value != 'refused'") == 0);
+    end_session(hand, run);
+    CHECK(run.program().wait().code == 3);
+}
+
 TEST_CASE(
     "after a replug nothing is felt before home, second mark and pulses, and the experimenter's "
     "chord",
