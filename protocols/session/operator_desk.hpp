@@ -17,6 +17,8 @@ inline constexpr const char* kButtonDown = "the stop button is pressed: release 
 
 /// The way of a stop that nobody wanted: it holds the force, and costs the rig no trust.
 inline constexpr const char* kKeyboardElsewhere = "keyboard elsewhere";
+/// The way of a stop at the participant's screen.
+inline constexpr const char* kEscapeAtScreen = "Escape";
 
 /// What a mark came to.
 struct MarkReply {
@@ -45,7 +47,7 @@ public:
     void pause() noexcept { pause_ = !pause_; }
 
     /// Somebody wants no force. The first way is kept until it is taken.
-    /// @param way  "Escape", "terminal", ...: a literal
+    /// @param way  kEscapeAtScreen, "terminal", ...: a literal
     void stop(const char* way) noexcept {
         const char* none = nullptr;
         stop_.compare_exchange_strong(none, way);

@@ -236,6 +236,7 @@ TEST_CASE(
     session.wait_for_screen("trouble");
     session.wait_for_text("The participant's screen says \"one moment\"");
     session.hand().key("space");
+    session.hand().key("Escape");  // the participant's
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     CHECK(session.screen_name() == "trouble");
     session.hand().chord("q");

@@ -270,7 +270,11 @@ void keep_screen(protocols::Observer& screen, protocols::OperatorDesk& desk, con
         "there, closes it.",
         why);
     static_cast<void>(desk.take_stop());
-    while (!display_lost() && !interrupted() && desk.take_stop() == nullptr &&
+    const auto closed = [&desk] {
+        const char* way = desk.take_stop();
+        return way != nullptr && way != std::string_view(protocols::kEscapeAtScreen);
+    };
+    while (!display_lost() && !interrupted() && !closed() &&
            screen.trouble({.sentence = why}) != protocols::Signal::abort) {
         protocols::sleep_for(protocols::kTroubleSlice);
     }

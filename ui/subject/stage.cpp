@@ -125,7 +125,7 @@ void Stage::redraw() {
 
 void Stage::stop() const {
     if (on_stop_) {
-        on_stop_(engine::Trip::stopped, "Escape");
+        on_stop_(engine::Trip::stopped, protocols::kEscapeAtScreen);
     }
 }
 
