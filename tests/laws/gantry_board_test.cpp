@@ -256,5 +256,5 @@ TEST_CASE(
                              "--calibration", folder.file("narrow.toml")})
                 .out;  // a busy machine may leave the board without its turn
     }
-    CHECK_THAT(said, Has("the handle cannot reach the start pose (0.0, 0.0, 30.0) mm"));
+    CHECK_THAT(said, Has("the handle cannot reach the start pose (0.0, 0.0, 40.0) mm"));
 }
