@@ -21,7 +21,8 @@ std::vector<std::string> order_of(Database& database, const char* sql, std::int6
 LevelOrders orders_of(Database& database,
                       const char* sql,
                       std::string_view study,
-                      const protocols::SessionKey& key) {
+                      const protocols::SessionKey& key,
+                      std::string_view kind) {
     const Snapshot view(database);
     LevelOrders orders;
     Statement other = database.prepare(
@@ -42,9 +43,10 @@ LevelOrders orders_of(Database& database,
     Statement own = database.prepare(
         "SELECT session.session_id FROM session JOIN study USING (study_id) JOIN participant USING "
         "(participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND EXISTS (SELECT 1 "
-        "FROM trial WHERE trial.session_id = session.session_id) ORDER BY session_number = ?3 "
-        "DESC, session_number, session.session_id LIMIT 1",
-        study, key.participant, key.session);
+        "FROM trial WHERE trial.session_id = session.session_id) AND (session_number = ?3 OR ?4 <> "
+        "'real' OR (session_kind = 'real' AND withdrawn_reason IS NULL)) ORDER BY session_number = "
+        "?3 DESC, session_number, session.session_id LIMIT 1",
+        study, key.participant, key.session, kind);
     if (own.step()) {
         orders.own = order_of(database, sql, own.integer(0));
     }
@@ -55,14 +57,16 @@ LevelOrders orders_of(Database& database,
 
 LevelOrders picture_orders(Database& database,
                            std::string_view study,
-                           const protocols::SessionKey& key) {
-    return orders_of(database, kPictures, study, key);
+                           const protocols::SessionKey& key,
+                           std::string_view kind) {
+    return orders_of(database, kPictures, study, key, kind);
 }
 
 LevelOrders friction_orders(Database& database,
                             std::string_view study,
-                            const protocols::SessionKey& key) {
-    return orders_of(database, kFrictions, study, key);
+                            const protocols::SessionKey& key,
+                            std::string_view kind) {
+    return orders_of(database, kFrictions, study, key, kind);
 }
 
 }  // namespace palpate::data

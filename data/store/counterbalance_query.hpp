@@ -18,18 +18,22 @@ struct LevelOrders {
 /// Who already ran the study (by the protocol's id) with which order of the pictures.
 ///
 /// `others` counts each participant with a real session once, by the first of these; what is
-/// simulated or a pilot leaves the balance of the real ones alone. `own` is the order of the
-/// session itself if it is there, so that it goes on as it began, else that of the participant's
-/// first session of any kind. A session counts from its first trial on, and as long as a program
-/// runs it: whoever is at the welcome screen has taken the row, whoever left there has not.
+/// simulated, a pilot or withdrawn leaves the balance alone. `own` is the order of the session
+/// itself if it is there, so that it goes on as it began, else that of the participant's first
+/// session: where a real one asks, of those that `others` would count, else of any. A session
+/// counts from its first trial on, and as long as a program runs it: whoever is at the welcome
+/// screen has taken the row, whoever left there has not.
+/// @param kind  of the session that asks, as to_string(RunKind)
 [[nodiscard]] LevelOrders picture_orders(Database& database,
                                          std::string_view study,
-                                         const protocols::SessionKey& key);
+                                         const protocols::SessionKey& key,
+                                         std::string_view kind = "real");
 
 /// The same of the frictions of the first main blocks, one round of them. A session whose blocks
 /// mix frictions has no such order: its entry is empty.
 [[nodiscard]] LevelOrders friction_orders(Database& database,
                                           std::string_view study,
-                                          const protocols::SessionKey& key);
+                                          const protocols::SessionKey& key,
+                                          std::string_view kind = "real");
 
 }  // namespace palpate::data

@@ -278,8 +278,9 @@ struct Rows {
 };
 
 Rows rows_taken(Database& database, const SessionSpec& spec) {
-    const LevelOrders pictures = picture_orders(database, spec.protocol.id, spec.key);
-    const LevelOrders frictions = friction_orders(database, spec.protocol.id, spec.key);
+    const std::string_view kind = to_string(spec.kind);
+    const LevelOrders pictures = picture_orders(database, spec.protocol.id, spec.key, kind);
+    const LevelOrders frictions = friction_orders(database, spec.protocol.id, spec.key, kind);
     return {picture_history(spec.protocol, pictures.others, pictures.own),
             friction_history(spec.protocol, frictions.others, frictions.own)};
 }

@@ -87,7 +87,11 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
         "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
     auto again = words_of_run("P2", file);
     again.insert(again.end(), {"--session", "2"});
-    ran(again);
+    std::vector<std::string> foretold = second;
+    foretold.insert(foretold.begin(), "sequence");
+    foretold.insert(foretold.end(), {"--kind", "simulated"});
+    const std::string code = ran(foretold).out;
+    CHECK_THAT(ran(again).out, Has(code.substr(code.find("code "), 14)));
     check_against(file, 3, second);
 }
 

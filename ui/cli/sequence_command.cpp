@@ -28,6 +28,7 @@ struct SequenceOptions {
     std::string protocol;  ///< a file, or the name of a shipped protocol
     std::string participant;
     std::string database;  ///< empty: an example
+    std::string kind = "real";
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     bool csv = false;
@@ -68,9 +69,11 @@ Sequence make_sequence(const SequenceOptions& options) {
         choose_session(database, made.study, options.participant, options.session, options.seed);
     made.key = choice.key;
     made.seed = choice.seed;
-    const auto seen = data::picture_orders(database, made.study.protocol.id, made.key);
+    const auto seen =
+        data::picture_orders(database, made.study.protocol.id, made.key, options.kind);
     made.history = picture_history(made.study.protocol, seen.others, seen.own);
-    const auto blocks = data::friction_orders(database, made.study.protocol.id, made.key);
+    const auto blocks =
+        data::friction_orders(database, made.study.protocol.id, made.key, options.kind);
     made.frictions = friction_history(made.study.protocol, blocks.others, blocks.own);
     made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed, made.history,
                           made.frictions);
@@ -222,6 +225,9 @@ void declare(CommandWords& words, SequenceOptions& options) {
               "The study's database: who already ran decides the order of the pictures");
     words.add("--session", options.session, "Session number; without it the last one, or the first")
         .above_zero();
+    words.add("--kind", options.kind, "What a session that has not begun will be recorded as")
+        .among({"real", "pilot", "simulated"})
+        .with_default();
     words.add("--seed", options.seed, "Study seed instead of the protocol's");
     words.add("--csv", options.csv, "The trials alone, as CSV");
 }
