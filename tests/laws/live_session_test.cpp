@@ -10,6 +10,7 @@
 #include "ui/rig/control_line.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
+#include "tests/support/program.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/slurp.hpp"
 #include "tests/support/stranger.hpp"
@@ -244,6 +245,46 @@ TEST_CASE("palpate status says who ran and what runs, and follows it to its end"
     CHECK(finished.code == 0);
     const tests::Finished after = tests::palpate_command({"status", session.file});
     CHECK_THAT(after.out, Has("Nothing runs on it now", "0 of 1 person planned ran, 1 to go"));
+}
+
+TEST_CASE("whatever shows stimuli and answers of a file says once that a session runs on it",
+          "[live][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    tests::ran(tests::run_words(tests::kFourTrials, "P1", file, {"--headless"}));
+    const std::vector<std::vector<std::string>> all{
+        {"summary", file},
+        {"sql", file, "-c", "SELECT planned_object FROM plan"},
+        {"sql", file, "--versions", "apart", "-c", "SELECT planned_object FROM plan"},
+        {"sequence", tests::kFourTrials, "--participant", "P1", "--db", file},
+        {"trace", file, "1"},
+        {"report", file, "--trial", "1", "-o", folder.file("trial.html")},
+        {"report", file, "--kind", "simulated", "-o", folder.file("all.html")},
+        {"export", file, "--kind", "simulated", "-o", folder.file("csv")},
+        {"stats", file, "--kind", "simulated"},
+        {"fit", file, "--kind", "simulated"},
+        {"audit", file, "--kind", "simulated"}};
+    const auto warnings = [](const std::vector<std::string>& words) {
+        const std::string said = tests::palpate_command(words).error;
+        std::size_t found = 0;
+        for (std::size_t at = 0; (at = said.find("a session runs on it", at)) != said.npos; ++at) {
+            ++found;
+        }
+        return found;
+    };
+    for (const auto& words : all) {
+        CAPTURE(words);
+        CHECK(warnings(words) == 0);
+    }
+    std::filesystem::remove_all(folder.file("csv"));
+    const ui::ControlSocket session(file);
+    for (const auto& words : all) {
+        CAPTURE(words);
+        CHECK(warnings(words) == 1);
+    }
+    for (const char* silent : {"status", "verify", "participant"}) {
+        CHECK(warnings({silent, file}) == 0);
+    }
 }
 
 TEST_CASE("status says of a session that hangs whose it is, and that it does not answer",

@@ -5,6 +5,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/store/analysed.hpp"
+#include "ui/rig/control_line.hpp"
 
 namespace palpate::ui {
 
@@ -42,6 +43,7 @@ void AnswerWords::refuse_words_of_databases() const {
 }
 
 void analyse(data::Database& database, const std::string& versions, const std::string& study) {
+    warn_of_unblinding(database.file());
     data::analyse(database,
                   versions == "together" ? data::Versions::together : data::Versions::apart, study);
 }

@@ -32,7 +32,8 @@ struct AnswerWords {
 /// All of them but the file: --kind, --study, --keep-codes, --versions.
 void add_answer_words(CommandWords& words, AnswerWords& answers);
 
-/// From here on the file is seen as analyses see it (data/store/analysed.hpp).
+/// From here on the file is seen as analyses see it (data/store/analysed.hpp). Says so where a
+/// session runs on it.
 /// @param versions  "apart" or "together"
 void analyse(data::Database& database, const std::string& versions, const std::string& study = "");
 

@@ -3,6 +3,7 @@
 #include "engine/base/text.hpp"
 #include "data/export/export.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -41,6 +42,7 @@ void declare(CommandWords& words, ExportWords& options) {
 }
 
 int run(const ExportWords& options) {
+    warn_of_unblinding(options.database);
     const data::ExportSummary done =
         data::export_file(options.database, data::parse_export_format(options.format),
                           {.kind = options.kind,

@@ -2,7 +2,6 @@
 #include "data/analysis/summary.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
-#include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -25,7 +24,6 @@ void declare(CommandWords& words, SummaryOptions& options) {
 }
 
 int run(const SummaryOptions& options) {
-    warn_of_unblinding(options.database);
     data::Database database(options.database, data::Access::read);
     analyse(database, options.versions);
     say("{}", options.json ? data::summary_json(database) : data::summary_text(database));

@@ -6,6 +6,7 @@
 #include "data/store/analysed.hpp"
 #include "data/store/reader.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -48,6 +49,7 @@ std::string rows_text(const std::vector<std::vector<std::int64_t>>& columns) {
 
 /// The columns that every chunk holds, as data/trace/read_trace.py and read_trace.R print them.
 int run(const TraceOptions& options) {
+    warn_of_unblinding(options.database);
     data::Database database(options.database, data::Access::read);
     const data::Snapshot now(database);
     const auto intervals = data::intervals_of(database, options.trial);

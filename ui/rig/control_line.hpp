@@ -53,7 +53,7 @@ struct FileIdentity {
 /// Where sessions of a file may listen; without one, of every session on this machine.
 [[nodiscard]] std::vector<std::string> session_names(const std::optional<std::string>& database);
 
-/// Of a command that shows stimuli and answers of a file: says so where a session runs on it.
+/// Of a command that shows stimuli and answers of a file: says once where a session runs on it.
 void warn_of_unblinding(const std::string& database);
 
 /// Whether something can be read within `wait_ms`.
