@@ -18,11 +18,15 @@ namespace {
 constexpr const char* kYesOrNo = "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it round?\"\n";
 
 /// The pictures of a protocol by the names of their screens, byte for byte.
-std::map<std::string, std::string> pictures_of(const std::string& protocol) {
+std::map<std::string, std::string> pictures_of(const std::string& protocol,
+                                               const std::vector<std::string>& more = {}) {
     const TemporaryFolder folder;
     write(folder.file("p.toml"), protocol);
-    ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"), "--width",
-         "640", "--height", "480"});
+    std::vector<std::string> words{"screenshots", "--protocol",         folder.file("p.toml"),
+                                   "-o",          folder.file("shots"), "--width",
+                                   "640",         "--height",           "480"};
+    words.insert(words.end(), more.begin(), more.end());
+    ran(words);
     std::map<std::string, std::string> pictures;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("shots"))) {
         pictures[entry.path().stem().string()] = slurp(entry.path());
@@ -174,6 +178,24 @@ TEST_CASE("what a protocol says is on the pictures of the screens that it is sai
           Names{"explore", "ready"});
 }
 
+TEST_CASE("pictures speak the protocol's language, or the one that is asked for",
+          "[cli][screen][law]") {
+    const auto speaking = [](const std::string& language) {
+        return replaced(four_trials(), "[apparatus]\n",
+                        "language = \"" + language + "\"\n[apparatus]\n") +
+               kYesOrNo +
+               "[instructions.en]\nready = \"Now\"\n[instructions.tr]\nready = \"Hazir\"\n";
+    };
+    const auto english = pictures_of(speaking("en"));
+    const auto turkish = pictures_of(speaking("tr"));
+    for (const char* screen : {"welcome", "ready", "choose", "pause"}) {
+        CAPTURE(screen);
+        CHECK(english.at(screen) != turkish.at(screen));
+    }
+    CHECK(pictures_of(speaking("en"), {"--language", "tr"}) == turkish);
+    CHECK(pictures_of(speaking("tr"), {"--language", "en"}) == english);
+}
+
 TEST_CASE("in each language a picture is to the pixel what a session's window shows",
           "[window][screen][law]") {
     const std::string language = GENERATE("en", "tr");
@@ -184,8 +206,7 @@ TEST_CASE("in each language a picture is to the pixel what a session's window sh
                  "language = \"" + language + "\"\n[apparatus]\ndevice = \"mouse\"\n");
     text += kYesOrNo + std::string("confirm = true\n");
     write(folder.file("p.toml"), text);
-    ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots"),
-         "--language", language});
+    ran({"screenshots", "--protocol", folder.file("p.toml"), "-o", folder.file("shots")});
     WindowSession session(run_words(folder.file("p.toml"), "P1", folder.file("d.sqlite"),
                                     {"--device", "mouse", "--windowed"}),
                           folder.file("d.sqlite"), {"SDL_RENDER_DRIVER=software"}, {});

@@ -131,8 +131,8 @@ private:
 struct ScreenshotOptions {
     std::string protocol = "shape_friction";  ///< a file or a shipped one
     std::string directory = ".";
-    std::string language = "en";  ///< en, tr
-    int width = 1280;             ///< pixels
+    std::string language;  ///< en, tr; empty: the protocol's
+    int width = 1280;      ///< pixels
     int height = 800;
     std::string font;
 };
@@ -146,17 +146,19 @@ void declare(CommandWords& words, ScreenshotOptions& options) {
         .within(480, 7680)
         .with_default();
     words.add("--font", options.font, "A TrueType font");
-    words.add("--language", options.language, "Of the sentences: en or tr")
-        .among({"en", "tr"})
-        .with_default();
+    words
+        .add("--language", options.language,
+             "Of the sentences: en or tr; without it the protocol's")
+        .among({"en", "tr"});
 }
 
 int run(const ScreenshotOptions& options) {
     const Study study = load_study(options.protocol);
     const protocols::Plan plan =
         make_plan(study.protocol, study.hash, {"P1", 1}, study.protocol.seed);
-    const auto language =
-        options.language == "tr" ? protocols::Language::tr : protocols::Language::en;
+    const auto language = options.language.empty() ? study.protocol.language
+                        : options.language == "tr" ? protocols::Language::tr
+                                                   : protocols::Language::en;
     static_cast<void>(find_font(options.font));
     make_folder(options.directory);
     setenv("SDL_VIDEODRIVER", "dummy", 1);
