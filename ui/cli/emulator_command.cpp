@@ -95,7 +95,9 @@ void declare(CommandWords& words, EmulatorOptions& options) {
               "motors on standard input prints what the motors give, unplug N pulls the cable of "
               "encoder N, plug N puts it in again; on a Haply board misread makes it take the next "
               "packet for a reset, with stranger N another program sends it N torques, turned N "
-              "turns its last encoder by N degrees, and old N makes its answers N answers old");
+              "turns its last encoder by N degrees (a slip if N is a multiple of 360 / "
+              "counts_per_turn, else an angle that no encoder has), and old N makes its answers N "
+              "answers old");
     words
         .add("--udp", options.udp,
              "The open board behind this UDP port of this machine, 0 for any that is free; what it "
