@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -33,7 +32,8 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
     }
     Statement row = database.prepare(
         "SELECT participant_code, count(*), sum(invalid_reason IS NOT NULL), sum(invalid_reason IS "
-        "NULL AND correct), sum(invalid_reason IS NULL AND outcome = 'timed_out') FROM trial JOIN "
+        "NULL AND correct), sum(invalid_reason IS NULL AND outcome = 'timed_out'), "
+        "sum(invalid_reason IS NULL AND correct IS NOT NULL) FROM trial JOIN "
         "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
         "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
         "= ?2 AND phase = 'main' GROUP BY participant_code",
@@ -45,28 +45,27 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
         one.main = one.answers - one.invalid;
         one.correct = row.integer(3);
         one.timed_out = row.integer(4);
+        one.judged = row.integer(5);
     }
 }
 
-/// The picture that whoever attends chooses for an object that is not pictured.
-std::optional<std::string> outermost(const Protocol& protocol, const std::string& felt) {
+/// The picture that whoever attends chooses for an object that is not pictured. All are of two
+/// curves, as catch_correct_min needs it.
+std::string outermost(const Protocol& protocol, const std::string& felt) {
     const auto object = std::find_if(protocol.objects.begin(), protocol.objects.end(),
                                      [&](const auto& one) { return one.name == felt; });
-    if (object == protocol.objects.end() || !curvature_of(*object)) {
-        return std::nullopt;
+    if (object == protocol.objects.end()) {
+        return {};
     }
     const double side = *curvature_of(*object) > 0.0 ? 1.0 : -1.0;
     const protocols::ObjectSpec* extreme = nullptr;
     for (const std::size_t i : objects_of(protocol, true)) {
         const protocols::ObjectSpec& picture = protocol.objects[i];
-        if (!curvature_of(picture)) {
-            return std::nullopt;
-        }
         if (extreme == nullptr || side * *curvature_of(picture) > side * *curvature_of(*extreme)) {
             extreme = &picture;
         }
     }
-    return extreme == nullptr ? std::nullopt : std::optional(extreme->name);
+    return extreme == nullptr ? "" : extreme->name;
 }
 
 void count_catches(Database& database,
@@ -82,10 +81,8 @@ void count_catches(Database& database,
         study, kind);
     while (row.step()) {
         Judgement& one = people.at(row.text(0));
-        if (const auto right = outermost(protocol, row.text(1))) {
-            ++one.catches;
-            one.catches_right += row.text(2) == *right ? 1 : 0;
-        }
+        ++one.catches;
+        one.catches_right += row.text(2) == outermost(protocol, row.text(1)) ? 1 : 0;
     }
 }
 
@@ -106,7 +103,7 @@ void check_share(Judgement& one,
 void apply(const ExclusionSpec& rules, Judgement& one) {
     check_share(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min,
                 false);
-    check_share(one, "share_correct_min", one.correct, one.main, rules.share_correct_min, false);
+    check_share(one, "share_correct_min", one.correct, one.judged, rules.share_correct_min, false);
     check_share(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max,
                 true);
     check_share(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max, true);
@@ -215,7 +212,9 @@ Exclusions judge(Database& database, std::string_view study, std::string_view ki
         }
         People people;
         count_answers(database, row.integer(0), kind, people);
-        count_catches(database, row.integer(0), kind, protocol, people);
+        if (protocol.exclusion.catch_correct_min > 0.0) {
+            count_catches(database, row.integer(0), kind, protocol, people);
+        }
         found.rules = found.rules || protocol.exclusion != ExclusionSpec{};
         for (auto& [code, one] : people) {
             apply(protocol.exclusion, one);

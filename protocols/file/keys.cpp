@@ -128,7 +128,7 @@ constexpr Key kExclusion[]{
     {.name = "catch_correct_min", .slot = at<&ExclusionSpec::catch_correct_min>, .range = {0, 1},
      .meaning = "least share of catch trials answered with the outermost picture on their side"},
     {.name = "share_correct_min", .slot = at<&ExclusionSpec::share_correct_min>, .range = {0, 1},
-     .meaning = "least share of correct main trials"},
+     .meaning = "least share of correct main trials, of those that are right or wrong"},
     {.name = "timed_out_share_max", .slot = at<&ExclusionSpec::timed_out_share_max>, .range = {0, 1},
      .meaning = "largest share of main trials that timed out"},
     {.name = "invalid_share_max", .slot = at<&ExclusionSpec::invalid_share_max>, .range = {0, 1},

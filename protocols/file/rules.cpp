@@ -179,8 +179,24 @@ private:
 
     /// A rule that nobody could keep or break is a slip.
     void exclusion() {
+        const ResponseKind kind = protocol_.response.kind;
+        const bool pictures = kind == ResponseKind::identification;
+        const double least_right = protocol_.exclusion.share_correct_min;
+        const bool right = kind == ResponseKind::two_interval || (pictures && !protocol_.procedure);
+        add_if(
+            least_right > 0.0 && !right, "exclusion.share_correct_min",
+            "share_correct_min is {}, but an answer of kind \"{}\"{} is neither right nor wrong: "
+            "give 0",
+            least_right, word_of(kind), protocol_.procedure ? " to [procedure]" : "");
         const double least = protocol_.exclusion.catch_correct_min;
         if (least == 0.0) {
+            return;
+        }
+        if (!pictures) {
+            add("exclusion.catch_correct_min",
+                fmt::format("catch_correct_min is {}, but kind is \"{}\", which has no pictures to "
+                            "choose from: give 0, or kind \"identification\"",
+                            least, word_of(kind)));
             return;
         }
         add_if(protocol_.design.catch_trials == 0, "exclusion.catch_correct_min",

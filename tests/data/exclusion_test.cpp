@@ -113,6 +113,20 @@ TEST_CASE(
     CHECK(data::judge(database, "other", "real").all.empty());
 }
 
+TEST_CASE("answers that are neither right nor wrong are in no share of right ones",
+          "[exclusion][law]") {
+    NewDatabase database;
+    const protocols::Protocol protocol = study();
+    run(database, protocol, "HALF", {.correct = 11.0 / 24.0});
+    CHECK(rules_of(data::judge(database, "small", "real"), "HALF").size() == 1);
+    const std::string wrong =
+        "(SELECT trial_id FROM analysis_trial WHERE phase = 'main' AND correct = 0 LIMIT ";
+    database.run("UPDATE response SET correct = NULL WHERE trial_id IN " + wrong + "2)");
+    CHECK(rules_of(data::judge(database, "small", "real"), "HALF").empty());  // 11 of 22
+    database.run("UPDATE response SET correct = NULL");
+    CHECK(rules_of(data::judge(database, "small", "real"), "HALF").empty());
+}
+
 TEST_CASE("without rules of exclusion the summary says nothing of them", "[exclusion]") {
     NewDatabase database;
     protocols::Protocol protocol = study();
