@@ -36,6 +36,13 @@ std::optional<double> half_width(std::span<const double> values, double mean, do
     return t * std::sqrt(squares / (n - 1.0) / n);
 }
 
+/// From the least on: sums do not depend on who comes first.
+std::vector<double> in_order(std::span<const double> values) {
+    std::vector<double> sorted(values.begin(), values.end());
+    std::ranges::sort(sorted);
+    return sorted;
+}
+
 double mean_of(std::span<const double> values) {
     double sum = 0.0;
     for (const double value : values) {
@@ -134,7 +141,8 @@ double difference_of(double first, double second) {
     return std::fabs(second - first) <= kRounding * size ? 0.0 : second - first;
 }
 
-PeopleMean mean_over_people(std::span<const double> values, double size) {
+PeopleMean mean_over_people(std::span<const double> of_each, double size) {
+    const std::vector<double> values = in_order(of_each);
     PeopleMean made{.people = values.size(), .mean = mean_of(values)};
     if (const auto half = half_width(values, made.mean, size)) {
         made.interval = Interval{made.mean - *half, made.mean + *half};
@@ -142,7 +150,8 @@ PeopleMean mean_over_people(std::span<const double> values, double size) {
     return made;
 }
 
-PeopleMean mean_share_over_people(std::span<const double> shares) {
+PeopleMean mean_share_over_people(std::span<const double> of_each) {
+    const std::vector<double> shares = in_order(of_each);
     PeopleMean made{.people = shares.size(), .mean = mean_of(shares)};
     const auto half = half_width(shares, made.mean, 0.0);
     if (half && made.mean > 0.0 && made.mean < 1.0) {

@@ -36,7 +36,8 @@ inline constexpr double kRounding = 1e-12;
 
 /// The mean of a number that each person has, with Student's t interval over people. People are
 /// alike where no two values are further apart than kRounding of the largest: 0.8 - 0.6 and 0.7 -
-/// 0.5 differ in their last bits, which is no spread of people.
+/// 0.5 differ in their last bits, which is no spread of people. In any order of the people it is
+/// the same to the bit.
 /// @param size  the largest of what the values are differences of, where that is known
 /// @pre every value is finite; one or more
 [[nodiscard]] PeopleMean mean_over_people(std::span<const double> values, double size = 0.0);

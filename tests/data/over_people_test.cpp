@@ -31,6 +31,19 @@ bool holds(const Interval& interval, double value) {
 
 }  // namespace
 
+TEST_CASE("a mean over people and its interval are the same to the bit in any order of people",
+          "[analysis][people][law]") {
+    std::vector<double> shares{0.3, 0.35, 0.4, 0.6};  // 0.4125: half of the third decimal
+    const PeopleMean share = mean_share_over_people(shares);
+    const PeopleMean any = mean_over_people(shares);
+    do {
+        CHECK(mean_share_over_people(shares).mean == share.mean);
+        CHECK(mean_share_over_people(shares).interval->low == share.interval->low);
+        CHECK(mean_over_people(shares).mean == any.mean);
+        CHECK(mean_over_people(shares).interval->high == any.interval->high);
+    } while (std::ranges::next_permutation(shares).found);
+}
+
 TEST_CASE(
     "an interval over people covers the mean share as often as it says, where pooled trials do not",
     "[analysis][people][law]") {
