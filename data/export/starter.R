@@ -25,6 +25,8 @@ trials <- load_table('trials')
 main <- droplevels(subset(trials, session_kind == kind & phase == 'main' & counts == 1))
 main$friction <- factor(main$friction, levels = frictions)
 
+if (nrow(main) == 0) cat(kind, ': no answer of a main trial counts here\n', sep = '')
+
 # The person is the unit: a share each, then differences within person. Studies are kept apart.
 for (study in unique(main$study_label)) {
     own <- droplevels(main[main$study_label == study & !is.na(main$correct), ])

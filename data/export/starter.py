@@ -33,6 +33,9 @@ trials = load_table("trials")
 # Real, pilot and simulated data are never mixed; practice and catch trials are no main trials.
 main = trials[(trials.session_kind == kind) & (trials.phase == "main") & (trials.counts == 1)].copy()
 
+if main.empty:
+    print(f"{kind}: no answer of a main trial counts here")
+
 # The person is the unit: a share each, then differences within person. Studies are kept apart.
 for study, own in main.groupby("study_label", observed=True, sort=False):
     own = own[own.correct.notna()]

@@ -121,6 +121,14 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
                        !Has("NA") && !Has("NaN"));
         const std::string first = ran.out.substr(ran.out.find("fourtrials"));
         CHECK(lines_in(first.substr(0, first.find("asked"))).size() == (r ? 4 : 5));
+        const std::string script = r ? "analysis.R" : "analysis.py";
+        const Finished none =
+            Process({"sh", "-c",
+                     "cd '" + out + "' && sed 's/\"simulated\"/\"pilot\"/' " + script + " >o_" +
+                         script + " && " + replaced(run, script, "o_" + script)})
+                .wait();
+        CHECK(none.code == 0);
+        CHECK(none.out == "pilot: no answer of a main trial counts here\n");
     }
 }
 
