@@ -246,6 +246,7 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
     if (raw == nullptr) {
         return true;  // a comment
     }
+    asked_ = true;
     if (sqlite3_stmt_readonly(raw) == 0) {
         fmt::print(error_, "{}", guard_.refusal(sqlite3_sql(raw)));
         return false;
@@ -279,6 +280,7 @@ bool SqlShell::no_ticks() {
 }
 
 bool SqlShell::word(std::string_view line) {
+    asked_ = true;
     const std::size_t space = std::min(line.find(' '), line.size());
     const std::string_view name = line.substr(0, space);
     const std::string_view rest = trimmed(line.substr(space), kSpace);

@@ -30,6 +30,8 @@ public:
     [[nodiscard]] static bool complete(std::string_view text);
     /// .quit was said.
     [[nodiscard]] bool quit() const noexcept { return quit_; }
+    /// A statement or a word has been run, and not only blanks, semicolons and comments.
+    [[nodiscard]] bool asked() const noexcept { return asked_; }
 
 private:
     bool statement(std::string_view& text, std::string_view all, std::size_t first_line);
@@ -49,6 +51,7 @@ private:
     std::FILE* error_;
     SqlGuard guard_;
     bool quit_ = false;
+    bool asked_ = false;
 };
 
 }  // namespace palpate::data

@@ -136,6 +136,9 @@ TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") 
     const Finished refused = sql("SELECT wilson_low(3, 2)");
     check_end(refused, 1, Has("0 <= k <= n"));
     CHECK(sql(".nothing").code == 1);
+    for (const char* nothing : {"", ";", " ;; ", "-- x", "/* x */;"}) {
+        check_end(sql(nothing), 2, Has("there is no statement in it: give SQL"));
+    }
     CHECK(palpate_command({"sql", "/nowhere/a.sqlite", "-c", "SELECT 1"}).code != 0);
 }
 

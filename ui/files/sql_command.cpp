@@ -115,7 +115,10 @@ int run(const SqlOptions& options) {
     data::SqlShell shell(database, format, stdout, stderr,
                          {.attach = options.attach, .tells = true, .steps = options.steps});
     if (options.query) {
-        return shell.run(*options.query) ? 0 : kExitFailure;
+        const bool good = shell.run(*options.query);
+        refuse_if(good && !shell.asked(),
+                  "-c: there is no statement in it: give SQL, or a word as .tables");
+        return good ? 0 : kExitFailure;
     }
     return read_input(shell, options.database);
 }
