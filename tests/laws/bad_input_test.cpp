@@ -137,12 +137,14 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
             words.pop_back();
         }
     }
-    for (const char* command : {"run", "demo", "power", "sequence", "fit", "stats"}) {
-        for (const std::string seed : {"-1", "", "18446744073709551616", "1.5"}) {
+    for (const char* command : {"run", "demo", "power", "sequence", "simulate", "fit", "stats"}) {
+        CHECK_THAT(ran({command, "--help"}).out,
+                   Has("--seed UINT:UINT in [0 - 9223372036854775807]"));
+        for (const std::string seed : {"-1", "", "9223372036854775808", "1.5"}) {
             CAPTURE(command);
             CHECK_THAT(ran({command, "--seed", seed}, 2).error,
                        Has(fmt::format("--seed: \"{}\" is no whole number from 0 to "
-                                       "18446744073709551615",
+                                       "9223372036854775807",
                                        seed)));
         }
     }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -32,13 +33,17 @@ std::string finite_number(const std::string& given) {
              : fmt::format("{} is no finite number", given);
 }
 
+/// The largest whole number of a file, and so of a word.
+constexpr std::int64_t kMaxWhole = std::numeric_limits<std::int64_t>::max();
+
 /// CLI11 takes -1 for 2^64 - 1, what is too large for the largest, and nothing for no word at all.
 template <class Whole>
 std::string whole_number(const std::string& given) {
-    return parsed<Whole>(given)
+    const std::optional<Whole> number = parsed<Whole>(given);
+    return number && std::cmp_less_equal(*number, kMaxWhole)
              ? ""
              : fmt::format("\"{}\" is no whole number from {} to {}", given,
-                           std::numeric_limits<Whole>::min(), std::numeric_limits<Whole>::max());
+                           std::numeric_limits<Whole>::min(), kMaxWhole);
 }
 
 /// A check of a word that is one of a few; what it says of another names the nearest.
@@ -84,7 +89,9 @@ void check_values(CLI::Option& option, const Word& word) {
         option.check(finite_number);
     }
     if (std::holds_alternative<std::optional<std::uint64_t>*>(word.target)) {
-        option.check(whole_number<std::uint64_t>);
+        option.check(CLI::Validator(
+            [](const std::string& given) { return whole_number<std::uint64_t>(given); },
+            fmt::format("UINT in [0 - {}]", kMaxWhole)));
     }
     if (std::holds_alternative<std::optional<std::int64_t>*>(word.target) ||
         std::holds_alternative<std::int64_t*>(word.target)) {
