@@ -25,14 +25,12 @@ std::string two_patches(int repetitions) {
     std::string text = short_text("patch_friction", {});
     const std::size_t concave = text.find("[[object]]\nname = \"concave\"");
     text.erase(concave, text.find("[[friction]]\nname = \"on\"") - concave);
-    return tests::edited(
-        text,
-        {{"repetitions = 5", "repetitions = " + std::to_string(repetitions)},
-         {"max_run_friction = 3", "max_run_friction = 0"},
-         {"practice_repetitions = 1", "practice_repetitions = 0"},
-         {"explore_min_s = 2", "explore_min_s = 0.5"},
-         {"gap_s = 1.5", "gap_s = 0"},
-         {"[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"}});
+    return tests::edited(text, {{"repetitions = 5", "repetitions = " + std::to_string(repetitions)},
+                                {"max_run_friction = 3", "max_run_friction = 0"},
+                                {"practice_repetitions = 1", "practice_repetitions = 0"},
+                                {"explore_min_s = 2", "explore_min_s = 0.5"},
+                                {"gap_s = 1.5", "gap_s = 0"},
+                                {"[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n"}});
 }
 
 /// The emulated board, typed to, and a session in a window on it.
@@ -239,6 +237,9 @@ TEST_CASE(
                Has("which an open board alone drives"));
     CHECK_THAT(refused({"calibrate", "--preset", kGantry, "-o", out}),
                Has("straight axes have no zeros to be found"));
+    CHECK_THAT(refused({"haply-emulator", "--open", "--preset", kGantry, "--free", "--handle-g",
+                        "60"}),  // its default
+               Has("--handle-friction are of a linkage"));
     CHECK_THAT(refused({"haply-emulator", "--preset", kGantry}),
                Has("this machine has no Haply board"));
     CHECK(folder.names().empty());

@@ -37,6 +37,7 @@ struct EmulatorOptions {
     double handle_g = 60.0;            ///< of a linkage, as the two below
     double handle_damping = 0.0;
     double handle_friction = 0.0;
+    bool of_linkage = false;  ///< --start or one of these is said
 };
 
 constexpr int kStepUs = 250;
@@ -56,25 +57,29 @@ void declare_free_handle(CommandWords& words, EmulatorOptions& options) {
     words
         .add("--start", options.start,
              "Where a hand that explores rests, X_MM,Y_MM: start_mm. Left out: 0,60")
-        .needs("--free");
+        .needs("--free")
+        .tells(options.of_linkage);
     words
         .add("--handle-g", options.handle_g,
              "What a free handle weighs with the near halves of its links")
         .within(1.0, 2000.0)
         .with_default()
-        .needs("--free");
+        .needs("--free")
+        .tells(options.of_linkage);
     words
         .add("--handle-damping", options.handle_damping,
              "What brakes it at the handle itself, N s/m: a plate, a sleeve, air")
         .within(0.0, 100.0)
         .with_default()
-        .needs("--free");
+        .needs("--free")
+        .tells(options.of_linkage);
     words
         .add("--handle-friction", options.handle_friction,
              "Its dry friction at the handle itself, N")
         .within(0.0, 10.0)
         .with_default()
-        .needs("--free");
+        .needs("--free")
+        .tells(options.of_linkage);
 }
 
 void declare(CommandWords& words, EmulatorOptions& options) {
@@ -318,10 +323,7 @@ bool obey_gantry(engine::GantryHand& hand, const std::string& line) {
 
 /// A machine of three straight axes, held or free.
 void live_in_space(const EmulatorOptions& options, const engine::Calibration& machine) {
-    const EmulatorOptions plain;
-    refuse_if(options.handle_g != plain.handle_g ||
-                  options.handle_damping != plain.handle_damping ||
-                  options.handle_friction != plain.handle_friction || !options.start.empty(),
+    refuse_if(options.of_linkage,
               "--start, --handle-g, --handle-damping and --handle-friction are of a linkage, and "
               "{} has three axes: type friction N and weight N to it",
               machine.name());

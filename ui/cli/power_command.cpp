@@ -29,6 +29,7 @@ struct PowerOptions {
     std::string protocol;
     std::string effect;
     double effect_sd = 0.3;
+    bool effect_sd_said = false;
     std::string participants = "8,12,16,24";
     std::string observer = "typical";
     std::string friction;
@@ -81,7 +82,8 @@ void declare(CommandWords& words, PowerOptions& options) {
         .add("--effect-sd", options.effect_sd,
              "How much people differ in that, a standard deviation in logit")
         .within(0.0, 5.0)
-        .with_default();
+        .with_default()
+        .tells(options.effect_sd_said);
     words.add("--participants", options.participants, "For which numbers of them, from 2 to 200")
         .with_default();
     words.add("--observer", options.observer, "Who they are: an observer file, or typical")
@@ -112,6 +114,9 @@ std::vector<std::size_t> numbers_of(const std::string& text) {
 /// @return nothing: as the observer file says
 std::optional<protocols::LogitEffect> effect_of(const PowerOptions& options) {
     if (options.effect == "observer") {
+        refuse_if(options.effect_sd_said,
+                  "--effect-sd is of an --effect in logits: with observer the observer file says "
+                  "how much people differ");
         return std::nullopt;
     }
     char* end = nullptr;

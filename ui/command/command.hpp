@@ -54,6 +54,7 @@ struct Word {
     std::vector<std::string> not_beside{};  ///< the names of words that exclude this one
     std::string only_beside{};              ///< the name of a word that has to be there too
     std::string needed_unless{};            ///< this word has to be there, or that one
+    bool* said = nullptr;                   ///< becomes true where the line has this word
 
     /// Each says one thing more of the word and returns it, so that they can be chained.
     Word& required() { return needed = true, *this; }
@@ -66,6 +67,7 @@ struct Word {
     Word& within(double min, double max) { return range = {min, max}, *this; }
     Word& excludes(std::string word) { return not_beside.push_back(std::move(word)), *this; }
     Word& needs(std::string word) { return only_beside = std::move(word), *this; }
+    Word& tells(bool& is_said) { return said = &is_said, *this; }
     Word& required_unless(std::string word) { return needed_unless = std::move(word), *this; }
 };
 

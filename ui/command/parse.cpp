@@ -155,9 +155,13 @@ void declare(CLI::App& app, const CommandWords& words) {
     }
     app.callback([options, words] {
         for (const Word& word : words.all) {
-            if (!word.needed_unless.empty() && options.at(word.name)->count() == 0 &&
+            const bool is_there = options.at(word.name)->count() > 0;
+            if (!word.needed_unless.empty() && !is_there &&
                 options.at(word.needed_unless)->count() == 0) {
                 throw CLI::RequiredError(word.name);
+            }
+            if (word.said != nullptr && is_there) {
+                *word.said = true;
             }
         }
     });

@@ -15,8 +15,8 @@ Word& add_kind(CommandWords& words, std::string& kind, std::string help) {
         .with_default();
 }
 
-void add_versions(CommandWords& words, std::string& versions) {
-    words
+Word& add_versions(CommandWords& words, std::string& versions) {
+    return words
         .add("--versions", versions,
              "Versions of a protocol in one file: apart, each a study of its own by its id and "
              "hash, or together, as one")
@@ -25,18 +25,19 @@ void add_versions(CommandWords& words, std::string& versions) {
 }
 
 void add_answer_words(CommandWords& words, AnswerWords& answers) {
-    add_kind(words, answers.kind, "Of a database, which sessions: real, pilot or simulated");
-    words.add("--study", answers.study, "Of a database with several studies, which");
-    words.add("--keep-codes", answers.keep_codes,
-              "Of a database: people by the lab's codes, not by their numbers in exports");
-    add_versions(words, answers.versions);
+    bool& said = answers.of_database;
+    add_kind(words, answers.kind, "Of a database, which sessions: real, pilot or simulated")
+        .tells(said);
+    words.add("--study", answers.study, "Of a database with several studies, which").tells(said);
+    words
+        .add("--keep-codes", answers.keep_codes,
+             "Of a database: people by the lab's codes, not by their numbers in exports")
+        .tells(said);
+    add_versions(words, answers.versions).tells(said);
 }
 
 void AnswerWords::refuse_words_of_databases() const {
-    const AnswerWords none;
-    const bool said =
-        kind != none.kind || study != none.study || keep_codes || versions != none.versions;
-    refuse_if(said && std::filesystem::exists(file),
+    refuse_if(of_database && std::filesystem::exists(file),
               "{} is no database of palpate: --kind, --study, --keep-codes and --versions choose "
               "among a database's answers; leave them out",
               file);

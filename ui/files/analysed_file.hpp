@@ -10,7 +10,7 @@ namespace palpate::ui {
 
 /// --kind of the sessions meant, and how versions of a protocol are taken.
 Word& add_kind(CommandWords& words, std::string& kind, std::string help);
-void add_versions(CommandWords& words, std::string& versions);
+Word& add_versions(CommandWords& words, std::string& versions);
 
 /// Of an analysis of a database or of another lab's file: of a database, which answers it takes.
 struct AnswerWords {
@@ -19,11 +19,12 @@ struct AnswerWords {
     std::string kind = "real";
     std::string study;
     bool keep_codes = false;
+    bool of_database = false;  ///< any of these words is said, and be it the default
 
     [[nodiscard]] data::AnswerChoice choice() const {
         return {.kind = kind, .study = study, .codes = keep_codes};
     }
-    /// @throws std::invalid_argument if the file is there and any of the others is said
+    /// @throws std::invalid_argument if the file is there and words of databases are said
     void refuse_words_of_databases() const;
     /// What `read` makes of the file, opened and seen as analyses see it, and of choice().
     template <class Read>

@@ -36,6 +36,7 @@ struct FitWords : AnswerWords {
     std::string svg;
     std::vector<std::string> items;
     std::string baseline;
+    bool of_curves = false;  ///< a word of psychometric functions is said
 };
 
 /// A number, or one over another: "1/3".
@@ -117,10 +118,12 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
 void declare_study(CommandWords& words, FitWords& options) {
     words.add("--bootstrap", options.bootstrap, "Samples of the bootstrap; 0: none")
         .within(0, 1000000)
-        .with_default();
-    words.add("--seed", options.seed, "Of the bootstrap; 1 without it");
+        .with_default()
+        .tells(options.of_curves);
+    words.add("--seed", options.seed, "Of the bootstrap; 1 without it").tells(options.of_curves);
     words.add("--json", options.json, "For programs, to standard output");
-    words.add("--svg", options.svg, "Also a drawing of the curves, into this file");
+    words.add("--svg", options.svg, "Also a drawing of the curves, into this file")
+        .tells(options.of_curves);
     words.add("--baseline", options.baseline,
               "The condition that others are compared with; without it the first by name, of a "
               "database the first run or the least friction");
@@ -143,11 +146,14 @@ void declare(CommandWords& words, FitWords& options) {
              "normal, logistic, weibull, gumbel, or a Weibull of a logarithmic stimulus: "
              "weibull_log10, weibull_db")
         .among({protocols::kFamilyWords.begin(), protocols::kFamilyWords.end()})
-        .with_default();
-    words.add("--guess", options.guess,
-              "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, shared: "
-              "free, one for all conditions of a person, or lapse: as the lapse rate. Without it "
-              "0; for a database lapse");
+        .with_default()
+        .tells(options.of_curves);
+    words
+        .add("--guess", options.guess,
+             "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, shared: "
+             "free, one for all conditions of a person, or lapse: as the lapse rate. Without it "
+             "0; for a database lapse")
+        .tells(options.of_curves);
     words
         .add("--lapse", options.lapse,
              "Share of answers that are lapses: a number, free, or shared: free, one for all "
@@ -157,8 +163,10 @@ void declare(CommandWords& words, FitWords& options) {
         .add("--prior", options.priors,
              "What is believed before (MAP): threshold=MEAN,SD, slope=MEDIAN,SD of ln, guess=A,B, "
              "lapse=A,B (beta)")
-        .again_for_each();
-    words.add("--at", options.at, "Also the stimulus at which this share of answers is 1");
+        .again_for_each()
+        .tells(options.of_curves);
+    words.add("--at", options.at, "Also the stimulus at which this share of answers is 1")
+        .tells(options.of_curves);
     declare_study(words, options);
 }
 
@@ -212,11 +220,7 @@ int fit_identifications(const FitWords& words, const Csv& csv) {
 
 /// Options that a fit of identifications does not read.
 void refuse_words_of_curves(const FitWords& words) {
-    const bool curves = words.guess || words.at || !words.priors.empty() || !words.svg.empty() ||
-                        words.lapse == "free" || words.lapse == "shared" ||
-                        words.function != "normal" || words.seed ||
-                        words.bootstrap != FitWords{}.bootstrap;
-    refuse_if(curves,
+    refuse_if(words.of_curves || words.lapse == "free" || words.lapse == "shared",
               "{} holds identifications: --function, --guess, --prior, --at, --bootstrap, --seed, "
               "--svg and --lapse free are for psychometric functions",
               words.file);
