@@ -117,6 +117,8 @@ TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power
     refused({"power", kFourTrials, "--effect", "-99"}, "-10 to 10");
     refused({"power", kFourTrials, "--effect", "-1", "--participants", "1"}, "from 2 to 200");
     refused({"power", kFourTrials, "--effect", "-1", "--friction", "ice"}, "--friction ice");
+    refused({"power", kFourTrials, "--effect", "-1", "--friction", "off"},
+            "off is what others are compared with, the least static friction: give --friction");
     refused({"power", kFourTrials, "--effect", "observer", "--effect-sd", "0.3"},
             "--effect-sd is of an --effect in logits");
     refused({"power", kFourTrials, "--effect", "-1", "--test", "guess"}, "--test");

@@ -143,8 +143,12 @@ protocols::FrictionPair pair_of(const protocols::Protocol& protocol, const std::
         refuse_if(found == all.end(), "--friction {}: {} has none of that name", name, protocol.id);
         pair.with = place(found);
     }
+    refuse_if(all.size() == 1, "{}: two frictions are needed, one to compare with the other",
+              protocol.id);
     refuse_if(pair.with == pair.without,
-              "{}: two frictions are needed, one to compare with the other", protocol.id);
+              "{}: {} is what others are compared with, the least static friction: give --friction "
+              "and another",
+              protocol.id, all[pair.without].name);
     return pair;
 }
 
