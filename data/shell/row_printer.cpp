@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -95,10 +96,27 @@ std::string joined(const Fields& fields, const Text& text) {
     return line;
 }
 
+/// An object's keys differ: of columns of one name the second is NAME_2.
+std::vector<std::string> keys_of(std::vector<std::string> names) {
+    const std::set<std::string> asked(names.begin(), names.end());
+    std::set<std::string> given;
+    for (std::string& name : names) {
+        const std::string stem = name;
+        for (int number = 2; given.contains(name) || (name != stem && asked.contains(name));
+             ++number) {
+            name = fmt::format("{}_{}", stem, number);
+        }
+        given.insert(name);
+    }
+    return names;
+}
+
 }  // namespace
 
 RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string> names)
-    : out_(out), format_(format), names_(std::move(names)) {
+    : out_(out),
+      format_(format),
+      names_(format == RowFormat::json ? keys_of(std::move(names)) : std::move(names)) {
     if (format_ == RowFormat::csv) {
         fmt::print(out_, "{}\n",
                    joined(names_, [](const std::string& name) { return csv_field(name); }));

@@ -22,7 +22,7 @@ enum class RowFormat : std::uint8_t {
     csv,  ///< texts by csv_field(), "\n"; NULL is empty; a blob is hexadecimal
     /// One array of objects; NULL is null; a blob is hexadecimal. JSON has no infinity: it is
     /// 1e999, which is JSON and which JavaScript, Python, R and SQLite read as infinity; -1e999 the
-    /// other one.
+    /// other one. Of columns of one name the second is NAME_2.
     json,
 };
 

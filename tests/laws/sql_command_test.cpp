@@ -79,6 +79,10 @@ TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
           "[{\"t\": \"a\\\"\", \"x\": 0.1, \"n\": null, \"b\": \"0AFF\"},\n"
           "{\"t\": \"c\", \"x\": 1, \"n\": 2, \"b\": 3}]\n");
     CHECK(sql("SELECT 1 AS a WHERE 0", {"--json"}).out == "[]\n");
+    // An object's keys differ; a table's heads and those of CSV are as they were asked for.
+    CHECK(sql("SELECT 1 AS a, 2 AS a, 3 AS a_2, 4 AS a", {"--json"}).out ==
+          "[{\"a\": 1, \"a_3\": 2, \"a_2\": 3, \"a_4\": 4}]\n");
+    CHECK(sql("SELECT 1 AS a, 2 AS a", {"--csv"}).out == "a,a\n1,2\n");
     // JSON has no infinity: a number that is too large is read as one.
     CHECK(sql("SELECT 9e999 AS x, -9e999 AS y, 9e999 - 9e999 AS z", {"--json"}).out ==
           "[{\"x\": 1e999, \"y\": -1e999, \"z\": null}]\n");
