@@ -180,11 +180,11 @@ class Transmitted {
 public:
     void add(int count, sqlite3_value** values) {
         ++rows_;
-        counts_[{text(values[0]), text(values[1])}] += often(count, values);
+        counts_[{category(values[0]), category(values[1])}] += often(count, values);
     }
     void remove(int count, sqlite3_value** values) {
         --rows_;
-        const auto cell = counts_.find({text(values[0]), text(values[1])});
+        const auto cell = counts_.find({category(values[0]), category(values[1])});
         if (cell != counts_.end() && (cell->second -= often(count, values)) == 0) {
             counts_.erase(cell);
         }
@@ -202,10 +202,19 @@ private:
         }
         return static_cast<std::int64_t>(n);
     }
-    static std::string text(sqlite3_value* value) {
+    /// The same for values that SQL takes for equal: 1 and 1.0, and neither is the text 1.
+    static std::string category(sqlite3_value* value) {
+        const int type = sqlite3_value_type(value);
+        if (type == SQLITE_FLOAT) {
+            const double number = sqlite3_value_double(value);
+            const bool whole = std::fabs(number) < 0x1p63 && std::floor(number) == number;
+            return whole ? fmt::format("n{}", static_cast<std::int64_t>(number))
+                         : fmt::format("n{}", number);
+        }
+        const std::string mark = type == SQLITE_INTEGER ? "n" : type == SQLITE_TEXT ? "t" : "b";
         const auto* bytes = static_cast<const char*>(sqlite3_value_blob(value));
         const auto size = static_cast<std::size_t>(sqlite3_value_bytes(value));
-        return bytes == nullptr ? std::string() : std::string(bytes, size);
+        return bytes == nullptr ? mark : mark + std::string(bytes, size);
     }
 
     ConfusionCounts counts_;

@@ -260,6 +260,11 @@ TEST_CASE("information is log2 of what is distinguished, none where answers igno
     CHECK(asked.real("SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,89), "
                      "(0,1,11), (1,0,11), (1,1,89))") ==
           Approx(1.0 + 0.11 * std::log2(0.11) + 0.89 * std::log2(0.89)).epsilon(1e-12));
+    // Categories are those of SQL's own equality: 1 = 1.0, and 1 is not '1'.
+    CHECK(asked.real("SELECT mutual_information(column1, column2) FROM (VALUES (1,'a'), "
+                     "(1.0,'a'), (2,'b'), (2.0,'b'))") == Approx(1.0).epsilon(1e-13));
+    CHECK(asked.real("SELECT mutual_information(column1, column2) FROM (VALUES (1,'a'), ('1','b'), "
+                     "(1.5,'c'), ('1.5','d'))") == Approx(2.0).epsilon(1e-13));
     // Rows are counts: one row a trial says the same.
     CHECK(asked.real("SELECT mutual_information(column1, column2) FROM (VALUES (0,0), (0,0), "
                      "(1,1), (1,0))") ==
