@@ -42,7 +42,8 @@ std::string undefined_why(const FittedCurve& curve, Quantity quantity) {
         spec.family == protocols::Family::weibull_db) {
         return "none of a logarithmic stimulus";
     }
-    return "none: the threshold is not above 0";
+    const std::string unbounded = unbounded_why(curve.fit, Quantity::threshold);
+    return unbounded.empty() ? "none: the threshold is not above 0" : unbounded;
 }
 
 /// A ratio of stimuli that may be below 0 says nothing.
