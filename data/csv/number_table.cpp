@@ -112,6 +112,11 @@ private:
                  "the head is not UTF-8 (a spreadsheet may write UTF-16 or a code page): save "
                  "the table as CSV UTF-8");
         }
+        if (trimmed(line_, kBlank).find('\r') != std::string_view::npos) {
+            fail(number_,
+                 "lines end with a carriage return alone (CR): save the table with lines that end "
+                 "with LF or CR LF");
+        }
         for (const Field& name : fields_of(head_line_)) {
             head_.push_back(name.text);
             head_characters_.push_back(name.character);
@@ -209,6 +214,10 @@ private:
                         fmt::format("{} is not UTF-8 (a spreadsheet may write a code page): save "
                                     "the table as CSV UTF-8",
                                     head_[place]));
+            }
+            if (text.find('\0') != std::string::npos) {
+                fail_at(fields[place].character,
+                        fmt::format("{} holds a NUL byte: take it out", head_[place]));
             }
             table.text_characters.push_back(static_cast<std::uint32_t>(fields[place].character));
         }

@@ -23,6 +23,14 @@ TEST_CASE(
     of("stats", "subject,trial,shape,friction,response\nA,1,a,glatt,a\nA,2,a,r\xE4u,a\n",
        "d.csv:3:7: friction is not UTF-8");
     of("fit", std::string("\xFF\xFEs\0t\0i\0", 8), "d.csv:1: the head is not UTF-8");
+    of("fit", "stimulus,n,k\r1,10,2\r2,10,8\r",
+       "d.csv:1: lines end with a carriage return alone (CR)");
+    of("stats", "subject,trial,shape,friction,response\rA,1,a,on,a\r",
+       "d.csv:1: lines end with a carriage return alone (CR)");
+    of("stats",
+       "subject,trial,shape,friction,response\nA,1,a,on,a\nA" + std::string(1, '\0') +
+           ",2,a,on,a\n",
+       "d.csv:3:1: subject holds a NUL byte: take it out");
     of("fit", "stimulus;n;k\n0,5;10;2\n", "d.csv:1: the fields are parted by semicolons");
     of("stats", "subject\ttrial\tshape\nA\t1\ta\n", "d.csv:1: the fields are parted by tabs");
     of("stats", "subject,trial,shape,friction,response\nA,1,a,on,Yes\nA,2,b,off,No\n",
