@@ -206,7 +206,7 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
     LeftOut named = study.left_out();
     for (auto* reasons : {&named.broken, &named.withdrawals}) {
         for (LeftOut::Reason& one : *reasons) {
-            one.person.insert(0, "person ");
+            one.person = fmt::format("person {}:", one.person);
         }
     }
     std::string account = html_text(left_out_text(named));

@@ -117,8 +117,10 @@ TEST_CASE("every command says alike who and what was left out, in words and in J
           std::pair{"audit", with("audit").out}, std::pair{"report", slurp(page)}}) {
         CAPTURE(command, text);
         CHECK(account_in(text) == wanted);
-        CHECK_THAT(text, Has(name + ", real sessions: 1 person", "sessions_finished: 1 is not",
-                             std::string(command) == "report" ? "file says why" : "was asleep"));
+        CHECK_THAT(text,
+                   Has(name + ", real sessions: 1 person", "sessions_finished: 1 is not",
+                       std::string(command) == "report" ? "session 1:  the lab&#39;s file says why"
+                                                        : "was asleep"));
         CHECK((std::string(command) != "report" || text.find("asleep") == std::string::npos));
     }
     CHECK_THAT(slurp(page),
