@@ -3,14 +3,18 @@ words <- c('subject', 'shape', 'friction', 'response', 'excluded')
 all <- read.csv(file.path(if (length(self)) dirname(self[1]) else '.', data), na.strings = '', encoding = 'UTF-8',
                 colClasses = setNames(rep('character', 5), words))
 all$excluded[is.na(all$excluded)] <- ''
-for (w in words) all[[w]] <- sub("^'('*[=+@\t\r-])", '\\1', all[[w]])  # ' keeps spreadsheets from taking them for formulas
+for (w in words) all[[w]] <- sub("^'('*[=+@\t\r\n-])", '\\1', all[[w]])  # ' keeps spreadsheets from taking them for formulas
 all$right <- as.numeric(if (!yes_no) all$response == all$shape else if (length(signals))
     (all$response == 'yes') == (all$shape %in% signals) else all$response == 'yes')
 right_known <- !yes_no || length(signals) > 0
 sure <- all$confidence[!is.na(all$confidence)]
 probability <- length(sure) > 0 && all(sure >= 0 & sure <= 1) && any(sure > 0 & sure < 1)
 
-key <- function(x) gsub('/', '~1', gsub('~', '~0', x, fixed = TRUE), fixed = TRUE)
+key <- function(x) {
+    shown <- c('~' = '~0', '/' = '~1', '\t' = '\\t', '\n' = '\\n', '\r' = '\\r')
+    for (sign in names(shown)) x <- gsub(sign, shown[[sign]], x, fixed = TRUE)
+    x
+}
 say <- function(place, value) for (i in seq_along(value)) if (length(value[i]) && is.finite(value[i]))
     cat(sprintf('%s%s\t%.10g\n', place, if (length(value) > 1) paste0('/', i - 1) else '', value[i]))
 

@@ -316,8 +316,8 @@ std::string stats_r(const StatsReport& report, const std::string& trials) {
     const auto& account = report.table.left_out;
     return fmt::format(
         "# The numbers of `palpate stats --json` again, by R, from the trials beside this "
-        "script.\n{}# Each line that it prints is a place in that JSON (a JSON pointer), a tab, "
-        "and the number.\n"
+        "script.\n{}# Each line that it prints is a place in that JSON (a JSON pointer, with \\t, "
+        "\\n and \\r for\n# tabs and ends of lines), a tab, and the number.\n"
         "# Base R; the mixed model by Laplace needs lme4 (r-cran-lme4). What palpate draws by "
         "chance\n"
         "# (permutations, the simulated null) is not drawn again.\n"

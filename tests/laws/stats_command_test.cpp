@@ -89,7 +89,10 @@ std::map<std::string, int> compare(const std::string& printed, const Json& ours)
     for (const std::string& line : lines_in(printed)) {
         const std::size_t tab = line.find('\t');
         REQUIRE(tab != std::string::npos);
-        const std::string place = line.substr(0, tab);
+        const std::string printed_place = line.substr(0, tab);
+        const std::string place = printed_place.find('\\') == std::string::npos
+                                    ? printed_place
+                                    : replaced(printed_place, "P\\t04\\n", "P\t04\n");
         CAPTURE(line);
         REQUIRE(ours.contains(Json::json_pointer(place)));
         const Json& number = ours.at(Json::json_pointer(place));
@@ -119,7 +122,11 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
         return;
     }
     const TemporaryFolder folder;
-    write(folder.file("d.csv"), made_up(6, 40, true));
+    std::string text = made_up(6, 40, true);
+    for (std::size_t at = text.find("P04,"); at != std::string::npos; at = text.find("P04,", at)) {
+        text.replace(at, 3, "\"P\t04\n\"");  // a name may hold what parts the script's numbers
+    }
+    write(folder.file("d.csv"), text);
     write(folder.file("yes.csv"), yes_and_no());
     write(folder.file("right.csv"), all_right());
     const std::vector<std::string> how{"--simulations", "0", "--permutations", "0"};
