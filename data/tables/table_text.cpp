@@ -30,8 +30,11 @@ std::string significant_text(double value, double scale) {
     return fmt::format("{:.{}g}", value == 0.0 ? 0.0 : value, digits);
 }
 
+/// From here on decimals are none of a double's digits.
+constexpr double kLarge = 1e15;
+
 std::string number_text(double value, const Column& column, double scale) {
-    if (column.says == Column::Says::significant) {
+    if (column.says == Column::Says::significant || std::fabs(value) >= kLarge) {
         return significant_text(value, scale);
     }
     if (column.says == Column::Says::p && value < 0.001) {
