@@ -122,6 +122,15 @@ TEST_CASE("what is said of a window is not said beside --headless", "[cli][law]"
     CHECK(folder.names().empty());
 }
 
+TEST_CASE("a word that does not apply is not passed over where it says its default", "[cli][law]") {
+    CHECK_THAT(ran({"new", "--keys", "--from", "shape_friction"}, 2).error,
+               Has("--from excludes --keys"));
+    for (const char* form : {"bash", "man"}) {
+        CHECK_THAT(ran({"words", form, "--of", "protocol"}, 2).error,
+                   Has("--of is for words schema"));
+    }
+}
+
 TEST_CASE("what is no finite number is refused by every word that takes one", "[cli][law]") {
     const TemporaryFolder folder;
     const std::vector<std::vector<std::string>> commands{

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/refuse.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
@@ -215,6 +216,7 @@ Command words_command(std::vector<Command> (*all)()) {
     struct Options {
         std::string form;
         std::string kind{protocols::kSchemaKinds.front()};
+        bool of_kind = false;
     };
     const auto options = std::make_shared<Options>();
     return {"words", "Print what other programs want to know of commands and files",
@@ -227,9 +229,13 @@ Command words_command(std::vector<Command> (*all)()) {
                     .among({"bash", "man", "schema"});
                 words.add("--of", options->kind, "with schema: of this kind of file")
                     .among({protocols::kSchemaKinds.begin(), protocols::kSchemaKinds.end()})
-                    .with_default();
+                    .with_default()
+                    .tells(options->of_kind);
             },
             [options, all] {
+                refuse_if(options->of_kind && options->form != "schema",
+                          "--of is for words schema, and this is words {}: leave it out",
+                          options->form);
                 say_to(stdout, options->form == "schema" ? protocols::json_schema(options->kind)
                                : options->form == "man"  ? man_page(all(), kVersion)
                                                          : bash_completion(all()));
