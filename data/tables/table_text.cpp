@@ -34,8 +34,11 @@ std::string significant_text(double value, double scale) {
 constexpr double kLarge = 1e15;
 
 std::string number_text(double value, const Column& column, double scale) {
-    if (column.says == Column::Says::significant || std::fabs(value) >= kLarge) {
+    if (column.says == Column::Says::significant) {
         return significant_text(value, scale);
+    }
+    if (std::fabs(value) >= kLarge) {
+        return significant_text(value, 0.0);
     }
     if (column.says == Column::Says::p && value < 0.001) {
         return "<0.001";
