@@ -206,8 +206,7 @@ TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a 
     CHECK_THAT(ran(words).out, Has("none: the threshold is not above 0"));
     // Of no threshold nobody knows on which side of 0 it is.
     write(csv, "stimulus,n,k\n1,10,10\n2,10,10\n3,10,10\n");
-    CHECK_THAT(ran(words).out,
-               Has("Weber fraction                  unbounded: the share does not grow"));
+    CHECK_THAT(ran(words).out, Has("Weber fraction    unbounded: the share does not grow"));
 }
 
 TEST_CASE(
