@@ -7,7 +7,6 @@
 
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/fit/optimum.hpp"
 
 namespace palpate::data {
 namespace {
@@ -282,19 +281,24 @@ Optimum steepest(const CurveModel& model, CurvePoint near) {
 
 }  // namespace
 
+Checked checked_by_simplex(const CurveModel& model, const Highest& found) {
+    const CurveMask free = model.free();
+    const Optimum second = nelder_mead(model, found.start, free);
+    Checked made{found.best, second.value, std::fabs(second.value - found.best.value) < 1e-6};
+    if (second.value > found.best.value) {
+        const Optimum again = climb(model, second.at, free);
+        made.best = again.value > second.value ? again : second;
+    }
+    return made;
+}
+
 CurveFit fit_curve(const CurveModel& model) {
     const CurveSpec& spec = model.spec();
     const CurveMask free = model.free();
     const Highest found = highest(model, model.middle(), free, Search::thorough);
-    Optimum best = found.best;
-    CurveFit fit;
-    const Optimum second = nelder_mead(model, found.start, free);
-    fit.second = second.value;
-    fit.agree = std::fabs(second.value - best.value) < 1e-6;
-    if (second.value > best.value) {
-        const Optimum again = climb(model, second.at, free);
-        best = again.value > second.value ? again : second;
-    }
+    const Checked checked = checked_by_simplex(model, found);
+    const Optimum& best = checked.best;
+    CurveFit fit{.second = checked.second, .agree = checked.agree};
     CurvePoint gradient;
     CurveMatrix information;
     fit.value = model.derivatives(best.at, gradient, information);

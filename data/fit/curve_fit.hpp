@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "data/fit/curve_model.hpp"
+#include "data/fit/optimum.hpp"
 #include "data/statistics/distributions.hpp"
 
 /// Psychometric functions fitted by maximum likelihood, or MAP where the spec has priors.
@@ -51,6 +51,14 @@ struct CurveFit {
     /// not determined.
     std::optional<Interval> maxima{};
 };
+
+/// What Nelder-Mead, from the same point of the grid, says to the maximum of a search.
+struct Checked {
+    Optimum best{};       ///< the higher of both
+    double second = 0.0;  ///< its own value
+    bool agree = true;    ///< the two differ by less than 1e-6
+};
+[[nodiscard]] Checked checked_by_simplex(const CurveModel& model, const Highest& found);
 
 /// The highest maximum that thorough Search finds by Fisher scoring, and Nelder-Mead's from the
 /// same point of the grid; where that is higher it is taken, and `agree` is false.

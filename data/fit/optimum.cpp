@@ -17,6 +17,9 @@ namespace {
 
 using protocols::exponential;
 
+/// Values closer than this are of one maximum.
+constexpr double kSameHill = 1e-6;
+
 /// A parameter at the end of its range that would leave it does not take part in a step.
 CurveMask inside(const CurveModel& model,
                  const CurvePoint& at,
@@ -231,12 +234,18 @@ Highest highest(const CurveModel& model,
     }
     keep(all, search == Search::quick ? 4 : all.size());
     Highest found{climb(model, near, free, tolerance), near};
+    double reached = -std::numeric_limits<double>::infinity();  // from found.start
     for (const Start& start : all) {
         const Optimum one = climb(model, start.at, free, tolerance);
+        if (one.value > reached + kSameHill) {
+            reached = one.value;
+            found.start = start.at;
+        }
         if (one.value > found.best.value) {
-            found = {one, start.at};
+            found.best = one;
         }
     }
+    found.start = found.best.value > reached + kSameHill ? near : found.start;
     const int more = search == Search::thorough ? 20 : 0;
     for (int i = 0; i < more && !found.best.settled; ++i) {
         found.best = climb(model, found.best.at, free, tolerance);
@@ -333,24 +342,35 @@ Optimum climb(const CurveModel& model,
 Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const CurveMask& free) {
     const double range = model.last() - model.first();
     const CurvePoint edges{0.1 * range, 0.3, 0.05, 0.02};
-    std::vector<double> from;
-    std::vector<double> edge;
-    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-        if (free[i]) {
-            from.push_back(start[i]);
-            edge.push_back(start[i] + edges[i] > model.high()[i] ? -edges[i] : edges[i]);
+    Optimum best{.at = within(model, start, free)};
+    best.value = model.value(best.at);
+    // Beyond an end of a range all values are alike: a simplex that shrank there begins anew inside.
+    for (int i = 0; i < 12 && !best.settled; ++i) {
+        const auto point_of = [&](std::span<const double> moving) {
+            CurvePoint point = best.at;
+            for (std::size_t p = 0, next = 0; p < kCurveParameters; ++p) {
+                point[p] = free[p] ? moving[next++] : point[p];
+            }
+            return within(model, point, free);
+        };
+        std::vector<double> from;
+        std::vector<double> edge;
+        for (std::size_t p = 0; p < kCurveParameters; ++p) {
+            if (free[p]) {
+                from.push_back(best.at[p]);
+                edge.push_back(best.at[p] + edges[p] > model.high()[p] ? -edges[p] : edges[p]);
+            }
+        }
+        const SimplexMaximum top = simplex_maximum(
+            [&](std::span<const double> moving) { return model.value(point_of(moving)); }, from,
+            edge);
+        best.settled = top.value - best.value < 1e-9;
+        if (top.value > best.value) {
+            best.at = point_of(top.at);
+            best.value = top.value;
         }
     }
-    const auto point_of = [&](std::span<const double> moving) {
-        CurvePoint point = start;
-        for (std::size_t i = 0, next = 0; i < kCurveParameters; ++i) {
-            point[i] = free[i] ? moving[next++] : start[i];
-        }
-        return within(model, point, free);
-    };
-    const SimplexMaximum top = simplex_maximum(
-        [&](std::span<const double> moving) { return model.value(point_of(moving)); }, from, edge);
-    return {point_of(top.at), top.value, top.settled};
+    return best;
 }
 
 double least_between(const std::function<double(double)>& loss, double one, double other) {

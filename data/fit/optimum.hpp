@@ -33,7 +33,7 @@ enum class Search : std::uint8_t {
 /// The highest maximum found.
 struct Highest {
     Optimum best{};
-    CurvePoint start{};  ///< from which it was reached
+    CurvePoint start{};  ///< the highest point of the grid from which it was reached
 };
 
 /// The highest of climb() from `near` and from the highest points of a grid, none of whose
@@ -47,8 +47,8 @@ struct Highest {
                               Search search,
                               double tolerance = 1e-12);
 
-/// The simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun anew where it ended until
-/// that gains less than 1e-9. Knows no derivative.
+/// The simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun anew inside all ranges
+/// where it ended until that gains less than 1e-9. Knows no derivative.
 [[nodiscard]] Optimum nelder_mead(const CurveModel& model,
                                   const CurvePoint& start,
                                   const CurveMask& free);

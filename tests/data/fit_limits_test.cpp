@@ -141,6 +141,98 @@ TEST_CASE(
     CHECK(intervals.high > quantity_of(spec, fit.at, Quantity::weber));
 }
 
+/// Answers of a curve with a threshold of .5, an sd of .6 and 2 % of lapses at seven levels.
+std::vector<Level> ordinary(Random& random, std::int64_t n) {
+    std::vector<Level> levels;
+    for (int i = 0; i < 7; ++i) {
+        const double x = -1.5 + 4.0 * i / 6.0;
+        const double share = 0.02 + 0.48 * std::erfc(-(x - 0.5) / (0.6 * std::sqrt(2.0)));
+        std::int64_t k = 0;
+        for (std::int64_t trial = 0; trial < n; ++trial) {
+            k += random.in(0.0, 1.0) < share ? 1 : 0;
+        }
+        levels.push_back({x, n, k});
+    }
+    return levels;
+}
+
+/// The highest log-likelihood of a normal curve with guesses of .02, by steps that shrink.
+double highest_normal(const std::vector<Level>& levels, bool lapse_free) {
+    std::array<double, 3> at{0.5, std::log(0.6), 0.02};
+    const auto value = [&] {
+        double sum = 0.0;
+        for (const Level& level : levels) {
+            const double z = (level.stimulus - at[0]) * std::exp(-at[1]);
+            const double p = 0.02 + (0.98 - at[2]) * 0.5 * std::erfc(-z / std::sqrt(2.0));
+            sum += static_cast<double>(level.k) * std::log(p);
+            sum +=
+                level.k < level.n ? static_cast<double>(level.n - level.k) * std::log1p(-p) : 0.0;
+        }
+        return at[2] < 0.0 || at[2] > 0.25 ? -INFINITY : sum;
+    };
+    double best = value();
+    for (double step = 0.1; step > 1e-6;) {
+        const double before = best;
+        for (std::size_t i = 0; i < (lapse_free ? 3U : 2U); ++i) {
+            for (const double by : {step, -step}) {
+                const double kept = at.at(i);
+                at.at(i) += by;
+                const double here = value();
+                best = std::max(best, here);
+                at.at(i) = here < best ? kept : at.at(i);
+            }
+        }
+        step *= best > before + 1e-9 ? 1.0 : 0.5;
+    }
+    return best;
+}
+
+TEST_CASE("the second optimiser confirms ordinary curves, which are the highest there is",
+          "[fit][law]") {
+    int fits = 0;
+    int differ = 0;
+    Random random(7);
+    for (const Family family : {Family::gumbel, Family::normal, Family::logistic}) {
+        for (int person = 0; person < 80; ++person) {
+            const std::vector<Level> levels = ordinary(random, 100);
+            for (const bool free : {false, true}) {
+                const CurveSpec spec{
+                    .family = family, .guess = 0.02, .lapse = 0.02, .lapse_free = free};
+                const CurveFit fit = fit_curve(CurveModel(levels, spec));
+                differ += fit.agree ? 0 : 1;
+                ++fits;
+                if (family == Family::normal && person < 30) {
+                    const double own = highest_normal(levels, free);
+                    CHECK(own < fit.value + 1e-6);
+                    CHECK(own > fit.value - 1e-3);
+                }
+            }
+        }
+    }
+    CAPTURE(fits, differ);
+    CHECK(500 * differ <= fits);
+}
+
+TEST_CASE("a climb that ends beside the maximum, and above all of the grid, is reported and mended",
+          "[fit][law]") {
+    Random random(GENERATE(range(1U, 11U)));
+    const CurveSpec spec{.family = Family::normal, .guess = 0.02, .lapse_free = true};
+    const CurveModel model(ordinary(random, 100), spec);
+    const Highest found = highest(model, model.middle(), model.free(), Search::thorough);
+    CHECK(checked_by_simplex(model, found).agree);
+    Highest wrong = found;
+    wrong.best.at[0] += random.in(0.005, 0.05);
+    wrong.best.value = model.value(wrong.best.at);
+    REQUIRE(wrong.best.value < found.best.value - 1e-5);
+    const Checked checked = checked_by_simplex(model, wrong);
+    CHECK_FALSE(checked.agree);
+    CHECK(checked.second > wrong.best.value);
+    CHECK(std::fabs(checked.best.value - found.best.value) < 1e-6);
+    wrong.best = found.best;
+    wrong.best.value += 1e-3;  // a value that no place has
+    CHECK_FALSE(checked_by_simplex(model, wrong).agree);
+}
+
 TEST_CASE("the least between two places is found, however few numbers lie between them",
           "[fit][law]") {
     // Slopes of two steep curves may be one place but for the last bits: ln(60 / gap) of both.
