@@ -263,7 +263,7 @@ std::string why_unbounded(SigmaEnd end) {
         case SigmaEnd::both:
             return {};
         case SigmaEnd::sharp:
-            return "as good as 0: no answer is wrong but by lapse";
+            return "as good as 0: the likelihood grows to that end";
         case SigmaEnd::blunt:
             return "unbounded: the answers do not follow the items";
         case SigmaEnd::unknown:

@@ -16,11 +16,10 @@ using namespace thurstone;
 constexpr double kFarShift = 20.0;
 /// The items' range in least distances, at most.
 constexpr double kWidest = 1e100;
-/// Half the 95 % point of chi-square of 1 df; and what is no loss.
+/// Half the 95 % point of chi-square of 1 df.
 constexpr double kLoss95 = 1.920729410347062;
-constexpr double kNoLoss = 1e-3;
 
-/// Two maxima closer than this are one.
+/// Two optimisers that end closer than this agree.
 constexpr double kSame = 1e-6;
 
 void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
@@ -43,10 +42,17 @@ void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
 class Profile {
 public:
     Profile(const Model& model,
+            const ThurstoneSpec& spec,
             const Maximum& top,
             const std::vector<Parameters>& starts,
-            std::size_t parameter)
-        : model_(model), top_(top), starts_(starts), parameter_(parameter) {}
+            std::size_t parameter,
+            Maximum& seen)
+        : model_(model),
+          spec_(spec),
+          top_(top),
+          starts_(starts),
+          parameter_(parameter),
+          seen_(seen) {}
 
     struct Edge {
         std::optional<double> at{};  ///< where the loss is that of 95 %; nothing: it never is
@@ -63,13 +69,20 @@ public:
         if (sign * (end - start) <= 0.0) {
             return {};
         }
+        int hills = 0;
         for (double way = std::fabs(step);; way *= 1.7) {
             const double right = sign * std::min(sign * (start + sign * way), sign * end);
             const double loss = loss_at(right);
             if (loss >= kLoss95) {
                 const double at = between_edges(left, loss_left, right, loss);
+                const double lower = loss_over_hills();
                 ends_.push_back(near_);
-                return {at, loss};
+                if (lower >= kLoss95 - kNoLoss || ++hills > 2) {
+                    return {at, loss};
+                }
+                left = at;  // on from the hill that is higher there
+                loss_left = lower;
+                continue;
             }
             if (right == end) {
                 ends_.push_back(near_);
@@ -83,14 +96,14 @@ public:
     /// The loss where the parameter is 0, from all starts and where walks ended: a climb may end on
     /// a lower hill.
     double loss_at_none() {
-        double best = kLowest;
+        Maximum best;
         for (const std::vector<Parameters>* all : {&starts_, &std::as_const(ends_)}) {
             for (Parameters start : *all) {
                 start[parameter_] = 0.0;
-                best = std::max(best, climb(model_, std::move(start), parameter_).value);
+                take_higher(best, climb(model_, std::move(start), parameter_));
             }
         }
-        return std::max(top_.value - best, 0.0);
+        return loss_of(best);
     }
 
 private:
@@ -100,13 +113,23 @@ private:
         if (top_.value - found.value >= kLoss95) {  // a walk may end on a lower hill
             for (Parameters start : starts_) {
                 start[parameter_] = place;
-                Maximum other = climb(model_, std::move(start), parameter_);
-                if (other.value > found.value) {
-                    found = std::move(other);
-                }
+                take_higher(found, climb(model_, std::move(start), parameter_));
             }
         }
-        near_ = std::move(found.at);
+        near_ = found.at;
+        return loss_of(found);
+    }
+
+    /// Where the walk is.
+    double loss_over_hills() {
+        const Maximum found =
+            over_hills(model_, spec_, climb(model_, near_, parameter_), parameter_);
+        near_ = found.at;
+        return loss_of(found);
+    }
+
+    double loss_of(const Maximum& found) {
+        take_higher(seen_, found);
         return std::max(top_.value - found.value, 0.0);
     }
 
@@ -130,17 +153,21 @@ private:
     }
 
     const Model& model_;
+    const ThurstoneSpec& spec_;
     const Maximum& top_;
     const std::vector<Parameters>& starts_;
     std::size_t parameter_;
+    Maximum& seen_;
     Parameters near_{};
     std::vector<Parameters> ends_{};
 };
 
-void add_intervals(ThurstoneFit& fit,
-                   const Model& model,
-                   const Maximum& top,
-                   const ThurstoneSpec& spec) {
+/// Gives back the highest that was seen: above `top` where that was a lower hill.
+Maximum add_intervals(ThurstoneFit& fit,
+                      const Model& model,
+                      const Maximum& top,
+                      const ThurstoneSpec& spec) {
+    Maximum seen = top;
     const Layout& layout = model.layout();
     const double range = spec.items.back() - spec.items.front();
     std::vector<Parameters> starts = starts_of(layout, spec);
@@ -148,7 +175,7 @@ void add_intervals(ThurstoneFit& fit,
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart& part = fit.parts[f];
         const Interval limits = sigma_limits(spec, spec.relative && f > 0);
-        Profile sigma(model, top, starts, layout.sigma(f));
+        Profile sigma(model, spec, top, starts, layout.sigma(f), seen);
         const Profile::Edge low = sigma.edge(-0.4, limits.low);
         const Profile::Edge high = sigma.edge(0.4, limits.high);
         const double at = top.at[layout.sigma(f)];
@@ -164,7 +191,7 @@ void add_intervals(ThurstoneFit& fit,
             part.ratio_loss = sigma.loss_at_none();
         }
         if (layout.shifts(f)) {
-            Profile shift(model, top, starts, layout.shift(f));
+            Profile shift(model, spec, top, starts, layout.shift(f), seen);
             const double step = 0.1 * range;
             const Profile::Edge down = shift.edge(-step, -kFarShift * range);
             const Profile::Edge up = shift.edge(step, kFarShift * range);
@@ -172,6 +199,7 @@ void add_intervals(ThurstoneFit& fit,
             part.shift_interval = Interval{down.at.value_or(-kInfinite), up.at.value_or(kInfinite)};
         }
     }
+    return seen;
 }
 
 /// Of shares that are free, and how many of them are.
@@ -194,43 +222,79 @@ void add_deviance(ThurstoneFit& fit, const std::vector<CallCounts>& counts, cons
     fit.deviance = 2.0 * (saturated - fit.log_likelihood);
 }
 
+/// Of ratios also from the maximum of the sigmas themselves, to which other ways lead.
+Maximum highest_of(const Model& model,
+                   const std::vector<CallCounts>& counts,
+                   const ThurstoneSpec& spec) {
+    Maximum top = highest(model, spec);
+    if (spec.relative) {
+        ThurstoneSpec plain = spec;
+        plain.relative = false;
+        Maximum other = highest(Model(counts, plain), plain);
+        if (other.value > top.value + kNoLoss) {
+            for (std::size_t f = 1; f < counts.size(); ++f) {
+                other.at[model.layout().sigma(f)] -= other.at[model.layout().sigma(0)];
+            }
+            top = climb(model, std::move(other.at));
+        }
+    }
+    return top;
+}
+
+/// The second optimiser from the first start; where that ends lower, from where the climb began.
+void check_by_simplex(ThurstoneFit& fit,
+                      const Model& model,
+                      const ThurstoneSpec& spec,
+                      Maximum& top) {
+    const Layout& layout = model.layout();
+    const double spacing = least_distance(spec.items);
+    std::vector<double> edge(layout.size(), 0.3 * spacing);
+    for (std::size_t f = 0; f < layout.conditions; ++f) {
+        edge[layout.sigma(f)] = 0.3;
+    }
+    const auto place_of = [&](std::span<const double> at) {
+        Parameters place(at.begin(), at.end());
+        model.keep_within(place);
+        return place;
+    };
+    const auto from = [&](const Parameters& start) {
+        const SimplexMaximum found = simplex_maximum(
+            [&](std::span<const double> at) { return model.value(place_of(at)); }, start, edge);
+        return Maximum{place_of(found.at), found.value};
+    };
+    Maximum second = from(start_at(layout, spec, spacing));
+    if (second.value < top.value - kSame) {
+        take_higher(second, from(top.from));
+    }
+    fit.second = second.value;
+    fit.agree = std::fabs(fit.second - top.value) < kSame;
+    if (second.value > top.value) {
+        Maximum again = climb(model, second.at);
+        top = std::move(again.value > second.value ? again : second);
+    }
+}
+
 /// @param spec  items whose least distance is about 1
 ThurstoneFit fit_spaced(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
     const Model model(counts, spec);
     const Layout& layout = model.layout();
     refuse_if(layout.used.size() < 2,
               "every answer is the same response: nothing is distinguished");
-    const double spacing = least_distance(spec.items);
-    Maximum top;
-    for (const Parameters& start : starts_of(layout, spec)) {
-        Maximum found = climb(model, start);
-        if (found.value > top.value) {
-            top = std::move(found);
+    ThurstoneFit fit{.second = std::nan("")};
+    fit.parts.resize(layout.conditions);
+    Maximum top = highest_of(model, counts, spec);
+    while (true) {
+        fit.first = top.value;
+        if (spec.checked) {
+            check_by_simplex(fit, model, spec, top);
         }
+        Maximum seen = spec.intervals ? add_intervals(fit, model, top, spec) : top;
+        if (seen.value <= top.value + kNoLoss) {
+            break;
+        }
+        top = climb(model, std::move(seen.at));
     }
-    ThurstoneFit fit{.log_likelihood = top.value, .first = top.value, .second = std::nan("")};
-    if (spec.checked) {
-        const Parameters start = start_at(layout, spec, spacing);
-        std::vector<double> edge(start.size(), 0.3 * spacing);
-        for (std::size_t f = 0; f < layout.conditions; ++f) {
-            edge[layout.sigma(f)] = 0.3;
-        }
-        const auto place_of = [&](std::span<const double> at) {
-            Parameters place(at.begin(), at.end());
-            model.keep_within(place);
-            return place;
-        };
-        const SimplexMaximum second = simplex_maximum(
-            [&](std::span<const double> at) { return model.value(place_of(at)); }, start, edge);
-        fit.second = second.value;
-        fit.agree = std::fabs(fit.second - top.value) < kSame;
-        if (second.value > top.value) {
-            Maximum again = climb(model, place_of(second.at));
-            top = again.value > second.value ? std::move(again)
-                                             : Maximum{place_of(second.at), second.value};
-            fit.log_likelihood = top.value;
-        }
-    }
+    fit.log_likelihood = top.value;
     std::size_t given = 0;  // of the responses up to j
     for (std::size_t j = 0; j + 1 < counts.front().front().size(); ++j) {
         if (given < layout.used.size() && layout.used[given] == j) {
@@ -241,13 +305,8 @@ ThurstoneFit fit_spaced(const std::vector<CallCounts>& counts, const ThurstoneSp
                                                              : top.at[given - 1]);
     }
     for (std::size_t f = 0; f < layout.conditions; ++f) {
-        ThurstonePart part;
-        part.sigma = model.sigma(top.at, f);
-        part.shift = layout.shifts(f) ? top.at[layout.shift(f)] : 0.0;
-        fit.parts.push_back(part);
-    }
-    if (spec.intervals) {
-        add_intervals(fit, model, top, spec);
+        fit.parts[f].sigma = model.sigma(top.at, f);
+        fit.parts[f].shift = layout.shifts(f) ? top.at[layout.shift(f)] : 0.0;
     }
     add_deviance(fit, counts, layout);
     return fit;

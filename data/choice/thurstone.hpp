@@ -12,7 +12,7 @@ namespace palpate::data {
 /// Whether the answers bound a sigma. Its estimate is a number in the first case alone.
 enum class SigmaEnd : std::uint8_t {
     both,
-    sharp,    ///< as good as 0: no answer is wrong but by lapses
+    sharp,    ///< as good as 0: the likelihood grows to that end
     blunt,    ///< as good as infinite: answers do not follow the items
     unknown,  ///< any is as good: no answers, or too few different ones
 };
@@ -54,8 +54,8 @@ struct ThurstoneFit {
 ///
 /// mixed with lapses, lapse / m each. The criteria are the observer's own in all conditions: so
 /// sigma, how well items are distinguished, and the shift, by how much all feel more or less, come
-/// apart, as no share correct can part them. Fisher scoring with Levenberg's damping from three
-/// starts, the highest taken.
+/// apart, as no share correct can part them. Fisher scoring with Levenberg's damping, the highest of
+/// several hills taken (thurstone_model.hpp); a profile that finds a higher one is made again there.
 /// @param counts  of each condition, all of the same size
 /// @throws std::invalid_argument with value and remedy: sizes, order, fewer than two responses in
 /// use

@@ -113,22 +113,24 @@ double Model::row_value(const Parameters& at,
     return sum;
 }
 
-Maximum climb(const Model& model, Parameters start, std::size_t held) {
+Maximum climb(const Model& model, Parameters start, std::size_t held, std::size_t also) {
     const std::size_t n = start.size();
     Parameters gradient;
     Parameters information;
     const auto derivatives = [&](const Parameters& at) {
         const double value = model.value(at, &gradient, &information);
-        if (held != kNone) {
-            gradient[held] = 0.0;
-            for (std::size_t i = 0; i < n; ++i) {
-                information[held * n + i] = information[i * n + held] = 0.0;
+        for (const std::size_t one : {held, also}) {
+            if (one != kNone) {
+                gradient[one] = 0.0;
+                for (std::size_t i = 0; i < n; ++i) {
+                    information[one * n + i] = information[i * n + one] = 0.0;
+                }
+                information[one * n + one] = 1.0;
             }
-            information[held * n + held] = 1.0;
         }
         return value;
     };
-    Maximum best{std::move(start), kLowest};
+    Maximum best{start, kLowest, std::move(start)};
     best.value = derivatives(best.at);
     double damping = 0.0;
     for (int step = 0; step < 300 && std::isfinite(best.value); ++step) {
@@ -143,7 +145,7 @@ Maximum climb(const Model& model, Parameters start, std::size_t held) {
         }
         const Parameters move = solve_symmetric(damped, gradient);
         const double promised = std::inner_product(move.begin(), move.end(), gradient.begin(), 0.0);
-        Maximum next{best.at, kLowest};
+        Maximum next{best.at, kLowest, best.from};
         for (std::size_t i = 0; i < n; ++i) {
             next.at[i] += move[i];
         }
@@ -187,6 +189,57 @@ std::vector<Parameters> starts_of(const Layout& layout, const ThurstoneSpec& spe
         all.push_back(start_at(layout, spec, sigma * least_distance(spec.items)));
     }
     return all;
+}
+
+namespace {
+
+/// Whether one parameter moved elsewhere, and all others climbed there first, leads higher.
+bool hop(const Model& model, Maximum& top, std::size_t held, std::size_t moved, double place) {
+    Parameters at = top.at;
+    at[moved] = place;
+    return moved != held &&
+           take_higher(top, climb(model, climb(model, std::move(at), held, moved).at, held),
+                       kNoLoss);
+}
+
+}  // namespace
+
+bool take_higher(Maximum& top, Maximum other, double margin) {
+    const bool higher = other.value > top.value + margin;
+    if (higher) {
+        top = std::move(other);
+    }
+    return higher;
+}
+
+Maximum over_hills(const Model& model, const ThurstoneSpec& spec, Maximum top, std::size_t held) {
+    const Layout& layout = model.layout();
+    const double spacing = least_distance(spec.items);
+    bool again = true;
+    for (int round = 0; round < (held == kNone ? 3 : 1) && again; ++round) {
+        again = false;
+        for (std::size_t f = 0; f < layout.conditions; ++f) {
+            for (const double sigma : {0.1, 0.2, 0.5, 1.0, 2.0}) {
+                const double first = spec.relative && f > 0 ? top.at[layout.sigma(0)] : 0.0;
+                again |= hop(model, top, held, layout.sigma(f), std::log(sigma * spacing) - first);
+            }
+            for (const double by : {-1.0, -0.5, 0.5, 1.0}) {
+                if (layout.shifts(f)) {
+                    const std::size_t shift = layout.shift(f);
+                    again |= hop(model, top, held, shift, top.at[shift] + by * spacing);
+                }
+            }
+        }
+    }
+    return top;
+}
+
+Maximum highest(const Model& model, const ThurstoneSpec& spec) {
+    Maximum top;
+    for (const Parameters& start : starts_of(model.layout(), spec)) {
+        take_higher(top, climb(model, start));
+    }
+    return over_hills(model, spec, std::move(top));
 }
 
 }  // namespace palpate::data::thurstone

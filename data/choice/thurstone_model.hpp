@@ -178,14 +178,31 @@ private:
 struct Maximum {
     Parameters at;
     double value = kLowest;
+    Parameters from{};  ///< where the climb to it began
 };
 
+/// Of log-likelihood. Towards a sigma of 0 a ridge rises by less than this for long.
+inline constexpr double kNoLoss = 1e-3;
+/// The other instead of `top` where it is higher by more than a margin; whether it is.
+bool take_higher(Maximum& top, Maximum other, double margin = 0.0);
+
 /// The maximum near a start, by Fisher scoring with Levenberg's damping.
-/// @param held  a parameter that stays
-[[nodiscard]] Maximum climb(const Model& model, Parameters start, std::size_t held = kNone);
+/// @param held, also  parameters that stay
+[[nodiscard]] Maximum climb(const Model& model,
+                            Parameters start,
+                            std::size_t held = kNone,
+                            std::size_t also = kNone);
 /// Criteria spread evenly over the items, and this sigma.
 [[nodiscard]] Parameters start_at(const Layout& layout, const ThurstoneSpec& spec, double sigma);
 /// From sigmas of 0.4, 1 and 3 of the least distance of two items.
 [[nodiscard]] std::vector<Parameters> starts_of(const Layout& layout, const ThurstoneSpec& spec);
+/// The highest that is found from `top` with one sigma or shift moved elsewhere, the others climbed
+/// first: hills of sharp conditions are narrow.
+[[nodiscard]] Maximum over_hills(const Model& model,
+                                 const ThurstoneSpec& spec,
+                                 Maximum top,
+                                 std::size_t held = kNone);
+/// The same from the highest of climb() from all starts.
+[[nodiscard]] Maximum highest(const Model& model, const ThurstoneSpec& spec);
 
 }  // namespace palpate::data::thurstone
