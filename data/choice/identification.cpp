@@ -103,7 +103,8 @@ ThurstoneChange change_of(const std::vector<CallCounts>& counts,
     if (own.sigma_interval->low == 0.0) {
         ratio.low = 0.0;
     }
-    const bool known = full.parts[0].end == SigmaEnd::both && part.end == SigmaEnd::both;
+    const bool known = full.parts[0].end == SigmaEnd::both && part.end == SigmaEnd::both &&
+                       own.end == SigmaEnd::both;
     return {.ratio = known ? std::optional(part.sigma / full.parts[0].sigma) : std::nullopt,
             .ratio_interval = ratio,
             .ratio_p = p_against(full, fit_thurstone(counts, less), part.ratio_loss),

@@ -122,8 +122,7 @@ private:
 
     /// Where the walk is.
     double loss_over_hills() {
-        const Maximum found =
-            over_hills(model_, spec_, climb(model_, near_, parameter_), parameter_);
+        const Maximum found = over_hills(model_, spec_, {near_, model_.value(near_)}, parameter_);
         near_ = found.at;
         return loss_of(found);
     }
