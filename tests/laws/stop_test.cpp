@@ -195,6 +195,7 @@ TEST_CASE("Escape holds a session on any screen, and a question without its keys
         session.wait_for_screen(screen);
         pause(0.3);
         hand.key("Escape");
+        pause(0.3);
     };
     const auto goes_on = [&](const std::string& count) {
         session.wait_for_screen("trouble");

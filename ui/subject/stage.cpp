@@ -328,8 +328,10 @@ Input Stage::next(int wait_ms) {
         }
         // What SDL makes of it, as the key that it lets go then, comes after the cause.
         const bool lost = !needs_keyboard_ && keyboard_was_lost();
-        Input input =
-            lost ? Input{.kind = Input::Kind::lost, .way = kKeyboardElsewhere} : read(event);
+        Input input = read(event);
+        if (lost && input.kind != Input::Kind::stop && input.kind != Input::Kind::abort) {
+            input = {.kind = Input::Kind::lost, .way = kKeyboardElsewhere};
+        }
         const bool begins = input.kind == Input::Kind::go || input.kind == Input::Kind::enter;
         if (begins && needs_keyboard_ && keyboard_is_elsewhere()) {
             continue;
