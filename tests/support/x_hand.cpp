@@ -1,14 +1,10 @@
 #include "tests/support/x_hand.hpp"
 
-#include <cstring>
-#include <stdexcept>
-
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>
 #include <X11/keysym.h>
-#include <poll.h>
 
 namespace palpate::tests {
 namespace {
@@ -205,10 +201,7 @@ std::uint64_t XHand::pixels(const Window& window, double from) {
                              rows * static_cast<std::size_t>(shown.width) * sizeof(std::uint32_t)));
 }
 
-/// Whoever looks again and again keeps the server busy, and so the board that is beside it.
 ScreenImage XHand::image(const Window& window) {
-    constexpr int kBetweenMs = 150;
-    poll(nullptr, 0, kBetweenMs);
     static_cast<void>(x_->all_well());
     XImage* image = XGetImage(x_->display, window.id, 0, 0, static_cast<unsigned>(window.width),
                               static_cast<unsigned>(window.height), AllPlanes, ZPixmap);
@@ -216,18 +209,11 @@ ScreenImage XHand::image(const Window& window) {
     if (image == nullptr) {
         return {};
     }
-    if (image->bits_per_pixel != 32) {
-        throw std::runtime_error("a display whose pixels have no 32 bits");
-    }
     ScreenImage shown{.width = image->width, .height = image->height};
-    const auto width = static_cast<std::size_t>(image->width);
-    shown.pixels.resize(width * static_cast<std::size_t>(image->height));
-    for (std::size_t y = 0; y < static_cast<std::size_t>(image->height); ++y) {
-        std::memcpy(&shown.pixels[y * width],
-                    image->data + y * static_cast<std::size_t>(image->bytes_per_line), width * 4);
-    }
-    for (std::uint32_t& pixel : shown.pixels) {
-        pixel &= 0xffffffU;
+    for (int y = 0; y < image->height; ++y) {
+        for (int x = 0; x < image->width; ++x) {
+            shown.pixels.push_back(static_cast<std::uint32_t>(XGetPixel(image, x, y)) & 0xffffffU);
+        }
     }
     XDestroyImage(image);
     return shown;
