@@ -93,7 +93,11 @@ TEST_CASE(
         const auto window = hand.find_window("palpate: break");
         const std::uint64_t asks = hand.pixels(window);
         board.bring("0,89.3");
-        CHECK(eventually([&] { return hand.pixels(window) != asks; }));
+        const auto shown = [&] {  // seldom: pictures keep the server busy, and so the board
+            pause(1.0);
+            return hand.pixels(window);
+        };
+        CHECK(eventually([&] { return shown() != asks; }));
         CHECK(hand.find_window("palpate: ").title == "palpate: break");
         // A motor that becomes stronger is found in the next one.
         press_up_to(hand, run, "question");
