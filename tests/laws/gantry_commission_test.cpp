@@ -207,12 +207,10 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     board.bring("explore");
     bool felt = false;
     for (int i = 0; i < 1800 && !felt && typed->program().running(); ++i) {
-        const auto window = hand.find_window("palpate: ");
-        if (window.title == "palpate: explore") {
+        if (hand.find_window("palpate: ").title == "palpate: explore") {
             felt = board.motors() != "0, 0, 0";
-        } else if (window.id != 0) {
-            hand.focus(window);
-            hand.key(window.title == "palpate: question" ? "1" : "space");
+        } else {
+            press_on(hand);  // also from a trouble of a busy machine
         }
         pause(0.05);
     }
