@@ -344,7 +344,7 @@ Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const Curv
     const CurvePoint edges{0.1 * range, 0.3, 0.05, 0.02};
     Optimum best{.at = within(model, start, free)};
     best.value = model.value(best.at);
-    // Beyond an end of a range all values are alike: a simplex that shrank there begins anew inside.
+    // Beyond an end all values are alike: a simplex that shrank there begins anew inside.
     for (int i = 0; i < 12 && !best.settled; ++i) {
         const auto point_of = [&](std::span<const double> moving) {
             CurvePoint point = best.at;

@@ -69,8 +69,9 @@ struct Measure {
 /// interval alone (deciles, covered_share, start) stays that of the first.
 [[nodiscard]] TrialSummary together(const TrialSummary& first, const TrialSummary& second);
 
-/// Which rules an answered trial breaks: "contact below 1 s". Empty: it counts. How much was felt is
-/// in the summary alone: this is said while the session runs, to who must not guess the condition.
+/// Which rules an answered trial breaks: "contact below 1 s". Empty: it counts. How much was felt
+/// is in the summary alone: this is said while the session runs, to who must not guess the
+/// condition.
 /// @param late_counts  false for a simulated hand: nobody felt the lateness
 [[nodiscard]] std::string why_invalid(const Protocol& protocol,
                                       const TrialSummary& summary,

@@ -41,7 +41,8 @@ struct Input {
 
 /// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q asks, Y
 /// within 3 s stops; nothing else can end a session, closing the window neither. Escape is one
-/// step, whatever is shown: no force is wanted, and it ends no more than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s
+/// step, whatever is shown: no force is wanted, and it ends no more than a trial. For the
+/// experimenter's desk, Ctrl+Shift+M and Y within 3 s
 /// marks the trial, and Ctrl+Shift+P asks for a pause; both say so at the lower edge.
 class Stage {
 public:

@@ -35,8 +35,8 @@ struct SubjectScreenOptions {
     /// latest with the first explore() after the key was let go.
     std::function<void(bool)> on_hold;
     protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
-    /// The force off, now, for this cause and in this way: Escape on any screen, and while an object
-    /// is felt whatever takes the window out of the participant's sight or reach.
+    /// The force off, now, for this cause and in this way: Escape on any screen, and while an
+    /// object is felt whatever takes the window out of the participant's sight or reach.
     std::function<void(engine::Trip, const char*)> on_stop;
     std::function<void()> on_close{};  ///< somebody wants to close the window, which stays
 };
