@@ -2,6 +2,7 @@
 #include <set>
 
 #include "data/store/database.hpp"
+#include "tests/support/cases.hpp"
 #include "tests/support/program.hpp"
 
 using namespace palpate;
@@ -239,19 +240,20 @@ TEST_CASE("no clock brings back consent that was withdrawn, nor notes that were 
     const auto merged = [&](std::vector<std::string> files) {
         std::ranges::sort(files);
         std::set<std::string> said;
+        int orders = 0;
         do {
             std::filesystem::remove(all);
             std::vector<std::string> words{"merge", all};
             words.insert(words.end(), files.begin(), files.end());
             ran(words);
-            ran({"verify", all});
             const std::string once = sql_csv(all, kNoted);
             for (std::size_t i = 0; said.empty() && i < files.size(); ++i) {
                 ran({"merge", all, files[i]});  // again, one by one: nothing changes
             }
             CHECK(sql_csv(all, kNoted) == once);
             said.insert(once.substr(once.find('\n') + 1));
-        } while (std::ranges::next_permutation(files).found);
+        } while (std::ranges::next_permutation(files).found && ++orders < cases(24));
+        ran({"verify", all});
         CHECK(said.size() == 1);
         return *said.begin();
     };

@@ -134,6 +134,7 @@ TEST_CASE("Escape says on every screen, once and at once, that no force is wante
     on("welcome", [&] { CHECK(rig.screen.welcome(SessionView{}) == Signal::go_on); });
     on("ready", [&] { CHECK(rig.screen.ready(kTrial) == Signal::go_on); });
     escape();  // before the screen of the exploration: it forgets what was not meant for it
+    press(SDLK_ESCAPE, KMOD_NONE, true);
     CHECK(rig.screen.explore(kTrial, 0.0).signal == Signal::go_on);
     CHECK(rig.stops == pressed);
     escape();

@@ -139,7 +139,7 @@ bool Stage::forget_earlier() {
     while (SDL_PeepEvents(&event, 1, SDL_GETEVENT, SDL_KEYDOWN, SDL_KEYUP) > 0) {
         const SDL_Keycode symbol = event.key.keysym.sym;
         released |= event.type == SDL_KEYUP && symbol == SDLK_SPACE;
-        if (event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE) {
+        if (event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE && event.key.repeat == 0) {
             stop();
         }
     }
