@@ -45,12 +45,14 @@ public:
         emulator_.type("");
     }
     [[nodiscard]] std::string word() const { return word_; }
-    /// A place, or what else the emulator takes.
+    /// A place, where it has come then, or what else the emulator takes.
     void bring(const std::string& line) {
         const std::size_t before = emulator_.program().out().size();
         emulator_.type(line);
-        tests::pause(0.2);
-        CHECK((silent_ || eventually([&] { return emulator_.program().out().size() > before; })));
+        if (silent_) {
+            return tests::pause(0.2);
+        }
+        CHECK(eventually([&] { return emulator_.program().out().size() > before; }));
     }
 
     void signal(int number) { emulator_.program().signal(number); }

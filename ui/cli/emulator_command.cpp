@@ -59,27 +59,20 @@ void declare_free_handle(CommandWords& words, EmulatorOptions& options) {
              "Where a hand that explores rests, X_MM,Y_MM: start_mm. Left out: 0,60")
         .needs("--free")
         .tells(options.of_linkage);
-    words
-        .add("--handle-g", options.handle_g,
-             "What a free handle weighs with the near halves of its links")
-        .within(1.0, 2000.0)
-        .with_default()
-        .needs("--free")
-        .tells(options.of_linkage);
-    words
-        .add("--handle-damping", options.handle_damping,
-             "What brakes it at the handle itself, N s/m: a plate, a sleeve, air")
-        .within(0.0, 100.0)
-        .with_default()
-        .needs("--free")
-        .tells(options.of_linkage);
-    words
-        .add("--handle-friction", options.handle_friction,
-             "Its dry friction at the handle itself, N")
-        .within(0.0, 10.0)
-        .with_default()
-        .needs("--free")
-        .tells(options.of_linkage);
+    const auto of_linkage = [&](const char* word, double& value, double lowest, double highest,
+                                const char* text) {
+        words.add(word, value, text)
+            .within(lowest, highest)
+            .with_default()
+            .needs("--free")
+            .tells(options.of_linkage);
+    };
+    of_linkage("--handle-g", options.handle_g, 1.0, 2000.0,
+               "What a free handle weighs with the near halves of its links");
+    of_linkage("--handle-damping", options.handle_damping, 0.0, 100.0,
+               "What brakes it at the handle itself, N s/m: a plate, a sleeve, air");
+    of_linkage("--handle-friction", options.handle_friction, 0.0, 10.0,
+               "Its dry friction at the handle itself, N");
 }
 
 void declare(CommandWords& words, EmulatorOptions& options) {
@@ -139,10 +132,9 @@ private:
     bool open_ = true;
 };
 
-/// What lines of standard input do to a board: its answers take so many s from now on.
-using SetDelay = std::function<void(double)>;
-/// What they do to its handle; false: nothing.
-using Obey = std::function<bool(const std::string&)>;
+using SetDelay = std::function<void(double)>;          ///< s, of a board's answers from now on
+using Obey = std::function<bool(const std::string&)>;  ///< a line; false: it is of something else
+using Look = std::function<void()>;                    ///< after a step
 
 /// "gain 2". @return none: it is another line @throws std::invalid_argument for what is none in
 /// this range
@@ -161,7 +153,8 @@ std::optional<double> number_after(const std::string& line,
 
 /// A board behind its port lives until somebody interrupts it.
 template <class Port>
-void serve(Port& port, const SetDelay& set_delay, const Obey& obey, double delay) {
+void serve(
+    Port& port, const SetDelay& set_delay, const Obey& obey, const Look& look, double delay) {
     catch_signals();
     engine::run_like_a_board();
     fmt::print("{}\n", port.path());
@@ -169,6 +162,7 @@ void serve(Port& port, const SetDelay& set_delay, const Obey& obey, double delay
     Lines lines;
     while (!interrupted()) {
         port.step(delay > 0.0 ? kDelayStepUs : kStepUs);
+        look();
         for (const std::string& line : lines.take()) {
             try {
                 if (const auto ms = number_after(line, "delay ", 0.0, 1000.0)) {
@@ -227,10 +221,12 @@ bool obey_cables(engine::OpenBoard& board, const std::string& line, double axes)
 }
 
 /// The board with whatever hangs on it.
-void live(const EmulatorOptions& options,
-          const engine::Calibration& machine,
-          engine::BoardPlant& plant,
-          const Obey& obey) {
+void live(
+    const EmulatorOptions& options,
+    const engine::Calibration& machine,
+    engine::BoardPlant& plant,
+    const Obey& obey,
+    const Look& look = [] {}) {
     const double delay = 1e-3 * options.delay_ms;
     if (!options.open) {
         engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
@@ -238,7 +234,8 @@ void live(const EmulatorOptions& options,
         engine::PtyBoard terminal(board, options.link);
         return serve(
             terminal, [&](double s) { board.set_faults({.delay = s}); },
-            [&](const std::string& line) { return obey_wire(board, line) || obey(line); }, delay);
+            [&](const std::string& line) { return obey_wire(board, line) || obey(line); }, look,
+            delay);
     }
     engine::OpenBoard board(plant, machine, *machine.board);
     board.delay_answers(delay);
@@ -250,10 +247,10 @@ void live(const EmulatorOptions& options,
     };
     if (options.udp) {
         engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
-        return serve(port, set_delay, obey_board, delay);
+        return serve(port, set_delay, obey_board, look, delay);
     }
     engine::PtyBoard terminal(board, options.link);
-    serve(terminal, set_delay, obey_board, delay);
+    serve(terminal, set_delay, obey_board, look, delay);
 }
 
 /// "motor 2 -1", "swap 1 2": a motor, and another or a number. @return none: it is another line
@@ -321,6 +318,27 @@ bool obey_gantry(engine::GantryHand& hand, const std::string& line) {
     return true;
 }
 
+/// A free handle with lines of its own that can be brought: it is said when it has come there.
+template <std::size_t kAxes, class Handle>
+void live_brought(const EmulatorOptions& options,
+                  const engine::Calibration& machine,
+                  Handle& handle,
+                  const Obey& obey) {
+    std::string coming;
+    const Obey bring = [&](const std::string& line) {
+        if (!obey(line)) {
+            handle.bring(parse_place<kAxes>(line, "brought to"));
+            coming = line;
+        }
+        return true;
+    };
+    live(options, machine, handle, bring, [&] {
+        if (!coming.empty() && !handle.on_its_way()) {
+            say("The handle is at {} mm\n", std::exchange(coming, {}));
+        }
+    });
+}
+
 /// A machine of three straight axes, held or free.
 void live_in_space(const EmulatorOptions& options, const engine::Calibration& machine) {
     refuse_if(options.of_linkage,
@@ -331,16 +349,12 @@ void live_in_space(const EmulatorOptions& options, const engine::Calibration& ma
     if (!options.at.empty()) {
         hand.bring(parse_place<3>(options.at, "--at"));
     }
-    live(options, machine, hand, [&](const std::string& line) {
-        if (!options.free) {
-            return false;
-        }
-        if (!obey_gantry(hand, line)) {
-            hand.bring(parse_place<3>(line, "brought to"));
-            say("The handle is at {} mm\n", line);
-        }
-        return true;
-    });
+    if (options.free) {
+        live_brought<3>(options, machine, hand,
+                        [&](const std::string& line) { return obey_gantry(hand, line); });
+    } else {
+        live(options, machine, hand, [](const std::string&) { return false; });
+    }
 }
 
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
@@ -353,13 +367,8 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
     plan.start = options.start.empty() ? plan.start : parse_place(options.start, "--start");
     engine::FreeHandle handle(plant, options.at.empty() ? engine::Vec2(engine::home_of(machine))
                                                         : parse_place(options.at, "--at"));
-    live(options, machine, handle, [&](const std::string& line) {
-        if (!obey_linkage(handle, line, plan)) {
-            handle.bring(parse_place(line, "brought to"));
-            say("The handle is at {} mm\n", line);
-        }
-        return true;
-    });
+    live_brought<2>(options, machine, handle,
+                    [&](const std::string& line) { return obey_linkage(handle, line, plan); });
 }
 
 int run(const EmulatorOptions& options) {

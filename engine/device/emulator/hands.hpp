@@ -89,6 +89,7 @@ public:
     /// Somebody brings it there and lets go; a hand that holds it does so on a way without a jump.
     /// @throws std::invalid_argument if it is out of reach
     void bring(const Vec2& place);
+    [[nodiscard]] bool on_its_way() const noexcept { return act_ == Act::brings; }
     /// From now on a hand holds it where it is, or nobody does.
     void hold(bool held);
     /// A hand takes it where it is, and explores. @throws std::invalid_argument for a start out of
@@ -140,6 +141,7 @@ public:
     /// Somebody brings the handle there and lets go, m, or where a hand holds it keeps it there.
     /// Takes 0.1 s for 40 mm. @throws std::invalid_argument outside the workspace
     void bring(const Vec3& place);
+    [[nodiscard]] bool on_its_way() const noexcept { return aim_.has_value(); }
     /// From now on its motors give `gain` times what is asked of them.
     void strengthen(double gain) noexcept { gain_ = Vec3(gain); }
     /// The same of one motor. @param motor  below 3
