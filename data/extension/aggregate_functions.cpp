@@ -132,11 +132,15 @@ private:
 class ShareOf {
 public:
     void add(int /*count*/, sqlite3_value** values) {
-        hits_ += number("share", values[0]) != 0.0 ? 1.0 : 0.0;
+        const double hit = number("share", values[0]);
+        if (hit != 0.0 && hit != 1.0) {
+            throw Refused{fmt::format("share: {} is neither 0 nor 1", hit)};
+        }
+        hits_ += hit;
         n_ += 1.0;
     }
     void remove(int /*count*/, sqlite3_value** values) {
-        hits_ -= number("share", values[0]) != 0.0 ? 1.0 : 0.0;
+        hits_ -= sqlite3_value_double(values[0]);
         n_ -= 1.0;
     }
     [[nodiscard]] std::optional<double> value() const {

@@ -67,13 +67,14 @@ public:
         if (!text || text->empty() || *text == "NA" || *text == "n/a") {
             return std::nullopt;
         }
+        constexpr double kLimit = 1e9;  // sums of squares stay numbers
         double value = 0.0;
         const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
-        if (error != std::errc{} || end != text->data() + text->size() || !std::isfinite(value) ||
-            (above_zero && value <= 0.0)) {
+        if (error != std::errc{} || end != text->data() + text->size() ||
+            !(std::fabs(value) <= kLimit) || (above_zero && value <= 0.0)) {
             refuse(row, column,
-                   above_zero ? "give seconds above 0, or nothing where it is not known"
-                              : "give a finite number, or nothing where it is not known");
+                   above_zero ? "give seconds above 0 to 1e9, or nothing where it is not known"
+                              : "give a number from -1e9 to 1e9, or nothing where it is not known");
         }
         return value;
     }

@@ -53,16 +53,6 @@ std::pair<double, double> bounds_of(const Protocol& protocol,
     return bounds;
 }
 
-/// Of learned() over a session of so many trials.
-double mean_learned(const ObserverModel& model, std::size_t trials) {
-    const Person typical{.spec = model.typical, .learning = model.learning};
-    double mean = 0.0;
-    for (std::size_t i = 0; i < trials; ++i) {
-        mean += learned(typical, i) / static_cast<double>(trials);
-    }
-    return mean;
-}
-
 }  // namespace
 
 Person drawn_person(const ObserverModel& model, StreamKey key) {
@@ -174,7 +164,17 @@ JudgedPeople::JudgedPeople(const Protocol& protocol,
         }
     }
     guess_ = 1.0 / static_cast<double>(pictured.size());
-    learned_ = mean_learned(model, 2 * pictured.size() * repetitions_);
+    const DesignSpec& design = protocol.design;
+    const std::size_t conditions = pictured.size() * protocol.frictions.size();
+    practice_ = conditions * design.practice_repetitions +
+                (design.order == OrderRule::first_order ? 1 : 0);  // the one that leads in
+    main_ = conditions * design.repetitions + design.catch_trials;
+    judged_ = 2 * pictured.size() * design.repetitions;
+    const Person typical{.spec = model.typical, .learning = model.learning};
+    learned_ = 0.0;
+    for (std::size_t i = 0; i < judged_; ++i) {
+        learned_ += learned(typical, before(i)) / static_cast<double>(judged_);
+    }
 }
 
 /// Of right answers over all hands, with what is learned over a session taken at its mean.
@@ -248,18 +248,18 @@ JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::si
     const double won =
         felt_share < made.share_with ? (made.share_with - felt_share) / (1.0 - felt_share) : 0.0;
 
-    std::vector<std::size_t> order(2 * made.trials);  // which condition comes when
+    std::vector<std::size_t> order(judged_);  // which condition comes when
     for (std::size_t i = 0; i < order.size(); ++i) {
         order[i] = i;
     }
     shuffle(std::span(order), random);
-    for (std::size_t done = 0; done < order.size(); ++done) {
-        const bool with = order[done] >= made.trials;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool with = order[i] >= made.trials;
         const Condition& condition =
-            (with ? with_ : without_)[order[done] % made.trials / repetitions_];
+            (with ? with_ : without_)[order[i] % made.trials / repetitions_];
         const Cues& felt =
             condition.hands[random.bounded(static_cast<std::uint32_t>(condition.hands.size()))];
-        bool right = is_right(who, condition, felt, done, random);
+        bool right = is_right(who, condition, felt, before(i), random);
         if (with && effect_) {
             right = right ? uniform_draw(random) >= lost : uniform_draw(random) < won;
         }

@@ -129,13 +129,20 @@ private:
                                 Pcg32& random) const;
     [[nodiscard]] double share(const Person& person, const Conditions& conditions) const;
     [[nodiscard]] double share_under_effect(double share, double normal) const;
+    /// Trials of a session before the i-th that is judged, those among them spread evenly.
+    [[nodiscard]] std::size_t before(std::size_t i) const noexcept {
+        return practice_ + i * main_ / judged_;
+    }
 
     ObserverModel model_;
     Conditions without_, with_;
     std::optional<LogitEffect> effect_;
     std::size_t repetitions_ = 1;
-    double guess_ = 0.0;    ///< chance to be right by a lapse
-    double learned_ = 1.0;  ///< mean of learned() over a session
+    std::size_t practice_ = 0;  ///< trials of a session before those that count
+    std::size_t main_ = 0;      ///< those that count, of all frictions
+    std::size_t judged_ = 0;    ///< of these, those of the two frictions
+    double guess_ = 0.0;        ///< chance to be right by a lapse
+    double learned_ = 1.0;      ///< mean of learned() over those that are judged
 };
 
 }  // namespace palpate::protocols

@@ -198,6 +198,7 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
     CHECK(ask("geometric_mean(column1)") == Approx(std::exp(logs / n)).epsilon(1e-13));
     CHECK(ask("stddev_samp(column1)") == Approx(std::sqrt(squares / (n - 1.0))).epsilon(1e-12));
     CHECK(ask("share(column1 > 4)") == Approx(above / n).epsilon(1e-14));
+    CHECK_THROWS(ask("share(column1)"));  // a mean is no share
 }
 
 TEST_CASE("over any window a function says to the bit what the rows of its frame say as a group",

@@ -301,6 +301,26 @@ TEST_CASE("people who all judge alike are right as often as criteria midway say"
     CHECK(sums.with / sums.trials == Approx(share(5.24)).margin(0.02));
 }
 
+TEST_CASE("whoever is judged has practised as a session asks for, and learns from one to the next",
+          "[observer][law]") {
+    EACH(practice, 0U, 1U, 5U);
+    Protocol protocol = five_objects();
+    protocol.design.practice_repetitions = practice;
+    ObserverModel model;
+    model.typical.lapse = 0.0;
+    model.learning = {.first = 3.0, .trials = 40.0};
+    const Person typical{.spec = model.typical, .learning = model.learning};
+    double expected = 0.0;
+    for (std::size_t i = 0; i < 100; ++i) {
+        const double sigma = percept_noise(typical, 0.0, 10 * practice + i);
+        expected += (8.0 * below(2.5 / sigma) - 3.0) / 5.0 / 100.0;
+    }
+    const JudgedPeople people(protocol, model, exact_hands(protocol), kPair, {});
+    const Sums sums = sums_of(people, 400);  // 20,000 trials: 4 standard errors
+    CHECK(sums.without / sums.trials == Approx(expected).margin(0.0142));
+    CHECK(people.person(1, 0, 0).share_without == Approx(expected).margin(0.03));
+}
+
 TEST_CASE("an effect in log odds is that effect for every person, and none is none",
           "[observer][law]") {
     EACH(mean, -1.0, -0.3, 0.0, 0.5);
