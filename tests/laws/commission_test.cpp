@@ -198,7 +198,8 @@ TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file"
     board.bring("hold");
     const Finished end =
         operated(folder, board,
-                 "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
+                 "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'",
+                 "hold");  // again, where it has to be run again
     CAPTURE(end.out);
     CHECK(end.code == 1);
     CHECK_THAT(end.error, Has("does somebody hold") || Has("did not rest"));  // a hand trembles
