@@ -76,7 +76,7 @@ TEST_CASE("whatever is wrong with a board of three axes is found, named and left
     }
     SECTION("a hand that holds the handle, before the first mark or before the pulses") {
         FreeBoard board(folder, board_words(kExample));
-        board.bring("hold");
+        board.hold();
         CHECK_THAT(found(folder, board),
                    Has("no motor moves the handle by 1 N: does somebody hold it"));
     }

@@ -51,6 +51,14 @@ public:
         emulator_.type(line);
         CHECK((silent_ || eventually([&] { return emulator_.program().out().size() > before; })));
         tests::pause(0.2);  // it lies still, and the program has seen it there
+        if (is_held_ && line != kHold) {
+            bring(kHold);
+        }
+    }
+    /// By somebody who does not let go, wherever they bring it.
+    void hold() {
+        is_held_ = true;
+        bring(kHold);
     }
 
     void signal(int number) { emulator_.program().signal(number); }
@@ -74,7 +82,10 @@ public:
     }
 
 private:
+    static constexpr const char* kHold = "hold";
+
     std::string word_;
+    bool is_held_ = false;
     bool silent_ = false;  ///< does not say what it did
     TypedTo emulator_;
 };
