@@ -201,7 +201,7 @@ TEST_CASE("a handle that somebody holds is not commissioned, and leaves no file"
                  "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
     CAPTURE(end.out);
     CHECK(end.code == 1);
-    CHECK_THAT(end.error, Has("does somebody hold"));
+    CHECK_THAT(end.error, Has("does nobody hold it"));
     CHECK(board.motors() == "0, 0");
     CHECK_FALSE(std::filesystem::exists(folder.file("new.toml")));
 }

@@ -189,9 +189,9 @@ TEST_CASE("nobody gives a file a second secret", "[store][verify][law]") {
     const std::string merged = files.folder.file("merged.sqlite");
     ran({"merge", merged, other, files.clean});
     ran({"participant", merged, "P03", "--new"});
-    CHECK_THAT(
-        ran({"verify", merged}).out,
-        Has("Not checked, since nothing else in the file says it:", "when consent was noted"));
+    CHECK_THAT(ran({"verify", merged}).out,
+               Has("Not checked, since nothing else in the file says it:",
+                   "when handedness or consent was noted"));
 }
 
 TEST_CASE("a secret that somebody brings along is nobody else's", "[store][merge][law]") {
