@@ -136,8 +136,7 @@ using SetDelay = std::function<void(double)>;          ///< s, of a board's answ
 using Obey = std::function<bool(const std::string&)>;  ///< a line; false: it is of something else
 using Look = std::function<void()>;                    ///< after a step
 
-/// "gain 2". @return none: it is another line @throws std::invalid_argument for what is none in
-/// this range
+/// "gain 2". @return none: another line @throws std::invalid_argument outside of the range
 std::optional<double> number_after(const std::string& line,
                                    std::string_view word,
                                    double least,
@@ -318,7 +317,6 @@ bool obey_gantry(engine::GantryHand& hand, const std::string& line) {
     return true;
 }
 
-/// A free handle with lines of its own that can be brought: it is said when it has come there.
 template <std::size_t kAxes, class Handle>
 void live_brought(const EmulatorOptions& options,
                   const engine::Calibration& machine,
@@ -329,6 +327,8 @@ void live_brought(const EmulatorOptions& options,
         if (!obey(line)) {
             handle.bring(parse_place<kAxes>(line, "brought to"));
             coming = line;
+        } else if (!handle.on_its_way()) {
+            coming.clear();  // held on its way
         }
         return true;
     };
