@@ -214,7 +214,11 @@ private:
         if (seam.kind == SeamKind::smooth && direction_ * far.tau <= 0.0 && s.nu > 0.0) {
             return settle_against_hip(seam, s.tangent);  // hollow: each span drives it to the other
         }
-        const double price = radius_ * (direction_ > 0.0 ? seam.turn - phi : phi);
+        const double left = direction_ > 0.0 ? seam.turn - phi : phi;
+        if (seam.kind == SeamKind::convex && steps_back(s, left)) {
+            return Next::stop;
+        }
+        const double price = radius_ * left;
         const bool pays = price <= budget_ - used_;
         if (over_tip && (pays || s.nu < 0.0)) {  // the normal that points at HIP lies in the fan
             return settle_at({.tangent = s.tangent, .nu = -glm::length(h_ - seam.point)});
@@ -234,6 +238,30 @@ private:
         return Next::go_on;
     }
 
+    /// Beyond the vertex the outline turns back, as a step does: the whole way to where the
+    /// god-object is held again costs what the normal differs by at its end, and is gone at once.
+    /// A step would else cost two turns that nobody could feel, and have no force meanwhile.
+    /// @param s     in the fan, before
+    /// @param left  angle of the fan that is left, rad
+    bool steps_back(const ConeState& s, double left) noexcept {
+        if (budget_ == kNever) {
+            return false;
+        }
+        GodObject go = go_;
+        const Walk end = walk_god_object<HasFriction>(forms_, go, h_, h_, mu_, kNever, 0.0);
+        const double net =
+            direction_ * arc_tan2(-cross(s.tangent, end.tangent), glm::dot(s.tangent, end.tangent));
+        walk_.lost_beyond = end.nu <= 0.0;
+        if (walk_.lost_beyond || end.outside_cone || net >= left ||
+            !(end.met_corner || net <= 0.0) || radius_ * net > budget_ - used_) {
+            return false;
+        }
+        go_ = go;
+        walk_ = end;
+        walk_.slid = true;
+        return true;
+    }
+
     /// Share of the tick after which HIP, on its straight way to a stretch outside of the cone,
     /// drives the god-object on from here. Drive and excess are linear in it.
     [[nodiscard]] double driven_from(const Vec2& point, const ConeState& s) const noexcept {
@@ -250,6 +278,7 @@ private:
 
     /// Concave vertex: two normals, two loads. F = K (V - h) is carried by both together.
     Next in_corner(const Seam& seam) noexcept {
+        walk_.met_corner = true;
         const ConeState after = cone(seam.point, seam.tangent_out);
         const ConeState before = cone(seam.point, seam.tangent_in);
         const bool drives_on = after.tau > 0.0 && after.excess > 0.0 && direction_ >= 0.0;

@@ -34,8 +34,10 @@ void Scene::add_law() {
         return;
     }
     law_ = FrictionLaw(spec_.law, spec_.friction, spec_.stiffness, spec_.period);
-    if (law_.wants_place() && begins_.empty()) {
+    if (begins_.empty()) {
         begins_ = begins_of(*outline_);
+        const Vec2 begin = outline_->spans().front().at(0.0).point;
+        size_ = begins_.back() + std::fabs(begin.x) + std::fabs(begin.y);
     }
     if (step_ != &Scene::rubbed) {
         smooth_ = step_;
@@ -54,16 +56,25 @@ Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
     if (!touched) {
         rubbing = {.law = {.draws = rubbing.law.draws}, .hip = hip};
     }
-    const double travel = glm::dot(rubbing.tangent, hip - rubbing.hip);
+    const Vec2 way = hip - rubbing.hip;
+    const double along_tangent = glm::dot(rubbing.tangent, way);
+    // A press straight down travels by what rounding makes of the tangent: no way at all.
+    const double travel =
+        std::fabs(along_tangent) > rubbing.blur * (std::fabs(way.x) + std::fabs(way.y))
+            ? along_tangent
+            : 0.0;
     const FrictionForce rubbed =
         law_.step(rubbing.law, {.travel = std::fmax(-kFarTravel, std::fmin(travel, kFarTravel)),
                                 .load = std::fmin(contact.normal_force, kHardLoad),
-                                .place = begins_.empty() ? 0.0 : along(state.go.place)});
+                                .place = law_.wants_place() ? along(state.go.place) : 0.0});
     const double size = glm::length(contact.force);
-    const Vec2 tangent = size > 0.0 ? -perp(contact.force * (1.0 / size)) : rubbing.tangent;
+    if (size > 0.0) {
+        rubbing.tangent = -perp(contact.force * (1.0 / size));
+        rubbing.blur =
+            4.0 * kEpsilon * (size_ + std::fabs(hip.x) + std::fabs(hip.y)) * spec_.stiffness / size;
+    }
     rubbing.hip = hip;
-    rubbing.tangent = tangent;
-    contact.force += rubbed.force * tangent;
+    contact.force += rubbed.force * rubbing.tangent;
     contact.tangential_force += rubbed.force;
     contact.mu = rubbed.mu;
     contact.mode = rubbed.slid || !(spec_.friction.mu_s > 0.0) ? Mode::slip : Mode::stuck;

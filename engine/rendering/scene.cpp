@@ -189,7 +189,18 @@ template <bool HasFriction, bool HasSlew, bool HasDamper>
         walk = walk_god_object<HasFriction>(forms_, state.go, HasSlew ? from : hip, hip, mu, way,
                                             HasSlew ? spec_.slew.radius : 0.0);
     }
-    if (walk.nu <= 0.0 && !walk.out_of_budget) {
+    const bool ends = walk.nu <= 0.0 && !walk.out_of_budget;
+    if (outline_->closed() && (ends || walk.lost_beyond)) {
+        // Past a thin spike HIP may be in the object still, and is felt there at once.
+        const ContactState held = state;
+        state.touching = false;
+        const Contact contact = look<HasFriction, HasDamper>(state, from);
+        if (ends || state.touching) {
+            return contact;
+        }
+        state = held;
+    }
+    if (ends) {
         return free(state, tracker_.track(state.track, hip));
     }
     return felt<HasFriction, HasDamper>(state, walk, hip, mu);

@@ -85,8 +85,9 @@ struct Contact {
 /// What a law of friction remembers of the contact.
 struct FrictionMemory {
     LawState law{};
-    Vec2 hip{};      ///< of the tick before, m
-    Vec2 tangent{};  ///< along which friction has been held since; 0 in the first tick
+    Vec2 hip{};         ///< of the tick before, m
+    Vec2 tangent{};     ///< along which friction has been held since; 0 in the first tick
+    double blur = 0.0;  ///< of the tangent, rad: what the rounding of GO - HIP leaves open
 };
 
 /// What lives on from tick to tick. A plain value: copying it copies the contact.
@@ -221,7 +222,8 @@ private:
     Step step_;
     Step smooth_ = nullptr;  ///< the frictionless tick below a law's
     FrictionLaw law_;
-    std::vector<double> begins_;  ///< of each span along the outline, m; for a law that asks for it
+    std::vector<double> begins_;  ///< of each span along the outline, m; for a law of its own
+    double size_ = 0.0;           ///< no coordinate of the outline is larger, m; as begins_
     std::shared_ptr<const SoftShape> soft_;
 };
 

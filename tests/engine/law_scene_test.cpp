@@ -71,6 +71,31 @@ TEST_CASE("on a line a scene's friction is the law's own, of HIP's travel and K 
     }
 }
 
+TEST_CASE("a press straight down on a level ground has no friction, whatever the law",
+          "[friction][scene][law]") {
+    // The travel is 0, for HIP's x is the same to the bit. Before the first travel no law but one
+    // of random teeth pulls.
+    Random random(7);
+    const auto outline = ground();
+    for (const LawTraits* const each : all_laws()) {
+        const LawTraits& traits = *each;
+        CAPTURE(traits.word);
+        const Scene scene(outline,
+                          {.friction = friction_of(traits),
+                           .law = {.traits = &traits, .viscosity = 0.3, .bristle_damping = 0.1}});
+        for (int press = 0; press < 20; ++press) {
+            const double x = random.in(-0.9, 0.9);
+            const double speed = random.in(1e-3, 0.3);
+            CAPTURE(x, speed);
+            ContactState state;
+            for (double y = 0.001; y > -0.01; y -= speed * 1e-3) {
+                const Contact c = scene.tick(state, {x, y});
+                REQUIRE(std::fabs(c.tangential_force) <= 1e-9);
+            }
+        }
+    }
+}
+
 TEST_CASE("on any object a law adds friction along the tangent to the frictionless force",
           "[friction][scene][law]") {
     for (const LawTraits* const each : all_laws()) {

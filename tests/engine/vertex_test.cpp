@@ -15,6 +15,17 @@ std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
         Outline({make_line(from, {0.0, 0.0}), make_line({0.0, 0.0}, to)}, false));
 }
 
+/// Ground whose surface is `height` lower from x = 0 on; the foot of the step is at x = `foot`.
+std::shared_ptr<const Outline> barb(double height, double foot) {
+    const std::vector<Vec2> corners{{-0.04, 0.0},    {0.0, 0.0},    {foot, -height},
+                                    {0.04, -height}, {0.04, -0.04}, {-0.04, -0.04}};
+    std::vector<RationalBezier<2>> sides;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        sides.push_back(make_line(corners[i], corners[(i + 1) % corners.size()]));
+    }
+    return std::make_shared<const Outline>(std::move(sides), true);
+}
+
 }  // namespace
 
 TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "[vertex][law]") {
@@ -76,6 +87,58 @@ TEST_CASE("slew spreads the corner: smaller steps of force than without", "[vert
     // 2).
     CHECK(largest_step({}) > 0.9);
     CHECK(largest_step(kSlew) < 0.3);
+}
+
+TEST_CASE("a step is felt as it is, whatever its height and the way that its wall leans",
+          "[vertex][law]") {
+    // A hand goes over a step down, deeper than it is high. The ground is parallel on both sides,
+    // so that a frictionless hand feels K times its depth below the one that it is over.
+    Random random(31);
+    for (int scene_at = 0; scene_at < 200; ++scene_at) {
+        const double height = std::pow(10.0, random.in(-6.0, -2.7));
+        const double lean = std::tan(random.in(-1.3, 1.3));
+        const double depth = height * random.in(1.5, 3.0) + random.in(0.0, 0.004);
+        const double speed = random.in(0.005, 0.4);
+        const double period = std::array{1e-3, 2.5e-4, 1e-4}.at(random.index(3));
+        CAPTURE(scene_at, height, lean, depth, speed, period);
+        const Scene scene(barb(height, -height * lean), {.period = period, .slew = kSlew});
+        ContactState state;
+        for (double y = 0.0005; y > -depth; y -= 0.05 * period) {
+            static_cast<void>(scene.tick(state, {-0.01, y}));
+        }
+        for (double x = -0.01; x < 0.01; x += speed * period) {
+            const Contact c = scene.tick(state, {x, -depth});
+            const double least = 1000.0 * (depth - height) * (1.0 - 1e-9);
+            REQUIRE(c.force.y >= least);
+            REQUIRE(c.force.y <= 1000.0 * depth * (1.0 + 1e-9));
+        }
+    }
+}
+
+TEST_CASE("past the tip of a thin spike a hand in the object feels it in the same tick",
+          "[vertex][law]") {
+    // Friction holds the god-object on the spike until it goes over its tip; HIP is deep in what
+    // the spike grows from.
+    for (const Slew& slew : {Slew{}, kSlew}) {
+        for (const double lean : {60.0, 70.0, 80.0}) {
+            for (const double mu : {0.5, 0.7, 1.0}) {
+                CAPTURE(slew.speed, lean, mu);
+                const Scene scene(barb(0.0002, -0.0002 * std::tan(lean * std::numbers::pi / 180.0)),
+                                  {.friction = {.mu_s = mu, .mu_d = mu}, .slew = slew});
+                ContactState state;
+                for (int k = 0; k <= 60; ++k) {
+                    static_cast<void>(scene.tick(state, {-0.02, 0.002 - k * 1e-4}));
+                }
+                std::size_t over = 0;
+                for (int k = 1; k < 420; ++k) {
+                    const Contact c = scene.tick(state, {-0.02 + k * 1e-4, -0.004});
+                    REQUIRE(glm::length(c.force) >= 3.8 * (1.0 - 1e-9));
+                    over += c.place.index >= 2 ? 1U : 0U;
+                }
+                CHECK(over > 100);
+            }
+        }
+    }
 }
 
 TEST_CASE("in a concave vertex both normals carry, and no friction lets go of the force",

@@ -273,3 +273,30 @@ TEST_CASE(
         CHECK_FALSE(std::filesystem::exists(folder.file("bad_o.csv")));
     }
 }
+
+TEST_CASE("a step of a micrometre weighs a micrometre, whatever the vertex slew", "[cli][law]") {
+    std::string table = "t_s,x_m,y_m\n";
+    for (int k = 0; k < 160; ++k) {
+        table += fmt::format("{:.3f},{:.4f},{:.4f}\n", k / 1000.0,
+                             -0.008 + 1e-4 * std::max(k - 40, 0), 0.002 - 1e-4 * std::min(k, 40));
+    }
+    for (const char* slew : {"0.2", "0.01"}) {
+        std::string text = fmt::format(
+            "[renderer]\nstiffness_n_per_m = 1000\n[friction]\nlaw = \"frictionless\"\n"
+            "vertex_slew_m_per_s = {}\nvertex_radius_m = 0.003\n",
+            slew);
+        const std::array<const char*, 7> corners{"-0.04, 0",    "0, 0",        "0, -1e-6",
+                                                 "0.04, -1e-6", "0.04, -0.04", "-0.04, -0.04",
+                                                 "-0.04, 0"};
+        for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+            text += fmt::format("[[segment]]\nkind = \"line\"\nfrom_m = [{}]\nto_m = [{}]\n",
+                                corners.at(i), corners.at(i + 1));
+        }
+        const auto felt = csv_body(said_of("render", text, table));
+        REQUIRE(felt.size() == 160);
+        for (std::size_t k = 41; k < felt.size(); ++k) {
+            CAPTURE(slew, k);
+            REQUIRE(std::stod(felt[k][11]) == Approx(k <= 120 ? 2.0 : 1.999).epsilon(1e-12));
+        }
+    }
+}
