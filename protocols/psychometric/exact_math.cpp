@@ -131,7 +131,10 @@ double normal_quantile(double p) noexcept {
     if (!(p > 0.0 && p < 1.0)) {
         return std::numeric_limits<double>::quiet_NaN();
     }
-    return p <= 0.5 ? lower_quantile(p) : -lower_quantile(1.0 - p);
+    if (p == 0.5) {
+        return 0.0;  // by symmetry; the fraction leaves 2e-18
+    }
+    return p < 0.5 ? lower_quantile(p) : -lower_quantile(1.0 - p);
 }
 
 double entropy_of(std::span<const double> shares) noexcept {
