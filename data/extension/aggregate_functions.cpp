@@ -296,7 +296,7 @@ int add_median(sqlite3* db) {
 
 int add_aggregate_functions(sqlite3* db) {
     using PlugIn = Transmitted<&Information::plug_in>;
-    using MillerMadow = Transmitted<&Information::miller_madow>;
+    using MillerMadow = Transmitted<&Information::corrected>;
     const int codes[] = {
         add_median(db),
         add<Quantile>(db, "quantile", 2),

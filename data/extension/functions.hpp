@@ -30,7 +30,8 @@ int add_scalar_functions(sqlite3* db);
 ///     people_share_low(x), _high(x)  95 % interval over people of the mean of their shares;
 ///     people_mean_low(x), _high(x)   of any number. A row is a person: paired.hpp
 ///     mutual_information(stimulus, response [, n])             bits, plug-in
-///     mutual_information_miller_madow(stimulus, response [, n])
+///     mutual_information_miller_madow(stimulus, response [, n])  cut to 0 and H(stimulus), as in
+///                                                                palpate stats
 ///
 /// @return an SQLite result code
 int add_aggregate_functions(sqlite3* db);

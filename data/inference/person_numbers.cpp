@@ -90,10 +90,6 @@ private:
     std::vector<double> counts_;
 };
 
-double entropy_of(std::span<const std::size_t> shapes) {
-    return Confusion(shapes, shapes).information();
-}
-
 double different(std::span<const std::size_t> values) {
     return static_cast<double>(std::set<std::size_t>(values.begin(), values.end()).size());
 }
@@ -114,8 +110,6 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
         ++counts[{std::to_string(shapes[i]), std::to_string(responses[i])}];
     }
     made.bits = mutual_information(counts);
-    const double max = std::clamp(entropy_of(shapes), 0.0, std::log2(different(shapes)));
-    made.corrected = std::clamp(made.bits.miller_madow, 0.0, max);
     Confusion matrix(shapes, responses);
     const double cells = matrix.cells();
     if (shapes.size() >= 2) {
@@ -123,8 +117,8 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
             made.bits.plug_in - (different(shapes) - 1.0) * (different(responses) - 1.0) /
                                     (2.0 * static_cast<double>(shapes.size()) * std::numbers::ln2);
         const double half = kNormal95 * matrix.jackknife_error();
-        made.interval = Interval{std::clamp(least - half, 0.0, max),
-                                 std::clamp(made.bits.miller_madow + half, 0.0, max)};
+        made.interval = Interval{std::clamp(least - half, 0.0, made.bits.most),
+                                 std::clamp(made.bits.miller_madow + half, 0.0, made.bits.most)};
     }
     std::vector<std::size_t> dealt(responses.begin(), responses.end());
     Pcg32 random(seed, stream);

@@ -14,9 +14,6 @@ namespace palpate::data {
 /// Information that answers transmit about shapes, bits.
 struct Transmitted {
     Information bits{};
-    /// Miller and Madow's, cut to 0 and the entropy of the shapes as `interval` is: what is shown
-    /// and averaged.
-    double corrected = 0.0;
     /// Plug-in of answers given to other trials: what a guesser shows. Nothing without
     /// permutations.
     std::optional<double> null_mean{};

@@ -86,7 +86,7 @@ constexpr Kind kKinds[] = {
      }},
     {"bits", "transmitted bits (Miller-Madow)",
      [](const PersonCell& cell) {
-         return cell.bits ? std::optional(cell.bits->corrected) : std::nullopt;
+         return cell.bits ? std::optional(cell.bits->bits.corrected) : std::nullopt;
      }},
     {"log_rt", "ln of response time in s",
      [](const PersonCell& cell) {

@@ -50,7 +50,7 @@ Table people_table(const StatsReport& report, const StatsPart& part) {
                 {person.subject, report.table.frictions[f], cell.k, cell.n,
                  cell_of(static_cast<double>(cell.k) / static_cast<double>(cell.n)), cell.wilson,
                  cell.clopper_pearson, cell_of(cell.d_prime), cell_of(cell.criterion),
-                 of_bits(bits.bits.plug_in), of_bits(bits.corrected),
+                 of_bits(bits.bits.plug_in), of_bits(bits.bits.corrected),
                  of_bits(cell_of(bits.null_mean)), of_bits(cell_of(bits.null_p)),
                  of_bits(cell_of(bits.interval)), cell_of(cell.log_rt),
                  cell_of(exponential(cell.log_rt)), cell_of(cell.log_explore),

@@ -140,7 +140,12 @@ Information mutual_information(const ConfusionCounts& counts) {
     const Entropy both = entropy(counts, all);
     const double plug_in = x.bits + y.bits - both.bits;
     const double cells = x.cells + y.cells - both.cells - 1.0;
-    return {.plug_in = plug_in, .miller_madow = plug_in + cells / (2.0 * all * std::numbers::ln2)};
+    const double miller_madow = plug_in + cells / (2.0 * all * std::numbers::ln2);
+    const double most = std::clamp(x.bits, 0.0, std::log2(x.cells));
+    return {.plug_in = plug_in,
+            .miller_madow = miller_madow,
+            .corrected = std::clamp(miller_madow, 0.0, most),
+            .most = most};
 }
 
 }  // namespace palpate::data

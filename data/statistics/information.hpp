@@ -56,11 +56,13 @@ using ConfusionCounts = std::map<std::pair<std::string, std::string>, std::int64
 struct Information {
     double plug_in = 0.0;  ///< from the shares as they are: too high for few answers
     /// Each entropy corrected by (cells that occur - 1) / (2 N ln 2) (G. A. Miller, 1955). May be
-    /// below 0.
+    /// below 0, and above `most`.
     double miller_madow = 0.0;
+    double corrected = 0.0;  ///< the same, cut to 0 and `most`: what is shown and averaged
+    double most = 0.0;       ///< H(stimulus)
 };
 
-/// {0, 0} without any answer. @pre no count is negative
+/// Zeros without any answer. @pre no count is negative
 [[nodiscard]] Information mutual_information(const ConfusionCounts& counts);
 
 }  // namespace palpate::data
