@@ -23,13 +23,15 @@ Table people_table(const StatsReport& report, const StatsPart& part) {
     Table table{
         .place = "people/*/friction/*",
         .title = fmt::format(
-            "  Person by person: {}, with intervals of this person's own trials; d' {};\n  bits: "
+            "  Person by person: {}, with intervals of this person's own trials{};\n  bits: "
             "plug-in, Miller-Madow, mean of {} permutations (a guesser's), their p, interval;\n  "
             "seconds: geometric means; felt: from the first contact to done",
             share_title(report),
-            report.yes_no
-                ? "and criterion c with the log-linear correction (Hautus 1995)"
-                : fmt::format("of {} alternatives, unbiased observer (n of n counts as n - 1/2)",
+            report.yes_no ? "; d' and criterion c with the log-linear correction (Hautus 1995)"
+            : report.table.alternatives < 2
+                ? std::string()
+                : fmt::format("; d' of {} alternatives, unbiased observer (n of n counts as n - "
+                              "1/2)",
                               report.table.alternatives),
             report.options.permutations),
         .columns =
@@ -183,6 +185,10 @@ std::string title_text(const StatsReport& report) {
         text += report.right_known
                   ? fmt::format("yes is right for {}", fmt::join(report.options.signals, ", "))
                   : "none is right or wrong: --signal SHAPE says for which yes is right";
+    } else if (table.alternatives < 2) {
+        text +=
+            "\n  Answers name the one shape that was felt: all are right. --alternatives says how "
+            "many were pictured";
     } else {
         text += fmt::format("\n  Answers name one of {} shapes: chance is {:.3f}",
                             table.alternatives, 1.0 / static_cast<double>(table.alternatives));

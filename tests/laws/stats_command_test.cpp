@@ -230,6 +230,10 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
     const Finished one = stats({folder.file("one.csv")});
     CHECK(one.code == 0);
     CHECK_THAT(one.out, Has("one person: nothing follows for others") && !Has("Mixed model"));
+    write(folder.file("shape.csv"), "subject,trial,shape,friction,response\nA,1,a,off,a\n");
+    CHECK_THAT(stats({folder.file("shape.csv")}).out,
+               Has("Answers name the one shape that was felt", "--alternatives") &&
+                   !Has("chance is") && !Has("d'"));
     std::string alike = "subject,trial,shape,friction,response\n";
     for (const char* person : {"A", "B", "C"}) {
         for (int i = 0; i < 20; ++i) {
