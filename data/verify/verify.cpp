@@ -86,12 +86,16 @@ void check_people(Database& database, Findings& findings) {
     }
     for (const StoredRow& note : rows_of(
              database,
-             "SELECT 'participant ' || participant_code || key AS what, coalesce(stored, 'NULL') "
-             "|| ', noted ' || coalesce(utc, 'NULL') AS stored FROM (SELECT participant_code, "
-             "' handedness' AS key, handedness AS stored, handedness_utc AS utc, handedness "
-             "BETWEEN -100 AND 100 AS fits FROM participant UNION ALL SELECT participant_code, "
-             "' consent', consent, consent_utc, consent IN (0, 1) FROM participant) WHERE NOT fits "
-             "OR (stored IS NULL) <> (utc IS NULL)")) {
+             "SELECT 'participant ' || participant_code || ' ' || key AS what, coalesce(stored, "
+             "'NULL') || ', noted ' || coalesce(utc, 'NULL') AS stored FROM (SELECT "
+             "participant_code, 'handedness' AS key, handedness AS stored, handedness_utc AS utc, "
+             "handedness BETWEEN -100 AND 100 AS fits FROM participant UNION ALL SELECT "
+             "participant_code, 'consent', consent, consent_utc, consent IN (0, 1) FROM "
+             "participant UNION ALL SELECT participant_code, 'destroyed', destroyed_utc, "
+             "destroyed_utc, 1 FROM participant UNION ALL SELECT participant_code, key, value, "
+             "noted_utc, 1 FROM participant_detail JOIN participant USING (participant_id)) WHERE "
+             "NOT fits OR (stored IS NULL) <> (utc IS NULL) OR utc IS NOT "
+             "strftime('%Y-%m-%dT%H:%M:%fZ', utc)")) {
         findings.differs(note.text("what"), note.text("stored"), "a value with its time");
     }
     for (const StoredRow& person : rows_of(

@@ -226,8 +226,8 @@ TEST_CASE(
     for (const Rig* rig : {&a, &b}) {
         Database one(rig->file(), Access::write);
         one.execute(
-            "UPDATE participant SET handedness_utc = '2026'; UPDATE participant_detail SET "
-            "noted_utc = '2026'");
+            "UPDATE participant SET handedness_utc = '2026-01-01T00:00:00.000Z'; UPDATE "
+            "participant_detail SET noted_utc = '2026-01-01T00:00:00.000Z'");
     }
     const std::string none = folder.file("none.sqlite");
     const MergeReport report = data::merge_files(none, {b.file(), a.file()});
