@@ -32,7 +32,8 @@ constexpr std::string_view kHelp =
     "finite), probit(p)\n"
     "(infinite at 0 and 1), normal_cdf(z). Aggregates, also OVER a window: median(x), quantile(x, "
     "p),\n"
-    "geometric_mean(x), stddev_samp(x), share(x), mutual_information(stimulus, response [, n]),\n"
+    "geometric_mean(x), stddev_samp(x), share(x) (of 0 and 1), mutual_information(stimulus, "
+    "response [, n]),\n"
     "mutual_information_miller_madow(stimulus, response [, n]); where a row is a person, their 95 "
     "% interval:\n"
     "people_share_low(share), people_share_high, people_mean_low(x), people_mean_high.\n";

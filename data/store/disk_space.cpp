@@ -43,7 +43,7 @@ void require_space(const std::string& file,
     const std::int64_t needed = bytes_needed(protocol, trials);
     if (there < needed) {
         throw StoreError(
-            fmt::format("{}: its disk has room for {:.0f} MB, and {} may take {:.0f} MB; free some "
+            fmt::format("{}: its disk has room for {:.1f} MB, and {} may take {:.1f} MB; free some "
                         "space, or choose a file on another disk. What was recorded is kept",
                         file, static_cast<double>(there) * 1e-6, counted(trials, "trial"),
                         static_cast<double>(needed) * 1e-6));
