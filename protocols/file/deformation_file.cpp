@@ -28,7 +28,6 @@ Slot of_curve(void* record) {
     return slot_of(Get(record_at<CaseTable>(record).curve));
 }
 
-constexpr Range kFromZero{.min = 0.0};
 constexpr Range kPlace{.min = -1e6, .max = 1e6};
 
 using enum Need;

@@ -53,7 +53,7 @@ constexpr Key kApparatus[]{
      .meaning = "time for the force to come in and go out"},
     {.name = "vertex_slew_mm_per_s", .slot = at<&ApparatusSpec::vertex_slew>, .range = {0, 10000}, .per_si = 1000,
      .meaning = "how fast the contact may turn around a vertex; 0: at once"},
-    {.name = "vertex_radius_mm", .slot = at<&ApparatusSpec::vertex_radius>, .range = {0, 100, true}, .per_si = 1000,
+    {.name = "vertex_radius_mm", .slot = at<&ApparatusSpec::vertex_radius>, .range = {0, 20, true}, .per_si = 1000,
      .meaning = "radius that a vertex counts as for that speed"},
     {.name = "start_mm", .slot = at<&ApparatusSpec::start>, .range = {-1000, 1000}, .per_si = 1000,
      .meaning = "[x, y] where every trial starts, outside all objects"},

@@ -33,7 +33,7 @@ constexpr Key kProcedure[]{
     {.name = "trials", .slot = at<&RuleTable::trials>, .range = kCount,
      .meaning = "quest, psi, quest_plus: it ends after so many"},
     {.name = "entropy_bits", .slot = at<&RuleTable::entropy_bits>, .range = {.min = 0.0},
-     .meaning = "psi, quest_plus: it ends below this entropy of the posterior; 0: never"},
+     .meaning = "psi, quest_plus: it ends below this entropy of the posterior; 0: never. In a protocol always 0"},
     {.name = "nuisance", .slot = at<&RuleTable::nuisance>,
      .meaning = "psi, quest_plus: parameters whose uncertainty does not count (psi-marginal)"},
 };
@@ -80,9 +80,9 @@ constexpr Key kStaircase[]{
     {.name = "highest", .slot = of_staircase<&StaircaseSpec::highest>,
      .meaning = "the level never goes above"},
     {.name = "trials", .slot = of_staircase<&StaircaseSpec::trials>, .range = kCount,
-     .meaning = "it ends after so many; this or reversals is needed"},
+     .meaning = "it ends after so many; this or reversals is needed, in a protocol this"},
     {.name = "reversals", .slot = of_staircase<&StaircaseSpec::reversals>, .range = kCount,
-     .meaning = "it ends after so many; this or trials is needed"},
+     .meaning = "it ends after so many; this or trials is needed. Not in a protocol"},
     {.name = "average", .slot = of_staircase<&StaircaseSpec::average>, .range = kCount,
      .meaning = "the estimate is the mean of the last so many reversals; left out: of all"},
 };

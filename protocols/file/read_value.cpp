@@ -239,7 +239,8 @@ private:
         const auto number = as_number(value_);
         if (!number) {
             wrong_kind(fmt::format("a number ({})", range_of(key_.range)));
-        } else if (!key_.range.has(to_si(*number) == 0.0 ? 0.0 : *number)) {  // 5e-324 mm are 0 m
+        } else if (!key_.range.has(*number) ||
+                   (to_si(*number) == 0.0 && !key_.range.has(0.0))) {  // 5e-324 mm are 0 m
             out_of_range(value_);
             return std::nullopt;
         }

@@ -40,7 +40,6 @@ struct SurfaceTable {
     NumberGrid trims{};
 };
 
-constexpr Range kFromZero{.min = 0.0};
 constexpr Range kFew{.min = 0.0, .max = 10.0};
 
 template <auto Get>

@@ -35,7 +35,10 @@ struct Range {
     }
 };
 
-inline constexpr Range kPositive{.min = 0.0, .above = true};
+/// Products of a few such numbers are finite.
+inline constexpr double kLargest = 1e9;
+inline constexpr Range kFromZero{.min = 0.0, .max = kLargest};
+inline constexpr Range kPositive{.min = 0.0, .max = kLargest, .above = true};
 /// Degrees of a radian, for keys that end in _deg.
 inline constexpr double kDegrees = 180.0 / engine::kPi;
 

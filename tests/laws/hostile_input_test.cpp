@@ -216,6 +216,41 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
                Has("s.toml:4:8: to_m holds 1e+155"));
 }
 
+TEST_CASE("the numbers of a scene have an end, and up to there its forces are finite",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string scene = folder.file("s.toml");
+    write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0.02,0.01\n0.001,0.03,-0.09\n0.002,0.05,-0.1\n");
+    const std::map<std::string, std::string> largest{{"stiffness_n_per_m", "[renderer]"},
+                                                     {"damping_n_s_per_m", "[renderer]"},
+                                                     {"viscous_n_s_per_m", "[friction]"},
+                                                     {"bristle_damping_n_s_per_m", "[friction]"},
+                                                     {"tangential_stiffness_n_per_m", "[friction]"},
+                                                     {"stribeck_speed_m_per_s", "[friction]"}};
+    const auto rendered = [&](const std::string& value, int code) {
+        for (const auto& [key, table] : largest) {
+            CAPTURE(key, value);
+            std::string text =
+                "[renderer]\n[friction]\nlaw = \"lugre\"\nmu_s = 0.7\nmu_d = "
+                "0.5\n[[segment]]\nkind "
+                "= \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n";
+            text.insert(text.find(table) + table.size(), fmt::format("\n{} = {}", key, value));
+            write(scene, text);
+            const Finished felt = ran({"render", scene, folder.file("p.csv")}, code);
+            if (code == 0) {
+                CHECK(felt.out.find("inf") == std::string::npos);
+                CHECK(felt.out.find("nan") == std::string::npos);
+                CHECK_THAT(felt.out, Has(",S"));
+            } else {
+                CHECK_THAT(felt.error, Has(key + " is ", "1000000000"));
+            }
+        }
+    };
+    rendered("1e9", 0);
+    rendered("1.1e9", 2);
+    rendered("1e308", 2);
+}
+
 TEST_CASE("seeded nonsense of up to a megabyte ends in a sentence, never in a signal",
           "[cli][fuzz][law]") {
     const TemporaryFolder folder;

@@ -34,7 +34,7 @@ std::string random_file(Random& random) {
     text += random.coin() ? "language = \"tr\"\nhandedness = \"left\"\n" : "handedness = \"any\"\n";
     text += "[apparatus]\nstiffness_n_per_m = " + n(1, 19000) + "\nforce_limit_n = " + n(0.1, 49) +
             (random.coin() ? "\ndamping_n_s_per_m = " + n(0, 90) : "") +
-            "\nvertex_slew_mm_per_s = " + n(0, 9000) + "\nvertex_radius_mm = " + n(0.1, 99) +
+            "\nvertex_slew_mm_per_s = " + n(0, 9000) + "\nvertex_radius_mm = " + n(0.1, 19) +
             "\nstart_mm = [" + n(-30, 30) + ", " + n(70, 90) + "]\n";
     text += "[outline]\na_mm = [" + n(-50, -40) + ", 0]\nvertex_mm = [" + n(-2, 2) + ", " +
             n(35, 42) + "]\n";
