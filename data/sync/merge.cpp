@@ -49,36 +49,58 @@ MergeConflict half_destroyed(const SessionVersion& one, const SessionVersion& ot
                                   (first ? one : other).file, one.participant)};
 }
 
-/// The version that all others became; none if two of them differ, which is a conflict unless one
-/// is preferred. What was destroyed no preference brings back.
+/// Those that no other version went on from; of equal ones the first.
+std::vector<const SessionVersion*> latest_of(const Versions& versions) {
+    std::vector<const SessionVersion*> latest;
+    for (const SessionVersion& version : versions) {
+        const auto before = [&](const SessionVersion* one) {
+            return became(version, *one);
+        };
+        if (std::ranges::none_of(latest, before)) {
+            std::erase_if(latest, [&](const auto* one) { return became(*one, version); });
+            latest.push_back(&version);
+        }
+    }
+    return latest;
+}
+
+/// The version that all others became. Where several went on by themselves, that is a conflict,
+/// but for the only one that the preferred version became or is. What was destroyed no preference
+/// brings back.
 const SessionVersion* last_of(const Versions& versions,
                               const std::string& prefer,
                               PeopleMerge& people,
-                              std::vector<MergeConflict>& conflicts) {
-    const SessionVersion* last = &versions.front();
-    for (const SessionVersion& version : versions) {
-        if (became(version, *last)) {
-            continue;
-        }
-        if (!became(*last, version)) {
-            if (last->destructions != version.destructions) {
-                people.leave_out(version.participant);
-                conflicts.push_back(half_destroyed(*last, version));
-                return nullptr;
-            }
-            const auto preferred = std::ranges::find(versions, prefer, &SessionVersion::file);
-            if (preferred != versions.end()) {
-                return &*preferred;
-            }
-            conflicts.push_back({.what = called(version) + ": what was recorded differs",
-                                 .first = last->file,
-                                 .second = version.file,
-                                 .remedy = kPreferRemedy});
-            return nullptr;
-        }
-        last = &version;
+                              MergeReport& report) {
+    std::vector<const SessionVersion*> latest = latest_of(versions);
+    const SessionVersion* last = latest.front();
+    if (latest.size() == 1) {
+        return last;
     }
-    return last;
+    const auto other = std::ranges::find_if(
+        latest, [&](const SessionVersion* one) { return one->destructions != last->destructions; });
+    if (other != latest.end()) {
+        people.leave_out(last->participant);
+        report.conflicts.push_back(half_destroyed(*last, **other));
+        return nullptr;
+    }
+    const auto preferred = std::ranges::find(versions, prefer, &SessionVersion::file);
+    if (preferred != versions.end()) {
+        const auto kept = std::ranges::stable_partition(
+            latest, [&](const SessionVersion* one) { return became(*preferred, *one); });
+        if (kept.begin() - latest.begin() == 1) {
+            for (const SessionVersion* one : kept) {
+                report.notices.push_back(
+                    fmt::format("{}: it is as {} has it; what {} has beside that is left out",
+                                called(*one), latest.front()->file, one->file));
+            }
+            return latest.front();
+        }
+    }
+    report.conflicts.push_back({.what = called(*last) + ": what was recorded differs",
+                                .first = last->file,
+                                .second = latest[1]->file,
+                                .remedy = kPreferRemedy});
+    return nullptr;
 }
 
 /// One study, participant and number can only be one session.
@@ -126,11 +148,11 @@ std::vector<SessionMerge> in_order(const std::map<std::string, Versions>& all,
                                    const Database& out,
                                    const std::string& prefer,
                                    PeopleMerge& people,
-                                   std::vector<MergeConflict>& conflicts) {
+                                   MergeReport& report) {
     std::vector<SessionMerge> order;
     for (const auto& [uuid, versions] : all) {
         const SessionVersion& first = versions.front();
-        if (const SessionVersion* last = last_of(versions, prefer, people, conflicts)) {
+        if (const SessionVersion* last = last_of(versions, prefer, people, report)) {
             order.push_back({last, first.database == &out ? &first : nullptr});
             for (const SessionVersion& version : versions) {
                 if (version.destructions < last->destructions) {
@@ -162,10 +184,10 @@ void bring(const SessionMerge& one, Database& out, const Layout& layout, MergeRe
         ++report.added;
         return;
     }
-    const bool goes_on =
-        became(*one.own, *one.last) && one.own->destructions == one.last->destructions;
+    const bool of_it = became(*one.own, *one.last);
+    const bool goes_on = of_it && one.own->destructions == one.last->destructions;
     (goes_on ? extend_session : replace_session)(*one.last, *one.own, out, layout);
-    ++report.extended;
+    ++(of_it ? report.extended : report.replaced);
 }
 
 std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& files) {
@@ -246,10 +268,10 @@ bool merge_into(Database& out,
     for (const auto& input : inputs) {
         collect(input->database, input->name, layout, people, all);
     }
-    std::vector<SessionMerge> order = in_order(all, out, prefer, people, report.conflicts);
+    std::vector<SessionMerge> order = in_order(all, out, prefer, people, report);
     people.settle();
     std::ranges::copy(people.conflicts(), std::back_inserter(report.conflicts));
-    report.notices = people.notices();
+    std::ranges::copy(people.notices(), std::back_inserter(report.notices));
     people.write(out);
     destroyed = people.forgot(out.file());
     leave_out(order, people, report);

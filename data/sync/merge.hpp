@@ -12,6 +12,7 @@ namespace palpate::data {
 struct MergeReport {
     std::size_t added = 0;     ///< sessions that the file did not have
     std::size_t extended = 0;  ///< sessions that went on since
+    std::size_t replaced = 0;  ///< sessions that it had otherwise than the preferred file
     std::size_t same = 0;      ///< sessions that the file had as they are
     std::vector<MergeConflict> conflicts;
     std::vector<std::string> notices;  ///< what was settled: of two notes the newest is kept
@@ -23,7 +24,8 @@ struct MergeReport {
 /// Merging the same files again changes nothing, and the order of the files does not matter but for
 /// row ids: of a session that several files hold, the one that the others became is kept (see
 /// became()). Nothing is merged, and a conflict is listed, of
-/// - a session of one uuid that two files tell differently, unless one of them is `prefer`;
+/// - a session of one uuid that two files tell differently, unless only one of them is what the
+///   session of `prefer` is or became, of which a notice says what is left out;
 /// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by
 ///   hand;
 /// - two sessions that are the same study, participant and number under two uuids;
@@ -34,7 +36,7 @@ struct MergeReport {
 /// file that does not know of it are a conflict until it is done there, unless it is `prefer`.
 /// Sessions keep the secrets with which they were drawn; of a person with two numbers for exports
 /// the lesser is kept, and two people with one number are a conflict. What `file` itself holds
-/// stays in any case. The inputs are only read, also while a rig writes them.
+/// stays, but for a session that `prefer` tells differently. The inputs are only read, also while a rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
                                       const std::vector<std::string>& inputs,

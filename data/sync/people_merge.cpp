@@ -23,10 +23,9 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Not
         return;
     }
     if (there.value == said.value) {
-        there.utc = std::max(there.utc, said.utc);
         return;
     }
-    if (there.utc == said.utc && there.file != prefer_ && said.file != prefer_) {
+    if (there.utc == said.utc && there.file != prefer_) {
         in_conflict_.insert(code);
         conflicts_.push_back(
             {.what = fmt::format("participant {}: {} is {} and {}, noted at one time", code, key,
@@ -36,13 +35,9 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Not
              .remedy = kPreferRemedy});
         return;
     }
-    const bool newer = there.utc == said.utc ? said.file == prefer_ : there.utc < said.utc;
-    const NotedDetail& now = newer ? said : there;
-    const NotedDetail& before = newer ? there : said;
     notices_.push_back(
         fmt::format("participant {}: {} is {} (noted {} in {}), no longer {} ({} in {})", code, key,
-                    now.value, now.utc, now.file, before.value, before.utc, before.file));
-    there = NotedDetail(now);
+                    there.value, there.utc, there.file, said.value, said.utc, said.file));
 }
 
 void PeopleMerge::read(Database& database, const std::string& file) {
@@ -83,18 +78,25 @@ void PeopleMerge::read(Database& database, const std::string& file) {
 }
 
 std::string PeopleMerge::destroyed_unknown_to(const std::string& file,
-                                              const std::string& code) const {
+                                              const std::string& code,
+                                              const std::string& noted) const {
     const auto there = destroyed_.find(code);
-    const bool unknown = there != destroyed_.end() &&
-                         !knows_.contains({file, code, there->second}) &&
-                         (file != prefer_ || of_before_.contains({file, code}));
-    return unknown ? there->second : std::string();
+    if (there == destroyed_.end() || knows_.contains({file, code, there->second})) {
+        return "";
+    }
+    const bool since = file == prefer_ && !of_before_.contains({file, code}) &&
+                       (noted.empty() || noted > there->second);
+    return since ? "" : there->second;
 }
 
+/// By time, so that the order of the files decides nothing.
 void PeopleMerge::settle() {
+    std::ranges::stable_sort(words_, std::ranges::greater(), [&](const Word& word) {
+        return std::pair(word.said.utc, word.said.file == prefer_);
+    });
     for (const Word& word : words_) {
         const auto& [code, key, said] = word;
-        const std::string destroyed = destroyed_unknown_to(said.file, code);
+        const std::string destroyed = destroyed_unknown_to(said.file, code, said.utc);
         if (key == kSubject || destroyed.empty()) {
             say(code, key, said);
         } else if (forgot_.insert({said.file, code}).second) {

@@ -39,9 +39,10 @@ public:
     /// When all is read. Sees that no two people have the same number in exports, too.
     void settle();
     /// When something of the person was last destroyed, if this file does not know of it, nor can
-    /// be preferred for what was noted since; else "".
+    /// be preferred for what was noted since; else "". @param noted  when; "": of a session
     [[nodiscard]] std::string destroyed_unknown_to(const std::string& file,
-                                                   const std::string& code) const;
+                                                   const std::string& code,
+                                                   const std::string& noted = {}) const;
     /// Something that this file has of somebody was destroyed in another.
     [[nodiscard]] bool forgot(const std::string& file) const {
         return std::ranges::any_of(forgot_, [&](const auto& one) { return one.first == file; });

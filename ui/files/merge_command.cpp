@@ -131,17 +131,31 @@ void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
     all.require_all();
 }
 
+/// Which of the files --prefer means, as that is called there.
+std::string preferred(const MergeOptions& options) {
+    if (options.prefer.empty()) {
+        return "";
+    }
+    std::vector<std::string> files = options.inputs;
+    files.push_back(options.database);
+    const auto file = std::ranges::find_if(files, [&](const std::string& one) {
+        std::error_code unknown;
+        return one == options.prefer || std::filesystem::equivalent(one, options.prefer, unknown);
+    });
+    refuse_if(file == files.end(), "--prefer {}: it is none of the files that are brought together",
+              options.prefer);
+    return *file;
+}
+
 int run(const MergeOptions& options) {
     if (options.expect > 0) {
         expect_shards(options.inputs, static_cast<std::size_t>(options.expect));
     }
-    refuse_if(!options.prefer.empty() && options.prefer != options.database &&
-                  std::ranges::find(options.inputs, options.prefer) == options.inputs.end(),
-              "--prefer {}: it is none of the files that are brought together", options.prefer);
     const data::MergeReport done =
-        data::merge_files(options.database, options.inputs, options.prefer);
-    say("{}: {} new, {} went on, {} as before.\n", options.database, counted(done.added, "session"),
-        done.extended, done.same);
+        data::merge_files(options.database, options.inputs, preferred(options));
+    say("{}: {} new, {} went on, {} as before{}.\n", options.database,
+        counted(done.added, "session"), done.extended, done.same,
+        done.replaced > 0 ? fmt::format(", {} as {} has it", done.replaced, options.prefer) : "");
     for (const std::string& notice : done.notices) {
         say("{}\n", plain(notice));
     }

@@ -1,0 +1,143 @@
+#include <algorithm>
+
+#include "data/store/database.hpp"
+#include "tests/support/program.hpp"
+
+using namespace palpate;
+using namespace palpate::tests;
+
+// What `palpate merge` makes of several versions of one session or person: the same in any order.
+
+namespace {
+
+/// A participant with one session, and what is noted of them.
+struct Study {
+    TemporaryFolder folder;
+    std::string whole = folder.file("whole.sqlite");
+
+    Study() {
+        ran({"participant", whole, "P1", "--new", "--handedness", "73", "--consent", "yes"});
+        ran({"run", "shape_friction_demo", "--participant", "P1", "--db", whole, "--headless"});
+    }
+    /// A copy of `from`, which another rig goes on with.
+    [[nodiscard]] std::string copy(const std::string& name, const std::string& from) const {
+        data::Database(from, data::Access::write).checkpoint();
+        const std::string to = folder.file(name);
+        std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing);
+        return to;
+    }
+    [[nodiscard]] std::string noted(const std::string& name, const std::string& from) const {
+        const std::string file = copy(name, from);
+        ran({"note", file, "in " + name, "--participant", "P1"});
+        return file;
+    }
+};
+
+/// All orders of `files` brought together in a new file; of each the finished command and the file.
+template <class Check>
+void in_all_orders(const Study& study,
+                   std::vector<std::string> files,
+                   const std::string& prefer,
+                   const Check& check) {
+    std::ranges::sort(files);
+    do {
+        std::vector<std::string> words{"merge", study.folder.file("all.sqlite")};
+        words.insert(words.end(), files.begin(), files.end());
+        if (!prefer.empty()) {
+            words.insert(words.end(), {"--prefer", prefer});
+        }
+        CAPTURE(words);
+        std::filesystem::remove(words[1]);
+        check(palpate_command(words), words[1]);
+    } while (std::ranges::next_permutation(files).found);
+}
+
+constexpr const char* kLeft =
+    "SELECT (SELECT count(*) FROM response), (SELECT count(*) FROM event WHERE event_kind = "
+    "'note'), (SELECT group_concat(handedness) FROM participant)";
+
+std::string left_of(const std::string& file) {
+    const std::string csv = sql_csv(file, kLeft);
+    return csv.substr(csv.find('\n') + 1);
+}
+
+}  // namespace
+
+TEST_CASE("what was destroyed in one of several versions is destroyed, in any order",
+          "[merge][repair][law]") {
+    const Study study;
+    const std::string x = study.noted("x.sqlite", study.whole);
+    const std::string y = study.noted("y.sqlite", study.whole);
+    const std::string gone = study.copy("gone.sqlite", study.whole);
+    ran({"participant", gone, "P1", "--destroy", "everything", "--yes"});
+    for (const std::string& prefer : {std::string(), y}) {
+        in_all_orders(study, {x, y, gone}, prefer, [](const Finished& done, const auto& all) {
+            CHECK(done.code == 0);
+            CHECK(left_of(all) == "0,0,\n");
+        });
+    }
+    // Of details only: who has more beside that is in conflict, whatever is preferred.
+    const std::string less = study.copy("less.sqlite", study.whole);
+    ran({"participant", less, "P1", "--destroy", "details", "--yes"});
+    in_all_orders(study, {x, y, less}, y, [](const Finished& done, const auto& all) {
+        CHECK(done.code == 1);
+        CHECK_THAT(done.error, Has("--destroy details does it there, too"));
+        CHECK(left_of(all) == "0,0,\n");
+    });
+    // A person without a session: nothing is noted of them since.
+    const std::string person = study.folder.file("person.sqlite");
+    ran({"participant", person, "P2", "--new", "--handedness", "80", "--set", "diagnosis=x"});
+    const std::string forgot = study.copy("forgot.sqlite", person);
+    ran({"participant", forgot, "P2", "--destroy", "details", "--yes"});
+    in_all_orders(study, {person, forgot}, person, [](const Finished& done, const auto& all) {
+        CHECK(done.code == 0);
+        CHECK(left_of(all) == "0,0,\n");
+        CHECK(sql_csv(all, "SELECT count(*) FROM participant_detail") == "count(*)\n0\n");
+    });
+}
+
+TEST_CASE("an older copy decides nothing between those that went on from it",
+          "[merge][repair][law]") {
+    const Study study;
+    const std::string x = study.noted("x.sqlite", study.whole);
+    const std::string y = study.noted("y.sqlite", study.whole);
+    in_all_orders(study, {x, y, study.whole}, study.whole, [](const Finished& done, const auto&) {
+        CHECK(done.code == 1);
+        CHECK_THAT(done.error, Has("what was recorded differs"));
+    });
+    const std::string later = study.noted("later.sqlite", x);
+    in_all_orders(study, {x, y, later}, x, [&](const Finished& done, const auto& all) {
+        CHECK(done.code == 0);
+        CHECK_THAT(done.out, Has("later.sqlite has it; what", "y.sqlite has beside that is left"));
+        CHECK(left_of(all) == "10,2,73\n");
+    });
+    const Finished replaced = ran({"merge", y, x, "--prefer", study.folder.file("./x.sqlite")});
+    CHECK_THAT(replaced.out, Has("0 sessions new, 0 went on, 0 as before, 1 as ", "left out"));
+    ran({"verify", y});
+}
+
+TEST_CASE("of notes of several times the newest is kept, in any order", "[merge][repair][law]") {
+    const Study study;
+    const std::string person = study.folder.file("person.sqlite");
+    ran({"participant", person, "P2", "--new", "--set", "age=30"});
+    std::vector<std::string> files;
+    for (const auto& [age, hour] : {std::pair(31, 10), std::pair(32, 10), std::pair(33, 11)}) {
+        const std::string file = study.copy(fmt::format("{}.sqlite", age), person);
+        ran({"participant", file, "P2", "--set", fmt::format("age={}", age)});
+        data::Database(file, data::Access::write)
+            .execute(fmt::format("UPDATE participant_detail SET noted_utc = "
+                                 "'2026-05-05T{}:00:00.000Z'",
+                                 hour)
+                         .c_str());
+        files.push_back(file);
+    }
+    in_all_orders(study, files, "", [](const Finished& done, const auto& all) {
+        CHECK(done.code == 0);
+        CHECK(sql_csv(all, "SELECT value FROM participant_detail") == "value\n33\n");
+    });
+    files.pop_back();
+    in_all_orders(study, files, "", [](const Finished& done, const auto&) {
+        CHECK(done.code == 1);
+        CHECK_THAT(done.error, Has("noted at one time"));
+    });
+}
