@@ -58,10 +58,15 @@ bool lies_still(const std::string& name) {
            ::access((file.string() + "-shm").c_str(), F_OK) != 0;
 }
 
-bool has_log(const std::string& name) {
+std::string log_of(const std::string& name) {
     std::error_code unknown;
     const std::filesystem::path file = std::filesystem::canonical(name, unknown);
-    const auto size = std::filesystem::file_size(file.string() + "-wal", unknown);
+    return unknown ? "" : file.string() + "-wal";
+}
+
+bool has_log(const std::string& name) {
+    std::error_code unknown;
+    const auto size = std::filesystem::file_size(log_of(name), unknown);
     return !unknown && size > 0;
 }
 

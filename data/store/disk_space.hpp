@@ -27,6 +27,10 @@ void require_space(const std::string& file,
 /// both, beside the file itself, wherever a link to it is.
 [[nodiscard]] bool lies_still(const std::string& name);
 
+/// The name of the log that SQLite keeps beside a file while anybody has it open to write, wherever
+/// a link to it is; empty: there is no file.
+[[nodiscard]] std::string log_of(const std::string& name);
+
 /// Something waits in the log. Without it nobody writes the file, and on a full disk, where SQLite
 /// finds no room for the log's index, nobody can begin to: it can be read as it is.
 [[nodiscard]] bool has_log(const std::string& name);

@@ -1,80 +1,66 @@
 #include "data/store/session_lock.hpp"
 
 #include <cerrno>
-#include <cstddef>
 #include <cstring>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include "engine/base/refuse.hpp"
+#include "data/store/disk_space.hpp"
 
 namespace palpate::data {
-
 namespace {
 
-/// A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name
-/// back when the process ends, however it ends.
-struct Name {
-    sockaddr_un address{};
-    socklen_t length = 0;
-
-    Name(const Database& database, std::int64_t session) {
-        struct stat file {};
-        refuse_if<StoreError>(stat(database.file().c_str(), &file) != 0,
-                              "{}: it is no longer there", database.file());
-        const std::string name = fmt::format("palpate-{}-{}-{}", file.st_dev, file.st_ino, session);
-        address.sun_family = AF_UNIX;
-        std::memcpy(address.sun_path + 1, name.data(), name.size());
-        length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    }
-    [[nodiscard]] const sockaddr* get() const {
-        return reinterpret_cast<const sockaddr*>(&address);
-    }
-};
+/// Of SQLite's log a byte each session, or all of them, whether or not the log is as long.
+struct flock bytes_of(std::optional<std::int64_t> session) {
+    struct flock bytes {};
+    bytes.l_type = F_WRLCK;
+    bytes.l_whence = SEEK_SET;
+    bytes.l_start = session.value_or(0);
+    bytes.l_len = session ? 1 : 0;
+    return bytes;
+}
 
 }  // namespace
 
-SessionLock::SessionLock(const Database& database, std::int64_t session) {
+SessionLock::SessionLock(Database& database, std::int64_t session) {
     if (database.in_memory()) {
         return;  // nobody else sees it
     }
-    const Name name(database, session);
-    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (socket_ >= 0 && bind(socket_, name.get(), name.length) == 0) {
+    static_cast<void>(database.first("PRAGMA schema_version"));  // SQLite has laid the log by then
+    log_ = open(log_of(database.file()).c_str(), O_RDWR | O_CLOEXEC);
+    struct flock bytes = bytes_of(session);
+    if (log_ >= 0 && fcntl(log_, F_OFD_SETLK, &bytes) == 0) {
         return;
     }
     const int error = errno;
-    if (socket_ >= 0) {
-        close(socket_);
+    if (log_ >= 0) {
+        close(log_);
     }
-    throw StoreError(error == EADDRINUSE
+    throw StoreError(error == EAGAIN
                          ? fmt::format("{}: another palpate is running this session; end it first",
                                        database.file())
                          : fmt::format("{}: the session could not be locked: {}", database.file(),
                                        std::strerror(error)));
 }
 
-bool SessionLock::held(const Database& database, std::int64_t session) {
-    const Name name(database, session);
-    const int asking = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    const bool answered = asking >= 0 && connect(asking, name.get(), name.length) == 0;
-    if (asking >= 0) {
-        close(asking);
+bool SessionLock::held(const std::string& file, std::optional<std::int64_t> session) {
+    const int log = open(log_of(file).c_str(), O_RDONLY | O_CLOEXEC);
+    struct flock bytes = bytes_of(session);
+    const bool found = log >= 0 && fcntl(log, F_OFD_GETLK, &bytes) == 0 && bytes.l_type != F_UNLCK;
+    if (log >= 0) {
+        close(log);
     }
-    return answered;
+    return found;
 }
 
-SessionLock::SessionLock(SessionLock&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)) {}
+SessionLock::SessionLock(SessionLock&& other) noexcept : log_(std::exchange(other.log_, -1)) {}
 
 SessionLock::~SessionLock() {
-    if (socket_ >= 0) {
-        close(socket_);
+    if (log_ >= 0) {
+        close(log_);
     }
 }
 

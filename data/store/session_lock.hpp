@@ -1,27 +1,36 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "data/store/database.hpp"
 
 namespace palpate::data {
 
-/// Keeps a second program off a session. Released when this object, or the whole process, ends.
+/// Keeps a second program off a session, in another container too: the kernel's lock of one byte of
+/// SQLite's log (F_OFD_SETLK). Not of the database itself: whoever closes a second descriptor of it
+/// drops SQLite's own locks in this process, and of its log SQLite locks nothing. Released when this
+/// object, or the whole process, ends.
 class SessionLock {
 public:
     /// @throws StoreError if another program runs the session
-    SessionLock(const Database& database, std::int64_t session);
+    SessionLock(Database& database, std::int64_t session);
     SessionLock(SessionLock&& other) noexcept;
     SessionLock& operator=(SessionLock&&) = delete;
     SessionLock(const SessionLock&) = delete;
     SessionLock& operator=(const SessionLock&) = delete;
     ~SessionLock();
 
-    /// Some program of this computer, this one too, runs the session.
-    [[nodiscard]] static bool held(const Database& database, std::int64_t session);
+    /// Some program of this computer, this one too, runs the session, or any, of a file.
+    [[nodiscard]] static bool held(const std::string& file,
+                                   std::optional<std::int64_t> session = {});
+    [[nodiscard]] static bool held(const Database& database, std::int64_t session) {
+        return held(database.file(), session);
+    }
 
 private:
-    int socket_ = -1;
+    int log_ = -1;
 };
 
 }  // namespace palpate::data

@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "data/store/session_lock.hpp"
 #include "ui/rig/control_line.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/console.hpp"
@@ -277,7 +278,8 @@ TEST_CASE("whatever shows stimuli and answers of a file says once that a session
         CHECK(warnings(words) == 0);
     }
     std::filesystem::remove_all(folder.file("csv"));
-    const ui::ControlSocket session(file);
+    data::Database database(file, data::Access::write);
+    const data::SessionLock session(database, 1);
     for (const auto& words : all) {
         CAPTURE(words);
         CHECK(warnings(words) == 1);

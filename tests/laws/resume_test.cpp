@@ -19,8 +19,10 @@ std::vector<std::string> words(const std::string& file, const std::string& speed
 }
 
 /// Starts a slowed-down session and waits until trial `position` has stored some of its ticks.
-std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t position) {
-    std::vector<std::string> command = words(file, "40");
+std::unique_ptr<Process> run_into_trial(const std::string& file,
+                                        std::int64_t position,
+                                        const std::string& speed = "40") {
+    std::vector<std::string> command = words(file, speed);
     command.insert(command.begin(), palpate_program());
     auto process =
         std::make_unique<Process>(command, std::vector<std::string>{"DISPLAY", "WAYLAND_DISPLAY"});
@@ -214,6 +216,39 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
     CHECK(number(file, "SELECT count(*) FROM trial") == 10);
     CHECK(number(file, "SELECT count(*) FROM trial WHERE outcome <> 'complete'") == 0);
     CHECK(number(file, "SELECT count(*) FROM event WHERE event_kind = 'interrupted'") == 0);
+}
+
+TEST_CASE("what runs in another container is not run again, and nobody is told that nothing runs",
+          "[crash][safety][law]") {
+    const auto elsewhere = [](std::vector<std::string> command) {
+        command.insert(command.begin(), {"unshare", "--user", "--map-root-user", "--net"});
+        return Process(command, {"DISPLAY", "WAYLAND_DISPLAY"}).wait();
+    };
+    if (elsewhere({"true"}).code != 0) {
+        WARN("this kernel gives no namespace of networks: not tried");
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::string palpate = palpate_program();
+    std::vector<std::string> run = words(file);
+    run.insert(run.begin(), palpate);
+    const auto first = run_into_trial(file, 1, "2");
+    check_end(elsewhere(run), 1, Has("another palpate"));
+    check_end(elsewhere({palpate, "stop", file}), 1,
+              Has("cannot be called from here", "the switch of its motors"));
+    const Finished status = elsewhere({palpate, "status", file});
+    CHECK(status.code == 1);
+    CHECK_THAT(status.out, Has("running: P1", "another container") && !Has("Nothing runs"));
+    CHECK_THAT(elsewhere({palpate, "sql", file, "-c", "SELECT 1"}).error,
+               Has("a session runs on it"));
+
+    first->signal(SIGKILL);
+    static_cast<void>(first->wait());
+    check_end(elsewhere({palpate, "stop", file}), 1, Has("no session runs on it"));
+    CHECK_THAT(elsewhere({palpate, "status", file}).out, Has("Nothing runs on it now"));
+    CHECK(elsewhere(run).code == 0);
+    CHECK(number(file, "SELECT count(*) FROM response") == 10);
 }
 
 // The first has opened the session and is held up where it says so: its output is a pipe nobody

@@ -150,9 +150,9 @@ std::string study_text(const Json& study) {
 std::string running_text(const Json& state) {
     if (!state.value("answers", true)) {
         return fmt::format(
-            "running: {}, {}, session {}: it does not answer. It hangs or is stopped, or is "
-            "another user's or another palpate's; if somebody feels it, use the switch of its "
-            "motors\n",
+            "running: {}, {}, session {}: it does not answer. It hangs or is stopped, runs in "
+            "another container, or is another user's or another palpate's; if somebody feels it, "
+            "use the switch of its motors\n",
             state.value("participant", ""), state.value("kind", ""), state.value("number", 0));
     }
     const auto minutes = state.find("remaining_min");
@@ -254,8 +254,9 @@ int run(const StatusOptions& options) {
     }
     if (options.follow) {
         follow(database, std::move(running), options.json);
+        return 0;
     }
-    return 0;
+    return running.silent.empty() ? 0 : 1;
 }
 
 }  // namespace

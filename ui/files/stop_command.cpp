@@ -7,6 +7,7 @@
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
 #include "engine/device/device.hpp"
+#include "data/store/session_lock.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/control_line.hpp"
 #include "ui/rig/say.hpp"
@@ -49,6 +50,11 @@ int run(const StopOptions& options) {
                         "stop it: nothing was stopped",
                         *options.database));
     }
+    refuse_if<std::runtime_error>(
+        options.database && data::SessionLock::held(*options.database),
+        "{}: a session runs on it that cannot be called from here, as in another container or "
+        "network namespace: nothing was stopped; stop it there, or use the switch of its motors",
+        options.database.value_or(""));
     throw std::runtime_error(
         options.database
             ? fmt::format("{}: no session runs on it: nothing was "

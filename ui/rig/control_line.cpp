@@ -14,6 +14,7 @@
 #include <sys/un.h>
 
 #include "engine/base/clock.hpp"
+#include "data/store/session_lock.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
 
@@ -153,13 +154,10 @@ std::vector<std::string> session_names(const std::optional<std::string>& databas
 
 void warn_of_unblinding(const std::string& database) {
     static bool said = false;
-    const auto file = database.empty() ? std::nullopt : identity_of(database);
-    for (int k = 0; k < kSessions && file && !said; ++k) {
-        said = connect_to(control_name(*file, k)).get() >= 0;
-        if (said) {
-            warn("{}: a session runs on it, and this may tell you what its participant feels",
-                 database);
-        }
+    if (!said && data::SessionLock::held(database)) {
+        said = true;
+        warn("{}: a session runs on it, and this may tell you what its participant feels",
+             database);
     }
 }
 
