@@ -373,8 +373,8 @@ TEST_CASE("another user is heard only with the file open for writing, and then o
         static_cast<void>(ui::readable(to.get(), 5000));
         return ui::receive(to.get()).line;
     };
-    const ui::Descriptor reads(open(session.file.c_str(), O_RDONLY | O_CLOEXEC));
-    const ui::Descriptor writes(open(session.file.c_str(), O_RDWR | O_CLOEXEC));
+    const ui::Descriptor reads(open((session.file + "-wal").c_str(), O_RDONLY | O_CLOEXEC));
+    const ui::Descriptor writes(open((session.file + "-wal").c_str(), O_RDWR | O_CLOEXEC));
     const TemporaryFolder folder;
     const ui::Descriptor other(
         open(folder.file("another").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR));

@@ -251,6 +251,17 @@ TEST_CASE("what runs in another container is not run again, and nobody is told t
     CHECK(number(file, "SELECT count(*) FROM response") == 10);
 }
 
+TEST_CASE("a session that was stopped from a shell keeps its log, whoever else writes the file",
+          "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const auto process = run_into_trial(file, 1, "2");
+    ran({"stop", file});
+    ran({"participant", file, "P1", "--set", "age=31"});
+    CHECK(process->running());
+    CHECK(std::filesystem::exists(file + "-wal"));  // else what it goes on to write is lost
+}
+
 // The first has opened the session and is held up where it says so: its output is a pipe nobody
 // empties.
 TEST_CASE("a program that is held up before its first trial keeps its session", "[crash][law]") {

@@ -14,6 +14,7 @@
 #include <sys/un.h>
 
 #include "engine/base/clock.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/session_lock.hpp"
 #include "ui/rig/json_line.hpp"
 #include "ui/rig/say.hpp"
@@ -78,11 +79,15 @@ constexpr std::size_t kLongestLine = 8192;
 constexpr std::size_t kCallers = 16;
 constexpr std::chrono::seconds kSilence{10};
 
-/// The open file is the database, and open for writing.
-bool shows_right(const Descriptor& right, const FileIdentity& file) {
+/// The open file is the database's log, and open for writing. Not the database: closing it here
+/// would drop SQLite's locks on it, and another program would take the log away.
+bool shows_right(const Descriptor& right, const std::string& database) {
     struct stat shown {};
-    return right.get() >= 0 && fstat(right.get(), &shown) == 0 && shown.st_dev == file.device &&
-           shown.st_ino == file.inode && (fcntl(right.get(), F_GETFL) & O_ACCMODE) != O_RDONLY;
+    const std::string log = data::log_of(database);
+    const auto file = log.empty() ? std::nullopt : identity_of(log);
+    return file && right.get() >= 0 && fstat(right.get(), &shown) == 0 &&
+           shown.st_dev == file->device && shown.st_ino == file->inode &&
+           (fcntl(right.get(), F_GETFL) & O_ACCMODE) != O_RDONLY;
 }
 
 constexpr int kAnswerMs = 2000;  ///< a session's time to answer
@@ -212,10 +217,9 @@ void Caller::answer(bool ok, std::string_view text, std::string_view word) const
     }
 }
 
-ControlSocket::ControlSocket(const std::string& database) {
+ControlSocket::ControlSocket(const std::string& database) : database_(database) {
     if (const auto file = identity_of(database)) {
-        file_ = *file;
-        listening_ = listen_for(file_);
+        listening_ = listen_for(*file);
     }
 }
 
@@ -255,7 +259,7 @@ bool ControlSocket::hear(Line& line, const Obey& obey) const {
         return !received.ended && now - line.heard < kSilence;
     }
     line.heard = now;
-    line.may_speak = line.may_speak || shows_right(received.file, file_);
+    line.may_speak = line.may_speak || shows_right(received.file, database_);
     if (!line.may_speak) {
         return false;
     }
@@ -278,7 +282,8 @@ void ControlSocket::hear(const Obey& obey) {
 }
 
 StopResult stop_sessions(const std::optional<std::string>& database) {
-    const Descriptor right(database ? open(database->c_str(), O_RDWR | O_CLOEXEC) : -1);
+    const Descriptor right(database ? open(data::log_of(*database).c_str(), O_RDWR | O_CLOEXEC)
+                                    : -1);
     std::vector<Descriptor> lines;
     StopResult stopped;
     for (const std::string& name : session_names(database)) {

@@ -91,8 +91,8 @@ private:
 };
 
 /// The session's side of its control socket: one JSON object a line, one answer a line. Whoever
-/// runs as the same user or as root may call, and whoever can open the database for writing: its
-/// open file comes with their first line. Everybody else is hung up on, unheard.
+/// runs as the same user or as root may call, and whoever can open the database's log for writing:
+/// its open file comes with their first line. Everybody else is hung up on, unheard.
 class ControlSocket {
 public:
     /// Hears a line, without its end.
@@ -119,7 +119,7 @@ private:
     void accept_callers(const Obey& obey);
     [[nodiscard]] bool hear(Line& line, const Obey& obey) const;
 
-    FileIdentity file_;
+    std::string database_;
     Descriptor listening_;
     std::vector<Line> lines_;
 };
