@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
+
+#include "engine/base/refuse.hpp"
 
 namespace palpate::data {
 namespace {
@@ -91,6 +94,32 @@ PostgresTable session_table(Database& database,
     return session;
 }
 
+/// Whether every table is there. @throws PostgresError for one without a column: added now, it would
+/// be empty beside the rows that had it
+bool has_all(Postgres& server, const std::vector<PostgresTable>& tables) {
+    std::map<std::string, std::set<std::string>> there;
+    for (const auto& row : server.rows(
+             "SELECT relname, attname FROM pg_attribute JOIN pg_class ON pg_class.oid = attrelid "
+             "JOIN pg_namespace ON pg_namespace.oid = relnamespace WHERE nspname = 'palpate' AND "
+             "attnum > 0 AND NOT attisdropped")) {
+        there[*row[0]].insert(*row[1]);
+    }
+    bool all = true;
+    for (const PostgresTable& table : tables) {
+        const auto found = there.find(table.name);
+        all = all && found != there.end();
+        for (const auto& [column, type] : table.columns) {
+            refuse_if<PostgresError>(
+                found != there.end() && !found->second.contains(column),
+                "the server's table palpate.{} has no column {}: an administrator restores it from "
+                "a backup, or drops the table; then push makes it, and adds the rows of each file "
+                "that is pushed again",
+                table.name, column);
+        }
+    }
+    return all;
+}
+
 }  // namespace
 
 Layout pushed_layout() {
@@ -135,8 +164,6 @@ std::string postgres_schema(const std::vector<PostgresTable>& tables) {
         std::string later;
         for (const auto& [column, type] : table.columns) {
             columns += fmt::format("    {} {},\n", quoted_name(column), type);
-            later += fmt::format("ALTER TABLE {} ADD COLUMN IF NOT EXISTS {} {};\n", name,
-                                 quoted_name(column), type);
             later += type == "bytea"
                        ? fmt::format("ALTER TABLE {} ALTER COLUMN {} SET STORAGE EXTERNAL;\n", name,
                                      quoted_name(column))
@@ -146,6 +173,23 @@ std::string postgres_schema(const std::vector<PostgresTable>& tables) {
                            columns, quoted(table.key), later);
     }
     return sql;
+}
+
+void require_schema(Postgres& server, const std::vector<PostgresTable>& tables) {
+    if (has_all(server, tables)) {
+        return;
+    }
+    try {
+        // One who makes it waits for another. Made again it would wait for those who already add
+        // rows, and they for it.
+        server.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944)");
+        server.run((has_all(server, tables) ? "" : postgres_schema(tables)) + "COMMIT");
+    } catch (const PostgresError& e) {
+        throw PostgresError(
+            fmt::format("{}; the schema palpate is not there or not whole: an administrator makes "
+                        "it with the SQL of palpate push --roles",
+                        e.what()));
+    }
 }
 
 std::string postgres_roles() {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/sync/postgres.hpp"
 #include "data/sync/session_version.hpp"
 
 namespace palpate::data {
@@ -27,9 +28,13 @@ struct PostgresTable {
 /// @param layout  pushed_layout()
 [[nodiscard]] std::vector<PostgresTable> postgres_tables(const Layout& layout);
 
-/// SQL that makes the schema `palpate` with these tables where they are not there, and adds columns
-/// that are not there. Chunks are not compressed again (STORAGE EXTERNAL).
+/// SQL that makes the schema `palpate` with these tables where they are not there. Chunks are
+/// not compressed again (STORAGE EXTERNAL).
 [[nodiscard]] std::string postgres_schema(const std::vector<PostgresTable>& tables);
+
+/// Makes what postgres_schema() makes, if it is not there and the user may.
+/// @throws PostgresError where the user may not, or a table is there without one of its columns
+void require_schema(Postgres& server, const std::vector<PostgresTable>& tables);
 
 /// SQL for an administrator: roles palpate_writer (adds and reads rows) and palpate_reader (reads),
 /// to be granted to people and programs.

@@ -47,7 +47,7 @@ public:
     }
 
     PushReport run(const std::string& file) {
-        require_schema();
+        require_schema(server_, tables_);
         push_shared();
         push_people();
         for (const SessionVersion& session : session_versions(database_, layout_, file)) {
@@ -100,40 +100,6 @@ private:
                      "rows of this session_uuid");
         }
         return true;
-    }
-
-    [[nodiscard]] bool schema_is_whole() {
-        std::set<std::string> there;
-        for (const auto& row : server_.rows(
-                 "SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON pg_class.oid "
-                 "= attrelid JOIN pg_namespace ON pg_namespace.oid = relnamespace WHERE nspname = "
-                 "'palpate' AND attnum > 0 AND NOT attisdropped")) {
-            there.insert(*row[0]);
-        }
-        bool whole = true;
-        for (const PostgresTable& table : tables_) {
-            for (const auto& [column, type] : table.columns) {
-                whole = whole && there.contains(table.name + '.' + column);
-            }
-        }
-        return whole;
-    }
-
-    void require_schema() {
-        if (schema_is_whole()) {
-            return;
-        }
-        try {
-            // One who makes it waits for another. Made again it would wait for those who already
-            // add rows, and they for it.
-            server_.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944)");
-            server_.run((schema_is_whole() ? "" : postgres_schema(tables_)) + "COMMIT");
-        } catch (const PostgresError& e) {
-            throw PostgresError(
-                fmt::format("{}; the schema palpate is not there or not whole: an administrator "
-                            "makes it with the SQL of palpate push --roles",
-                            e.what()));
-        }
     }
 
     void send(const std::string& table, const PostgresRow& row) {
@@ -222,11 +188,38 @@ private:
         return true;
     }
 
-    /// The session as it began, if it is not there.
-    void push_head(const SessionVersion& session) {
-        if (begun_.contains(session.uuid)) {
-            return;
+    /// How many rows the server has of a session, by table and `place`: a trial's number, or 0.
+    using Counts = std::map<std::pair<std::string, std::int64_t>, std::int64_t>;
+    Counts counts(const SessionVersion& session,
+                  const std::vector<OwnedTable>& tables,
+                  const char* place) {
+        std::string sql;
+        for (const OwnedTable& table : tables) {
+            sql += fmt::format(
+                "{}SELECT '{}', {}, count(*) FROM palpate.{} WHERE session_uuid = $1::uuid GROUP "
+                "BY 2",
+                sql.empty() ? "" : " UNION ALL ", table.name, place, quoted_name(table.name));
         }
+        Counts there;
+        for (const auto& row : server_.rows(sql, PostgresRow().text(session.uuid))) {
+            there[{*row[0], std::stoll(*row[1])}] = std::stoll(*row[2]);
+        }
+        return there;
+    }
+
+    /// The session as it began, as far as it is not there.
+    void push_head(const SessionVersion& session) {
+        const Counts there = counts(session, layout_.of_session, "0");
+        if (!begun_.contains(session.uuid)) {
+            push_session(session);
+        }
+        for (const OwnedTable& table : layout_.of_session) {
+            push_owned(table, "session_id", session.id, PostgresRow().text(session.uuid), there, 0);
+        }
+        flush();
+    }
+
+    void push_session(const SessionVersion& session) {
         Statement line = database_.first(
             fmt::format("SELECT {} FROM session WHERE session_id = ?1", layout_.session.list()),
             session.id);
@@ -239,20 +232,25 @@ private:
             .text(session.head)
             .integer(kSchemaVersion);
         send("session", row);
-        for (const OwnedTable& table : layout_.of_session) {
-            push_owned(table, "session_id", session.id, PostgresRow().text(session.uuid));
-        }
-        flush();
     }
 
     static bool same_schema(const std::string& there) {
         return there == fmt::format("{}", kSchemaVersion);
     }
 
+    /// All rows of an owner, if the server lacks any.
     void push_owned(const OwnedTable& table,
                     std::string_view owner,
                     std::int64_t id,
-                    const PostgresRow& key) {
+                    const PostgresRow& key,
+                    const Counts& there,
+                    std::int64_t place) {
+        const auto found = there.find({table.name, place});
+        const std::string rows =
+            fmt::format("SELECT count(*) FROM {} WHERE {} = ?1", table.name, owner);
+        if (found != there.end() && found->second >= database_.first(rows, id).integer(0)) {
+            return;
+        }
         for (const Statement& line : database_.prepare(table.select(owner), id)) {
             PostgresRow row = key;
             add_values(line, row);
@@ -267,32 +265,36 @@ private:
                                             PostgresRow().text(session.uuid))) {
             there[*row[0]] = {*row[1], *row[2]};
         }
+        const Counts rows = counts(session, layout_.of_trial, "trial_number");
         std::int64_t number = 0;
         for (const TrialVersion& trial : session.trials) {
             const auto found = there.find(fmt::format("{}", ++number));
             if (trial.outcome == "running") {
                 continue;  // it comes when it has ended
             }
-            if (found == there.end()) {
-                push_trial(session, trial, number);
-            } else if (found->second.first != trial.content && same_schema(found->second.second)) {
+            const bool is_there = found != there.end();
+            if (is_there && found->second.first != trial.content &&
+                same_schema(found->second.second)) {
                 conflict(session, fmt::format("attempt {} is another on the server", number));
                 continue;
+            }
+            PostgresRow key;
+            key.text(session.uuid).integer(number);
+            for (const OwnedTable& table : layout_.of_trial) {
+                push_owned(table, "trial_id", trial.id, key, rows, number);
+            }
+            if (!is_there) {
+                push_trial(trial, key);
             }
             if (!trial.invalid.empty()) {
                 send("trial_invalid",
                      PostgresRow().text(session.uuid).integer(number).text(trial.invalid));
-                flush();
             }
+            flush();
         }
     }
 
-    void push_trial(const SessionVersion& session, const TrialVersion& trial, std::int64_t number) {
-        PostgresRow key;
-        key.text(session.uuid).integer(number);
-        for (const OwnedTable& table : layout_.of_trial) {
-            push_owned(table, "trial_id", trial.id, key);
-        }
+    void push_trial(const TrialVersion& trial, const PostgresRow& key) {
         Statement line = database_.first(
             fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout_.trial.list()),
             trial.id);
@@ -300,7 +302,6 @@ private:
         add_values(line, row);
         row.text(trial.content).integer(kSchemaVersion);
         send("trial", row);
-        flush();
     }
 
     /// Compares the events that are there. @return nothing in conflict

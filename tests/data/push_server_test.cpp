@@ -37,13 +37,14 @@ TEST_CASE(
     }
     const std::string together = new_database(*server, "together");
     Postgres admin(together);
+    admin.run(data::push_setup());
+    admin.run("DROP TABLE palpate.session");  // made again by whoever comes first
     admin.run(
-        "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session_uuid uuid, trial_number "
-        "bigint, interval bigint, first_tick bigint, PRIMARY KEY (session_uuid, trial_number, "
-        "interval, "
-        "first_tick)) PARTITION BY HASH (session_uuid);CREATE TABLE palpate.part_0 PARTITION OF "
-        "palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 0);CREATE TABLE palpate.part_1 "
-        "PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 1)");
+        "ALTER TABLE palpate.trace_chunk RENAME TO whole; CREATE TABLE palpate.trace_chunk (LIKE "
+        "palpate.whole INCLUDING ALL) PARTITION BY HASH (session_uuid); DROP TABLE palpate.whole; "
+        "CREATE TABLE palpate.part_0 PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2, "
+        "REMAINDER 0); CREATE TABLE palpate.part_1 PARTITION OF palpate.trace_chunk FOR VALUES "
+        "WITH (MODULUS 2, REMAINDER 1)");
     std::vector<std::unique_ptr<Process>> pushes;
     for (int i = 0; i < 2; ++i) {
         for (const std::string& file : files) {

@@ -171,6 +171,42 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
     }
 }
 
+TEST_CASE("what a server lost comes again, and a column that it lost is named", "[push][law]") {
+    A_SERVER(server);
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    const std::vector<std::string> push{"push", file, "--to", server->url()};
+    ran({"participant", file, "demo", "--consent", "yes"});
+    ran(push);
+    const std::string whole = content(server->url());
+    Postgres admin(server->url());
+    for (const auto& table : admin.rows(
+             "SELECT tablename, tablename IN ('trace_chunk', 'plan', 'trial') FROM pg_tables WHERE "
+             "schemaname = 'palpate'")) {
+        admin.run(*table[1] == "t" ? "DROP TABLE palpate." + *table[0]
+                                   : fmt::format("DELETE FROM palpate.{0} WHERE ctid = (SELECT "
+                                                 "max(ctid) FROM palpate.{0})",
+                                                 *table[0]));
+    }
+    CHECK(content(server->url()) != whole);
+    ran(push);
+    CHECK(content(server->url()) == whole);
+
+    admin.run("DELETE FROM palpate.response WHERE trial_number = 2");
+    ran(push);
+    CHECK(content(server->url()) == whole);
+
+    for (const char* column : {"trial DROP COLUMN done_s", "plan DROP COLUMN mu_s"}) {
+        CAPTURE(column);
+        const std::string table = std::string(column).substr(0, std::string(column).find(' '));
+        admin.run("ALTER TABLE palpate." + std::string(column));
+        check_end(palpate_command(push), 1, Has("palpate." + table + " has no column"));
+        admin.run("DROP TABLE palpate." + table);
+        ran(push);
+        CHECK(content(server->url()) == whole);
+    }
+}
+
 TEST_CASE("a writer adds and never changes, a reader only reads, and no message holds a password",
           "[push][law]") {
     A_SERVER(server);
