@@ -256,7 +256,9 @@ TEST_CASE("without a window, too, palpate stop, Enter and Escape at the terminal
         Finished stopped;
         if (geteuid() == 0) {  // another user stops what they may write to, and nothing else
             const auto as_nobody = [&](unsigned mode) {
-                std::filesystem::permissions(file, std::filesystem::perms{mode});
+                for (const char* beside : {"", "-wal"}) {  // SQLite's log is made with the file's
+                    std::filesystem::permissions(file + beside, std::filesystem::perms{mode});
+                }
                 return Process({"runuser", "-u", "nobody", "--", palpate_program(), "stop", file})
                     .wait();
             };
