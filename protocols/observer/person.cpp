@@ -141,7 +141,7 @@ JudgedPeople::JudgedPeople(const Protocol& protocol,
                            std::vector<FeltTrial> hands,
                            const FrictionPair& pair,
                            std::optional<LogitEffect> effect)
-    : model_(model), effect_(effect), repetitions_(protocol.design.repetitions) {
+    : model_(model), effect_(effect) {
     require_judged(protocol);
     const std::vector<std::size_t> pictured = objects_of(protocol, true);
     for (const std::size_t object : pictured) {
@@ -239,7 +239,7 @@ JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::si
                            .session = 1,
                            .purpose = std::string(purpose::observer),
                            .seed = seed});
-    JudgedPerson made{.trials = without_.size() * repetitions_};
+    JudgedPerson made{.trials = judged_ / 2};
     made.share_without = share(who, without_);
     const double felt_share = share(who, with_);
     made.share_with =
@@ -256,7 +256,7 @@ JudgedPerson JudgedPeople::person(std::uint64_t seed, std::size_t study, std::si
     for (std::size_t i = 0; i < order.size(); ++i) {
         const bool with = order[i] >= made.trials;
         const Condition& condition =
-            (with ? with_ : without_)[order[i] % made.trials / repetitions_];
+            (with ? with_ : without_)[order[i] % made.trials * without_.size() / made.trials];
         const Cues& felt =
             condition.hands[random.bounded(static_cast<std::uint32_t>(condition.hands.size()))];
         bool right = is_right(who, condition, felt, before(i), random);

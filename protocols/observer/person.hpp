@@ -137,7 +137,6 @@ private:
     ObserverModel model_;
     Conditions without_, with_;
     std::optional<LogitEffect> effect_;
-    std::size_t repetitions_ = 1;
     std::size_t practice_ = 0;  ///< trials of a session before those that count
     std::size_t main_ = 0;      ///< those that count, of all frictions
     std::size_t judged_ = 0;    ///< of these, those of the two frictions
