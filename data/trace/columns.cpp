@@ -116,11 +116,10 @@ constexpr std::array kColumns{
                                                 "damping, to the right; less where flags has 32"),
     column<double, offsetof(TickRecord, force.y)>(
         "rendered_y_n", "N", "rendered force on the hand, away from the person"),
-    column<double, offsetof(TickRecord, command)>("commanded_x_n",
-                                                  "N",
-                                                  "commanded force: asked of the device, after the "
-                                                  "safety chain, to the right; of table sample "
-                                                  "in steps of 0.1 mN"),
+    column<double, offsetof(TickRecord, command)>(
+        "commanded_x_n",
+        "N",
+        "commanded force: asked of the device, after the safety chain, to the right"),
     column<double, offsetof(TickRecord, command.y)>(
         "commanded_y_n", "N", "commanded force, away from the person"),
     column<double, offsetof(TickRecord, normal_force)>(

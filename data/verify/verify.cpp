@@ -95,7 +95,7 @@ void check_people(Database& database, Findings& findings) {
              "destroyed_utc, 1 FROM participant UNION ALL SELECT participant_code, key, value, "
              "noted_utc, 1 FROM participant_detail JOIN participant USING (participant_id)) WHERE "
              "NOT fits OR (stored IS NULL) <> (utc IS NULL) OR utc IS NOT "
-             "strftime('%Y-%m-%dT%H:%M:%fZ', utc)")) {
+             "strftime('%Y-%m-%dT%H:%M:%fZ', utc, '+0 days')")) {
         findings.differs(note.text("what"), note.text("stored"), "a value with its time");
     }
     for (const StoredRow& person : rows_of(

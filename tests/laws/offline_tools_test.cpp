@@ -172,6 +172,7 @@ to_m = [0.1, 0.0]
          {Wrong{"mu_s = 0.7", "mu_s = 0.4", "s.toml:6:", "0.4"},
           Wrong{"\"gos\"", "\"goss\"", "s.toml:5:", "did you mean gos"},
           Wrong{"stiffness_n_per_m = 1000.0", "stiffness_n_per_m = 0", "s.toml:3:", "above 0"},
+          Wrong{"0.001,0.05,0.0\n", "1e-300,0.05,0.0\n", "t.csv:3:", "ticks of 1e-12 to 3600 s"},
           Wrong{"\"line\"", "\"lien\"", "s.toml:12:", "lien"},
           Wrong{"[0.1, 0.0]", "[0.0, 0.0]", "s.toml:11:", "apart"},
           Wrong{"[renderer]", "[renderer]\ntracker = \"feedback\"", "s.toml:2:", "gain"},
@@ -281,6 +282,7 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     const auto with = [&](const std::string& from, const std::string& to) {
         return replaced(bow, from, to);
     };
+    refused(with("beta = 0.5", "beta = 1e308"), some, "give 0 to 1000000000");
     refused(with("fixed = [0, 3]", "fixed = [0, 4]"), some, "wrong.toml:8:9: ");
     refused(with("fixed = [0, 3]", "fixed = [0.5]"), some, "whole numbers");
     refused(with("at_u = 0.5", "at_u = 1.5"), some, "the knots go from 0 to 1");

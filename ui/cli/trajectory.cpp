@@ -15,6 +15,7 @@ constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
 
 /// Tick periods that differ by less than this share are the same.
 constexpr double kSamePeriod = 1e-6;
+constexpr double kShortestPeriod = 1e-12;  ///< s: a speed over less may be no number
 constexpr double kLongestPeriod = 3600.0;  ///< s
 /// Tick period of a path of a single row, s.
 constexpr double kUsualPeriod = 0.001;
@@ -74,12 +75,12 @@ bool Trajectory::Rows::next() {
         return true;
     }
     const double period = tick_.t - before;
-    refuse_if<data::CsvError>(period > kLongestPeriod,
-                              "{}:{}: t_s is {} after {}: give ticks of at most {} s", file,
-                              rows_.line(), tick_.t, before, kLongestPeriod);
     refuse_if<data::CsvError>(!(period > 0.0),
                               "{}:{}: t_s is {} after {}: time has to grow from row to row", file,
                               rows_.line(), tick_.t, before);
+    refuse_if<data::CsvError>(period < kShortestPeriod || period > kLongestPeriod,
+                              "{}:{}: t_s is {} after {}: give ticks of {} to {} s", file,
+                              rows_.line(), tick_.t, before, kShortestPeriod, kLongestPeriod);
     tick_.period = path_.evened(period);
     return true;
 }
