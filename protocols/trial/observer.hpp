@@ -26,6 +26,7 @@ struct SessionView {
     std::size_t trials = 0;    ///< in the whole plan
     std::size_t next = 0;      ///< how many are answered, > 0 on resume
     std::size_t practice = 0;  ///< of those that are left
+    bool breaks = false;       ///< there are some before these
     bool simulated = false;    ///< the run kind is simulated: the screen says so
     std::string device;        ///< e.g. "simulated pantograph"
 };

@@ -49,8 +49,8 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     std::vector<Shown> all;
     for (const ResponseKind asks :
          {ResponseKind::identification, ResponseKind::two_interval, ResponseKind::yes_no}) {
-        all.push_back(shown(WelcomeFace{1114, 112, true, true, asks}, &Words::begin));
-        all.push_back(shown(WelcomeFace{1, 0, false, false, asks}, &Words::begin));
+        all.push_back(shown(WelcomeFace{1114, 112, true, true, true, asks}, &Words::begin));
+        all.push_back(shown(WelcomeFace{1, 0, false, false, false, asks}, &Words::begin));
     }
     all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
     all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));

@@ -220,9 +220,7 @@ namespace {
 /// Those that say numbers, and how many.
 constexpr std::pair<std::string_view Words::*, int> kNumbers[] = {
     {&Words::trials, 1},
-    {&Words::trials_resumed, 1},
     {&Words::practice_first, 2},
-    {&Words::practice_first_resumed, 2},
     {&Words::trial, 2},
     {&Words::practice_trial, 2},
     {&Words::choose, 1},

@@ -44,6 +44,7 @@ public:
     std::vector<std::string> take_all() {
         take("welcome", WelcomeFace{.trials = trials_,
                                     .practice = practice_,
+                                    .breaks = breaks_,
                                     .moves_pointer = by_pointer_,
                                     .asks = protocol_.response.kind});
         feeling();

@@ -1,7 +1,9 @@
 #include "ui/session/run_rig.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -215,11 +217,14 @@ protocols::SessionView view_of(const RigSpec& spec,
                                const protocols::Plan& plan,
                                const data::OpenedSession& opened,
                                const protocols::Apparatus& apparatus) {
+    const std::size_t next = opened.progress.pending().answered();
     return {.title = spec.study.protocol.title,
             .participant = spec.key.participant,
             .trials = plan.trials.size(),
-            .next = opened.progress.pending().answered(),
+            .next = next,
             .practice = opened.progress.pending().left(true),
+            .breaks = std::ranges::any_of(plan.trials | std::views::drop(next + 1),
+                                          &PlannedTrial::break_before),
             .simulated = spec.kind == data::RunKind::simulated,
             .device = apparatus.device_name()};
 }

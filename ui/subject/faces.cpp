@@ -128,14 +128,12 @@ void draw(Window& window, const WelcomeFace& face) {
     if (face.moves_pointer) {
         band(window, words.pointer_is_handle, 0.56, 0.64, 1.15, kText);
     }
+    const std::string count =
+        face.practice > 0 ? with(words.practice_first, face.practice, face.trials)
+                          : with(face.trials == 1 ? words.one_trial : words.trials, face.trials);
     band(window,
-         face.practice > 0
-             ? with(face.resumed ? words.practice_first_resumed : words.practice_first,
-                    face.practice, face.trials)
-             : with(face.trials == 1 ? words.one_trial
-                    : face.resumed   ? words.trials_resumed
-                                     : words.trials,
-                    face.trials),
+         (face.resumed ? std::string(words.goes_on) + ' ' : "") + count +
+             (face.breaks ? ' ' + std::string(words.breaks) : ""),
          0.66, 0.74, 1.0, kQuiet);
     press(window, words.begin, kAccent);
 }

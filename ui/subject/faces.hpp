@@ -19,6 +19,7 @@ struct WelcomeFace {
     std::size_t trials = 0;    ///< main and catch trials that are left
     std::size_t practice = 0;  ///< practice trials that are left
     bool resumed = false;
+    bool breaks = false;         ///< there are some among them
     bool moves_pointer = false;  ///< the mouse is the handle
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
 };

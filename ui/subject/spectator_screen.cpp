@@ -30,6 +30,7 @@ Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
     stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
                             .practice = session.practice,
                             .resumed = session.next > 0,
+                            .breaks = session.breaks,
                             .asks = asks_});
     return or_abort(stage_.wait_or_abort(3.0 * kLook), observer_.welcome(session));
 }

@@ -122,6 +122,7 @@ Signal SubjectScreen::welcome(const protocols::SessionView& session) {
     stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
                             .practice = session.practice,
                             .resumed = session.next > 0,
+                            .breaks = session.breaks,
                             .moves_pointer = static_cast<bool>(options_.on_pointer),
                             .asks = options_.asks});
     return wait_for_go();

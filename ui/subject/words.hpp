@@ -12,8 +12,8 @@ struct Words {
     std::string_view welcome, welcome_back;
     std::string_view you_feel, you_feel_two, you_choose, a_question, which_of_both,
         pointer_is_handle, take_time;
-    std::string_view one_trial, trials, trials_resumed;       ///< {0} trials
-    std::string_view practice_first, practice_first_resumed;  ///< {0} for practice, then {1}
+    std::string_view one_trial, goes_on, trials;  ///< {0} trials
+    std::string_view practice_first, breaks;      ///< {0} for practice, then {1}
     std::string_view begin;
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;
