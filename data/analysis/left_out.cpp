@@ -376,6 +376,10 @@ std::string none_left_text(Database& database, std::string_view study, std::stri
     return text;
 }
 
+std::string of_study(const AnswerChoice& choice) {
+    return choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study);
+}
+
 std::string one_study(Database& database,
                       const AnswerChoice& choice,
                       const std::set<std::string>& found,
@@ -384,9 +388,8 @@ std::string one_study(Database& database,
     if (found.empty()) {
         throw std::invalid_argument(
             fmt::format("{} has no answer {} in {} sessions{}: --kind chooses others; {}{}",
-                        database.file(), what, choice.kind,
-                        choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
-                        instead, none_left_text(database, choice.study, choice.kind)));
+                        database.file(), what, choice.kind, of_study(choice), instead,
+                        none_left_text(database, choice.study, choice.kind)));
     }
     if (found.size() > 1) {
         throw std::invalid_argument(several_studies(database, found));

@@ -110,6 +110,8 @@ struct LeftOut {
 [[nodiscard]] std::string none_left_text(Database& database,
                                          std::string_view study,
                                          std::string_view kind);
+/// " of the study s1", where one was asked for.
+[[nodiscard]] std::string of_study(const AnswerChoice& choice);
 /// The one study whose answers were found. @param what  was looked for: "to fit"
 /// @param instead  what to do where nothing was found: "give another file"
 /// @throws std::invalid_argument if there are none, or several: which there are

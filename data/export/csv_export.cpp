@@ -80,11 +80,12 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "Exported by palpate: {}, kind {}.\n"
         "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
         "are\n"
-        "subject, study_label, session_number, trial_number. Text is UTF-8; an empty field: not "
-        "known or not so. Numbers read\n"
-        "back to the same bits in C, Python and R (pandas: float_precision='round_trip'). A text "
-        "that a spreadsheet would take for a formula has\n"
-        "' in front.\n{}",
+        "subject, study_label, session_number, trial_number. Text is UTF-8. In CSV an empty "
+        "field is what is not known or not so,\n"
+        "numbers read back to the same bits in C, Python and R (pandas: "
+        "float_precision='round_trip'), and a text that a\n"
+        "spreadsheet would take for a formula has ' in front; in Parquet the first is null, and "
+        "every text as it was.\n{}",
         counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
                           "not know them.\n"

@@ -108,12 +108,12 @@ void check_choice(const ExplorationMeans& felt, Database& database, const Answer
     }
     if (felt.frictions.size() < 2) {
         throw std::invalid_argument(fmt::format(
-            "{} has {} in answered trials of {} sessions: an audit compares two conditions of "
+            "{} has {} in answered trials of {} sessions{}: an audit compares two conditions of "
             "friction or more; --kind chooses other sessions{}",
             database.file(),
             felt.frictions.empty() ? "nothing"
                                    : "the friction " + felt.frictions.begin()->first + " alone",
-            choice.kind, none_left_text(database, choice.study, choice.kind)));
+            choice.kind, of_study(choice), none_left_text(database, choice.study, choice.kind)));
     }
 }
 
