@@ -47,13 +47,12 @@ void Scene::add_law() {
 
 /// The frictionless tick, and on it the friction of the law along the tangent: across the force.
 Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
-    const bool touched = state.touching;
     Contact contact = (this->*smooth_)(state, hip);
     if (contact.mode == Mode::free) {
         return contact;
     }
     FrictionMemory& rubbing = state.rubbing;
-    if (!touched) {
+    if (contact.began) {
         rubbing = {.law = {.draws = rubbing.law.draws}, .hip = hip};
     }
     const Vec2 way = hip - rubbing.hip;

@@ -31,7 +31,8 @@ Contact pressed_by(const Walk& walk, const Vec2& hip, const Place& place, double
             .outside_cone = walk.outside_cone,
             .unproven = walk.unproven,
             .refused = false,
-            .skipped = false};
+            .skipped = false,
+            .began = false};
 }
 
 /// What the walk of the god-object gives: with a law of friction of its own none.
@@ -238,8 +239,10 @@ Contact Scene::look(ContactState& state, const Vec2& from) const noexcept {
     if (walk.nu <= 0.0) {
         return free(state, cp);
     }
-    return felt<HasFriction, HasDamper>(state, walk, hip,
-                                        HasFriction ? coefficient(spec_.friction, 1.0) : 0.0);
+    Contact contact = felt<HasFriction, HasDamper>(
+        state, walk, hip, HasFriction ? coefficient(spec_.friction, 1.0) : 0.0);
+    contact.began = true;
+    return contact;
 }
 
 /// The force of a god-object after its walk.

@@ -64,6 +64,7 @@ struct Contact {
     bool unproven = false;  ///< the walk was broken off: never seen
     bool refused = false;   ///< HIP was not finite: force zero, contact ended
     bool skipped = false;   ///< out of reach: nothing was computed
+    bool began = false;     ///< a contact of its own, also where another ended in this tick
 
     /// An open end holds the GO outside of its cone.
     [[nodiscard]] bool held() const noexcept {

@@ -205,7 +205,7 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
                                        : outline.spans()[c.place.index].at(c.place.parameter).point;
     check("the god-object is on the outline", glm::length(there - c.go),
           same_ + resolution(c.place));
-    const bool touched = before.touching && started_;
+    const bool touched = before.touching && started_ && !c.began;
     const double stretch = glm::length(c.go - now.h);
     if (!touched) {
         check("a contact begins no further than the closest point", stretch,
@@ -257,7 +257,7 @@ void TickLaws::check_first_root(const Tick& now,
             nearest = std::min(nearest, apart / size_);
         }
     }
-    if (free(now.contact)) {
+    if (free(now.contact) || now.contact.began) {
         check("contact ends only where the first place in the cone has no load", may_end);
     } else {
         check("the god-object stops at the first place in its cone", nearest,
@@ -277,7 +277,8 @@ void TickLaws::check_step(const Tick& now) {
     const double dg = glm::length(c.go - l.go);
     check("the force steps no further than HIP and GO", glm::length(c.force - l.force),
           spec.stiffness * (dh + dg) * (1.0 + 1e-12) + spec.stiffness * same_);
-    const bool line = !c.place.on_seam && !l.place.on_seam && c.place.index == l.place.index &&
+    const bool line = !c.began && !c.place.on_seam && !l.place.on_seam &&
+                      c.place.index == l.place.index &&
                       scene_->outline().spans()[c.place.index].degree() == 1;
     if (line) {
         const double share = spec.friction.tau_slip > 0.0
