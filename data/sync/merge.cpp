@@ -96,8 +96,8 @@ const SessionVersion* last_of(const Versions& versions,
             return latest.front();
         }
     }
-    report.conflicts.push_back({.what = called(*last) + ": what was recorded differs",
-                                .first = last->file,
+    report.conflicts.push_back({.what = called(*latest[0]) + ": what was recorded differs",
+                                .first = latest[0]->file,
                                 .second = latest[1]->file,
                                 .remedy = kPreferRemedy});
     return nullptr;
