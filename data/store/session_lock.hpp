@@ -10,8 +10,8 @@ namespace palpate::data {
 
 /// Keeps a second program off a session, in another container too: the kernel's lock of one byte of
 /// SQLite's log (F_OFD_SETLK). Not of the database itself: whoever closes a second descriptor of it
-/// drops SQLite's own locks in this process, and of its log SQLite locks nothing. Released when this
-/// object, or the whole process, ends.
+/// drops SQLite's own locks in this process, and of its log SQLite locks nothing. Released when
+/// this object, or the whole process, ends.
 class SessionLock {
 public:
     /// @throws StoreError if another program runs the session

@@ -36,7 +36,8 @@ struct MergeReport {
 /// file that does not know of it are a conflict until it is done there, unless it is `prefer`.
 /// Sessions keep the secrets with which they were drawn; of a person with two numbers for exports
 /// the lesser is kept, and two people with one number are a conflict. What `file` itself holds
-/// stays, but for a session that `prefer` tells differently. The inputs are only read, also while a rig writes them.
+/// stays, but for a session that `prefer` tells differently. The inputs are only read, also while a
+/// rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
                                       const std::vector<std::string>& inputs,

@@ -94,8 +94,8 @@ PostgresTable session_table(Database& database,
     return session;
 }
 
-/// Whether every table is there. @throws PostgresError for one without a column: added now, it would
-/// be empty beside the rows that had it
+/// Whether every table is there. @throws PostgresError for one without a column: added now, it
+/// would be empty beside the rows that had it
 bool has_all(Postgres& server, const std::vector<PostgresTable>& tables) {
     std::map<std::string, std::set<std::string>> there;
     for (const auto& row : server.rows(

@@ -49,11 +49,11 @@ struct Walk {
 /// span to the start of the next, turned through at `vertex_radius` of budget per radian; contact
 /// ends where the normal that points at HIP lies in the fan. The budget flows evenly while HIP goes
 /// from `from` to `h` in a straight line, so that what a vertex may spend begins at the moment at
-/// which HIP drives the god-object over it: a corner feels the same at every rate. Where the outline
-/// turns back beyond the vertex, as a step does, the way costs only the turn between its two ends.
-/// A concave vertex is left only along a span whose drive exceeds mu times that span's own load. An
-/// open end holds the GO until HIP leaves. The direction never reverses within a walk, and on the
-/// way the stretch only falls: each span is visited once.
+/// which HIP drives the god-object over it: a corner feels the same at every rate. Where the
+/// outline turns back beyond the vertex, as a step does, the way costs only the turn between its
+/// two ends. A concave vertex is left only along a span whose drive exceeds mu times that span's
+/// own load. An open end holds the GO until HIP leaves. The direction never reverses within a walk,
+/// and on the way the stretch only falls: each span is visited once.
 ///
 /// @param from    HIP one tick ago, m
 /// @param budget  travel allowed in this tick, m; infinite without slew

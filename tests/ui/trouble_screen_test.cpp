@@ -219,17 +219,10 @@ namespace {
 
 /// Those that say numbers, and how many.
 constexpr std::pair<std::string_view Words::*, int> kNumbers[] = {
-    {&Words::trials, 1},
-    {&Words::practice_first, 2},
-    {&Words::trial, 2},
-    {&Words::practice_trial, 2},
-    {&Words::choose, 1},
-    {&Words::choose_level, 1},
-    {&Words::next_trial, 2},
-    {&Words::next_practice, 2},
-    {&Words::wait, 1},
-    {&Words::marked, 2},
-    {&Words::practice_marked, 2},
+    {&Words::trials, 1},         {&Words::practice_first, 2},  {&Words::trial, 2},
+    {&Words::practice_trial, 2}, {&Words::choose, 1},          {&Words::choose_level, 1},
+    {&Words::next_trial, 2},     {&Words::next_practice, 2},   {&Words::wait, 1},
+    {&Words::marked, 2},         {&Words::practice_marked, 2},
 };
 
 /// Every sentence: the words are nothing else.
