@@ -334,7 +334,7 @@ SimulatedNull simulate_null(std::span<const TwoCounts> people,
                             std::uint64_t seed,
                             std::uint64_t stream) {
     std::vector<double> ratios(samples);
-    for_each_number(std::thread::hardware_concurrency(), samples, [&](std::size_t s) {
+    for_each_number(usable_processors(), samples, [&](std::size_t s) {
         Pcg32 random(seed, stream + s);
         const std::vector<TwoCounts> answers = drawn(people, null, random);
         const MixedFit less = fit_mixed(answers, {.effect = false, .errors = false}, &null);

@@ -8,6 +8,7 @@
 
 #include "engine/base/processor.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/side_by_side.hpp"
 #include "engine/realtime/felt_scene.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
@@ -194,7 +195,7 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
         rest = rest.subspan(size);
     }
     spare_.reserve(2);
-    if (helped && chunks.size() > 1 && std::thread::hardware_concurrency() > 1) {
+    if (helped && chunks.size() > 1 && usable_processors() > 1) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
         } catch (const std::system_error&) {  // then who asks does it all

@@ -4,7 +4,18 @@
 #include <system_error>
 #include <utility>
 
+#include <sched.h>
+
 namespace palpate {
+
+std::size_t usable_processors() noexcept {
+    cpu_set_t mine;
+    CPU_ZERO(&mine);
+    // More than fit in a cpu_set_t, 1024: all of them.
+    return ::sched_getaffinity(0, sizeof mine, &mine) == 0
+             ? static_cast<std::size_t>(std::max(CPU_COUNT(&mine), 1))
+             : std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
+}
 
 SideBySide::SideBySide(std::size_t cores) {
     try {

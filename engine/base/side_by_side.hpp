@@ -11,13 +11,17 @@
 
 namespace palpate {
 
+/// Processors on which the calling thread may run: fewer than the machine has within what a batch
+/// system, a container or taskset leaves it. At least 1.
+[[nodiscard]] std::size_t usable_processors() noexcept;
+
 /// Work that is done side by side: by a thread for each further core, and by whoever waits for some
 /// of it. Tasks begin in the order in which they were added, and must not depend on one another.
 /// One owner.
 class SideBySide {
 public:
     /// @param cores  of which one is the owner's; 1: who waits does it all
-    explicit SideBySide(std::size_t cores = std::thread::hardware_concurrency());
+    explicit SideBySide(std::size_t cores = usable_processors());
     SideBySide(const SideBySide&) = delete;
     SideBySide& operator=(const SideBySide&) = delete;
     /// What has not begun by now is left out.

@@ -3,6 +3,14 @@
 #include <cmath>
 
 namespace palpate::engine {
+namespace {
+
+/// As ==, which calls memcmp for them.
+bool same(const EncoderWatch::Counts& a, const EncoderWatch::Counts& b) noexcept {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
+}
+
+}  // namespace
 
 bool encoder_stuck(EncoderWatch& watch,
                    const EncoderWatch::Counts& counts,
@@ -19,7 +27,7 @@ bool encoder_stuck(EncoderWatch& watch,
         } else if (axes > 2 && !(std::fabs(push[i]) > kPush)) {
             still = {.from = hip, .counts = counts, .travel = still.travel};
         }
-        const double stroke = counts != still.counts ? glm::length(hip - still.from) : 0.0;
+        const double stroke = !same(counts, still.counts) ? glm::length(hip - still.from) : 0.0;
         if (stroke >= kStroke) {
             still = {.from = hip, .counts = counts, .travel = still.travel + stroke};
         }
@@ -34,7 +42,7 @@ StillWatch::State stillness(StillWatch& watch,
                             const EncoderWatch::Counts& counts,
                             double force,
                             double now) noexcept {
-    const bool counted = !watch.started || counts != watch.counts;
+    const bool counted = !watch.started || !same(counts, watch.counts);
     if (counted || !(force > kStillForce || watch.eases)) {
         watch = {.started = true, .counts = counts, .since = now};
         return StillWatch::State::moves;

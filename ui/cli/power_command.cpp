@@ -3,12 +3,12 @@
 #include <cstdlib>
 #include <sstream>
 #include <string>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/side_by_side.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/observer_file.hpp"
@@ -62,7 +62,7 @@ void declare_studies(CommandWords& words, PowerOptions& options) {
         .with_default();
     words
         .add("--threads", options.threads,
-             "0: as many as this machine has processors. The numbers are the same")
+             "0: as many as there are processors for it. The numbers are the same")
         .within(0, 1024)
         .with_default();
     words.add("--seed", options.seed, "Instead of the protocol's");
@@ -200,7 +200,7 @@ data::PowerReport report_of(const PowerOptions& options,
     report.spec.studies = static_cast<std::size_t>(options.studies);
     report.spec.threads = options.threads > 0
                             ? static_cast<std::size_t>(options.threads)
-                            : std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
+                            : usable_processors();
     const bool mixed = report.spec.test == protocols::PrimaryTest::mixed;
     report.null_studies = options.null_studies > 0 ? static_cast<std::size_t>(options.null_studies)
                                                    : (mixed ? 1 : 10) * report.spec.studies;

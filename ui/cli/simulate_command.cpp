@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "engine/base/clock.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
+#include "engine/base/side_by_side.hpp"
 #include "engine/base/text.hpp"
 #include "protocols/file/observer_file.hpp"
 #include "data/store/secret.hpp"
@@ -75,7 +75,7 @@ void declare(CommandWords& words, SimulateOptions& options) {
               "study");
     words
         .add("--threads", options.threads,
-             "So many participants at the same time; 0: as many as this machine has processors. "
+             "So many participants at the same time; 0: as many as there are processors for it. "
              "The bytes are the same")
         .within(0, 1024)
         .with_default();
@@ -104,7 +104,7 @@ SimulationSpec spec_of(const SimulateOptions& options) {
               spec.participants, spec.participants);
     spec.threads = options.threads > 0
                      ? static_cast<std::size_t>(options.threads)
-                     : std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
+                     : usable_processors();
     spec.scratch = options.scratch;
     refuse_if(options.database.empty() == options.folder.empty(),
               "give --db FILE, or -o FOLDER, for what is simulated");

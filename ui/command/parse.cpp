@@ -167,16 +167,6 @@ void declare(CLI::App& app, const CommandWords& words) {
     });
 }
 
-/// What CLI11 says of `e`, to where it belongs. @return its exit code
-int said(const CLI::App& app, const CLI::Error& e) {
-    std::ostringstream out;
-    std::ostringstream error;
-    const int code = app.exit(e, out, error);
-    say_to(stdout, out.str());
-    say_to(stderr, error.str());
-    return code;
-}
-
 std::string unknown_command(const CLI::App& app, const std::string& word) {
     if (word.starts_with('-')) {
         return fmt::format("palpate has no option {}{}; palpate --help lists them", word,
@@ -190,12 +180,16 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
                        suggestion(word, known, ""));
 }
 
-/// The first word that is no command or no option of it, as a sentence: it is the reason of
-/// whatever else is missing. Empty if all are known.
-std::string unknown_word(const CLI::App& app, int argc, const char* const* argv) {
+/// Why a command line is refused: the first word that is no command, no option of it or one too
+/// many, for that is the reason of whatever else is missing; else what CLI11 says.
+std::string why_not(const CLI::App& app,
+                    const CLI::ParseError& error,
+                    int argc,
+                    const char* const* argv) {
     const auto chosen = app.get_subcommands();
     if (chosen.empty()) {
-        return argc < 2 ? std::string() : unknown_command(app, argv[1]);
+        return argc < 2 ? "a command is missing; palpate --help lists them"
+                        : unknown_command(app, argv[1]);
     }
     std::vector<std::string> known;
     const CLI::App& command = *chosen.front();
@@ -204,22 +198,20 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
             known.push_back("--" + name);
         }
     }
+    std::string why = error.what();
     for (std::string word : command.remaining()) {
-        word = word.substr(0, word.find('='));
-        if (word.starts_with("-") && word != "--") {
+        if (word == "--") {
+            continue;
+        }
+        if (word.starts_with("-")) {
+            word = word.substr(0, word.find('='));
             return fmt::format("palpate {0} has no option {1}{2}; palpate {0} --help lists them",
                                command.get_name(), word, suggestion(word, known, ""));
         }
+        why = fmt::format("\"{}\" is one word too many", word);
     }
-    return {};
-}
-
-void say_why(const CLI::App& app, const CLI::ParseError& error, const std::string& unknown) {
-    if (unknown.empty()) {
-        said(app, error);
-    } else {
-        warn("{}", unknown);
-    }
+    return fmt::format("palpate {0}: {1}; palpate {0} --help says what it takes",
+                       command.get_name(), why);
 }
 
 }  // namespace
@@ -246,9 +238,12 @@ ParseResult parse_command_line(const std::vector<Command>& commands,
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& e) {  // help, version
-        return {.code = said(app, e)};
+        std::ostringstream out;
+        const int code = app.exit(e, out, out);
+        say_to(stdout, out.str());
+        return {.code = code};
     } catch (const CLI::ParseError& e) {
-        say_why(app, e, unknown_word(app, argc, argv));
+        warn("{}", why_not(app, e, argc, argv));
         return {.code = kExitUsage};
     }
     const auto chosen = std::find(added.begin(), added.end(), app.get_subcommands().front());

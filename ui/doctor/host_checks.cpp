@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 
 #include "engine/base/clock.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/side_by_side.hpp"
 #include "engine/base/text.hpp"
 #include "ui/doctor/checks.hpp"
 
@@ -116,7 +116,7 @@ Check check_kernel() {
 }
 
 Check check_host(const std::optional<ProcessorTime>& before) {
-    const unsigned count = std::thread::hardware_concurrency();
+    const std::size_t count = usable_processors();
     const std::string governor =
         first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     Check check{.name = "host",
