@@ -123,6 +123,9 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
                Has("trials of each condition", "from one main trial to the next"));
     std::ofstream(file, std::ios::app) << "\n[masking]\nnoise = \"pink\"\nlevel_db = -20\n";
     CHECK_THAT(palpate_command({"check", file}).out, !Has("without masking noise"));
+    std::ofstream(file, std::ios::app) << "\n[instructions.en]\nready = \"Ready あ\"\n";
+    CHECK_THAT(ran({"check", file}).out, Has("warning: [instructions.en] ready has \"あ\""));
+    CHECK_THAT(palpate_command({"check", file, "--font", file}).error, Has("this is no font"));
 }
 
 TEST_CASE("a rule beside a design is answered at its place, with which to keep", "[cli][law]") {

@@ -1,6 +1,7 @@
 #include "ui/cli/study_advice.hpp"
 #include "ui/session/rig_parts.hpp"
 #include "ui/sound/masked_observer.hpp"
+#include "ui/subject/font.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/slurp.hpp"
@@ -249,7 +250,7 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
     const auto plan = make_plan(protocol, "hash", {"P1", 1}, 1);
     const auto others = [&] {  // what is said of plan and friction is not looked at here
         std::string all;
-        for (const std::string& sentence : ui::advice_on(protocol, plan)) {
+        for (const std::string& sentence : ui::advice_on(protocol, plan, ui::find_font(""))) {
             const bool ours = sentence.find("instructions.") != std::string::npos ||
                               sentence.find("full scale") != std::string::npos;
             all += ours ? sentence + "\n" : "";
@@ -262,6 +263,13 @@ TEST_CASE("check warns of instructions that the screen's language lacks, and of 
     protocol.language = Language::tr;
     CHECK_THAT(others(), Has("[instructions.tr] has no welcome"));
     protocol.instructions[1].welcome = "Merhaba";
+    CHECK(others().empty());
+    for (const auto& [text, reason] : {std::pair{"Hissedin: あ", "\"あ\": the font lacks it"},
+                                       std::pair{"חושו", "\"ח\": what runs from right to left"}}) {
+        protocol.instructions[1].choose = text;
+        CHECK_THAT(others(), Has("[instructions.tr] choose has ", reason));
+    }
+    protocol.instructions[1].choose = "Ποιο; Który? ¿Cuál? Ğüzel — “…”\n№ 5";
     CHECK(others().empty());
     protocol.masking = {.noise = Noise::pink, .level_db = -11.9};
     CHECK_THAT(others(), Has("is cut at full scale"));

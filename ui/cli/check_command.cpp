@@ -18,6 +18,7 @@
 #include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/open_apparatus.hpp"
+#include "ui/subject/font.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -26,6 +27,7 @@ struct CheckOptions {
     std::string protocol;        ///< a file, or the name of a shipped protocol
     std::string device = "sim";  ///< as RunOptions::device
     std::string calibration;     ///< as RunOptions::calibration
+    std::string font;            ///< as ScreenOptions::font
     std::string svg;             ///< where to draw the objects; empty: nowhere
     bool tables = false;         ///< counts, limits and successions as well
 };
@@ -66,8 +68,17 @@ void print_duration(const Protocol& protocol, const Plan& plan) {
         counted(stretch.trials, "trial"), minutes(stretch.seconds));
 }
 
-void print_advice(const Protocol& protocol, const Plan& plan) {
-    for (const std::string& sentence : advice_on(protocol, plan)) {
+/// @return empty where none is installed: a protocol can be looked at without one
+std::string font_of(const CheckOptions& options) {
+    try {
+        return find_font(options.font);
+    } catch (const std::runtime_error&) {
+        return {};
+    }
+}
+
+void print_advice(const Protocol& protocol, const Plan& plan, const std::string& font) {
+    for (const std::string& sentence : advice_on(protocol, plan, font)) {
         say("  warning: {}\n", sentence);
     }
 }
@@ -141,6 +152,8 @@ void declare(CommandWords& words, CheckOptions& options) {
         .required();
     words.add("--device", options.device, std::string(kDeviceWords)).with_default();
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
+    words.add("--font", options.font,
+              "A TrueType font for the subject's screen: does it have all letters?");
     words.add("--svg", options.svg, "Draw the objects into this file");
     words.add("--long", options.tables,
               "The tables as well: trials of each condition, limits, what follows what");
@@ -155,7 +168,7 @@ int run(const CheckOptions& options) {
     }
     print_title(study);
     print_duration(study.protocol, plan);
-    print_advice(study.protocol, plan);
+    print_advice(study.protocol, plan, font_of(options));
     const bool feasible = print_feasibility(study, key, options);
     print_design(study, plan);
     if (options.tables) {

@@ -14,6 +14,7 @@
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/load_study.hpp"
+#include "ui/subject/font.hpp"
 #include "ui/subject/stage.hpp"
 #include "ui/subject/window.hpp"
 

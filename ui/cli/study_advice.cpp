@@ -7,6 +7,7 @@
 #include "engine/friction/laws/law.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/file/keys.hpp"
+#include "ui/subject/font.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -121,6 +122,24 @@ void advise_on_language(const protocols::Protocol& protocol, std::vector<std::st
     }
 }
 
+/// Instructions that the screen shows otherwise than they were written.
+void advise_on_letters(const protocols::Protocol& protocol,
+                       const std::string& font,
+                       std::vector<std::string>& all) {
+    InstructionTexts texts = protocol.instructions.at(static_cast<std::size_t>(protocol.language));
+    for (const auto& key : protocols::keys_of<InstructionTexts>()) {
+        const auto [character, from_right] =
+            unshown(*std::get<std::string*>(key.slot(&texts)), font);
+        if (!character.empty()) {
+            all.push_back(fmt::format("[instructions.{}] {} has \"{}\": {}",
+                                      protocols::word_of(protocol.language), key.name, character,
+                                      from_right
+                                          ? "what runs from right to left is not drawn so"
+                                          : "the font lacks it, give --font one that has it"));
+        }
+    }
+}
+
 }  // namespace
 
 Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Plan& plan) {
@@ -142,7 +161,8 @@ Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Pl
 }
 
 std::vector<std::string> advice_on(const protocols::Protocol& protocol,
-                                   const protocols::Plan& plan) {
+                                   const protocols::Plan& plan,
+                                   const std::string& font) {
     std::vector<std::string> all;
     advise_on_plan(protocol, plan, all);
     advise_on_laws(protocol, all);
@@ -152,6 +172,9 @@ std::vector<std::string> advice_on(const protocols::Protocol& protocol,
             "noise = \"pink\"");
     }
     advise_on_language(protocol, all);
+    if (!font.empty()) {
+        advise_on_letters(protocol, font, all);
+    }
     if (protocol.masking.noise != protocols::Noise::none &&
         protocol.masking.level_db > kCutsPeaks) {
         all.push_back(

@@ -10,10 +10,12 @@ namespace palpate::ui {
 
 /// What may be meant otherwise in a protocol that is right, a sentence each: long stretches without
 /// a break, no practice, no catch trials, friction that can be heard, laws of friction that creep,
-/// chatter or are not passive, instructions that the chosen language lacks, noise so loud that its
-/// peaks are cut.
+/// chatter or are not passive, instructions that the chosen language lacks or that the screen
+/// cannot show, noise so loud that its peaks are cut.
+/// @param font  of the subject's screen; empty: it is not asked
 [[nodiscard]] std::vector<std::string> advice_on(const protocols::Protocol& protocol,
-                                                 const protocols::Plan& plan);
+                                                 const protocols::Plan& plan,
+                                                 const std::string& font = {});
 
 /// Trials between two breaks, the most of them, and how long they take, s, each felt until the
 /// prompt.

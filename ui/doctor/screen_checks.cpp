@@ -4,6 +4,7 @@
 #include "ui/doctor/checks.hpp"
 #include "ui/sound/noise_player.hpp"
 #include "ui/subject/display.hpp"
+#include "ui/subject/font.hpp"
 #include "ui/subject/window.hpp"
 
 namespace palpate::ui {

@@ -16,6 +16,7 @@
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/subject/display.hpp"
+#include "ui/subject/font.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 

@@ -15,15 +15,10 @@
 #include "engine/base/files.hpp"
 #include "engine/base/refuse.hpp"
 #include "ui/subject/display.hpp"
+#include "ui/subject/font.hpp"
 
 namespace palpate::ui {
 namespace {
-
-constexpr const char* kFonts[] = {
-    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-    "/usr/share/fonts/TTF/DejaVuSans.ttf",
-};
 
 struct Delete {
     void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
@@ -122,34 +117,7 @@ Own<SDL_Texture> canvas(SDL_Renderer* renderer, int width, int height) {
     return Own<SDL_Texture>(made);
 }
 
-/// Opened once: a file of another kind would end the window that was to show it.
-void require_font(const std::string& file) {
-    std::error_code no;
-    refuse_if(!std::filesystem::is_regular_file(file, no), "--font {}: there is no such file",
-              file);
-    static_cast<void>(TTF_Init());
-    const bool opens = Own<TTF_Font>(TTF_OpenFont(file.c_str(), 8)) != nullptr;
-    const std::string why = TTF_GetError();
-    TTF_Quit();
-    refuse_if(!opens, "--font {}: this is no font that opens ({}): give a TrueType file", file,
-              why);
-}
-
 }  // namespace
-
-std::string find_font(const std::string& asked) {
-    if (!asked.empty()) {
-        require_font(asked);
-        return asked;
-    }
-    for (const char* file : kFonts) {
-        if (std::filesystem::exists(file)) {
-            return file;
-        }
-    }
-    throw std::runtime_error(
-        "the font DejaVu Sans is not installed: install fonts-dejavu-core, or give --font FILE");
-}
 
 struct Window::Parts {
     Own<SDL_Window> window;

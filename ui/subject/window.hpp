@@ -113,9 +113,6 @@ private:
     protocols::InstructionTexts instructions_;
 };
 
-/// `asked` if it opens as a font; for an empty one DejaVu Sans where Linux systems keep it.
-/// @throws std::runtime_error with the remedy; of `asked` std::invalid_argument
-[[nodiscard]] std::string find_font(const std::string& asked);
 
 // Colours and sizes of the subject's screen: light type on a dark, even grey, so that the room
 // stays dim and nothing flickers from screen to screen.
