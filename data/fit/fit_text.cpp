@@ -158,7 +158,8 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
     }
     if (fit.steep) {
         all.emplace_back(
-            "no level lies on the rise, so the slope has no end: add levels near the threshold, or "
+            "at most one level lies on the rise, so the slope has no end: add levels near the "
+            "threshold, or "
             "give --prior slope=MEDIAN,SD");
     }
     if (fit.far) {

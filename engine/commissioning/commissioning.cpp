@@ -264,13 +264,11 @@ void fill_record(RigRecord& record,
         damping = std::fmin(axes[0].damping, std::fmin(axes[1].damping, axes[2].damping));
         record.friction =
             std::fmin(axes[0].friction, std::fmin(axes[1].friction, axes[2].friction));
-        record.mark = Vec3(places.at(1).x, places.at(2).y, places.at(3).z);
     } else {
         damping = min_handle_damping({.machine = machine.pantograph,
                                       .damping = record.dynamics.damping,
                                       .handle_damping = record.dynamics.handle_damping});
         record.friction = least_friction(Pantograph(machine.pantograph), places, record.dynamics);
-        record.mark = places.at(1);
     }
     record.damping = kCertain * damping;
     record.round_trip = traits.round_trip;
@@ -334,6 +332,7 @@ CommissioningResult commission(Device& device,
                   "the handle weighs {:.9g} kg: give a number above 0", mass[i]);
     }
     CommissioningResult done;
+    done.record.mark = second_mark(machine, places);
     PulseRunner runner(device, Machine(machine), desk.period, desk.wait);
     std::vector<Rest> marks;
     done.refused = read_marks(runner, device, places, desk, marks, done.given_up);

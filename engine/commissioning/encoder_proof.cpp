@@ -1,5 +1,6 @@
 #include "engine/commissioning/encoder_proof.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -74,6 +75,43 @@ std::vector<Vec2> clear_places(const PantographSpec& spec, const Vec2& home) {
     return within;
 }
 
+/// By how far encoders whose plugs are exchanged or reversed miss a place, m, at least.
+/// @param quantum  of a count, m   @param way  of the place, from home, m
+double missed_by_plugs(const Vec3& quantum, const Vec3& way) {
+    double least = std::numeric_limits<double>::infinity();
+    std::array<int, 3> plug{0, 1, 2};
+    do {
+        const bool in_order = std::ranges::is_sorted(plug);
+        for (unsigned reversed = in_order ? 1 : 0; reversed < 8; ++reversed) {
+            Vec3 said;
+            for (int i = 0; i < 3; ++i) {
+                const int from = plug[static_cast<std::size_t>(i)];
+                const double sign = (reversed >> static_cast<unsigned>(i) & 1U) != 0 ? -1.0 : 1.0;
+                said[i] = sign * way[from] * quantum[i] / quantum[from];
+            }
+            least = std::fmin(least, glm::length(said - way));
+        }
+    } while (std::ranges::next_permutation(plug).found);
+    return least;
+}
+
+/// @param ways  from home along each axis, m
+Vec3 straight_mark(const Gantry& gantry, const Vec3& ways, double& missed) {
+    Vec3 best;
+    std::array<double, 3> shares{0.4, 0.7, 1.0};
+    do {
+        Vec3 way;
+        for (int i = 0; i < 3; ++i) {
+            way[i] = std::round(1e3 * ways[i] * shares[static_cast<std::size_t>(i)]) / 1e3;
+        }
+        if (const double least = missed_by_plugs(gantry.quantum(), way); least > missed) {
+            missed = least;
+            best = way;
+        }
+    } while (std::ranges::next_permutation(shares).found);
+    return gantry.spec().home() + best;
+}
+
 }  // namespace
 
 std::vector<Connection> all_connections() {
@@ -125,7 +163,7 @@ EncoderProof prove_encoders(const PantographSpec& spec, std::span<const MarkRead
     return proof;
 }
 
-double separation(const PantographSpec& spec, std::span<const Vec2> places) {
+double separation(const PantographSpec& spec, std::span<const Vec2> places, bool plugs) {
     const Pantograph machine(spec);
     const std::vector<MarkReading> marks = exact_marks(machine, places);
     if (marks.size() < 2) {
@@ -133,7 +171,9 @@ double separation(const PantographSpec& spec, std::span<const Vec2> places) {
     }
     double least = kNowhere;
     for (const Connection& connection : all_connections()) {
-        if (!(connection == Connection{})) {
+        const auto& [one, two] = connection.factor;
+        const bool meant = !plugs || (std::fabs(one) == 1.0 && std::fabs(two) == 1.0);
+        if (meant && !(connection == Connection{})) {
             least = std::fmin(least, missed_by(machine, marks, connection));
         }
     }
@@ -158,6 +198,31 @@ std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& h
               "no two places within reach of {} tell how its encoders are connected: correct home, "
               "the lengths or the origin",
               spec.name);
+    return best;
+}
+
+Vec3 second_mark(const Calibration& machine, const std::vector<Vec3>& places) {
+    double missed = kPlaced + kAtPlace;
+    Vec3 best;
+    const auto offer = [&](const Vec2& place) {
+        const std::array<Vec2, 2> marks{Vec2(places.front()), place};
+        if (const double least = separation(machine.pantograph, marks, true); least > missed) {
+            missed = least;
+            best = Vec3(place, 0.0);
+        }
+    };
+    if (machine.gantry) {
+        const Vec3 far(places.at(1).x, places.at(2).y, places.at(3).z);
+        best = straight_mark(Gantry(*machine.gantry), far - places.front(), missed);
+    } else {
+        std::for_each(places.begin() + 1, places.end(), [&](const Vec3& at) { offer(Vec2(at)); });
+        if (missed == kPlaced + kAtPlace) {  // both together tell, and none alone
+            std::ranges::for_each(clear_places(machine.pantograph, Vec2(places.front())), offer);
+        }
+    }
+    refuse_if(!(missed > kPlaced + kAtPlace),
+              "no mark tells by itself how the encoders are connected, as each opening of the "
+              "device needs it: correct home, the lengths or the origin");
     return best;
 }
 

@@ -13,23 +13,6 @@ std::string millimetres(double metres) {
 
 }  // namespace
 
-bool starts_at_home(const Calibration& calibration) {
-    return calibration.home || calibration.haply || calibration.board;
-}
-
-Vec3 home_of(const Calibration& calibration) {
-    if (calibration.gantry) {
-        return calibration.gantry->home();
-    }
-    if (calibration.home) {
-        return {*calibration.home, 0.0};
-    }
-    const Pantograph machine(calibration.pantograph);
-    const auto fix =
-        starts_at_home(calibration) ? machine.locate(machine.angles({0, 0})) : std::nullopt;
-    return {fix ? fix->hip : Vec2{0.0, 0.020}, 0.0};
-}
-
 bool Sight::still() const {
     return rest.span.x <= kStillCounts && rest.span.y <= kStillCounts &&
            rest.span.z <= kStillCounts;
@@ -90,7 +73,8 @@ ShortForm MarkProof::look(PulseRunner& runner, Device& device) {
         device.forget_home();
         return {.refused = "the handle rests, and its encoders say " + seen.text(axes) +
                            ", neither home nor the second mark " + mark + ": bring it home, " +
-                           place_text(home, axes) + ", once more",
+                           place_text(home, axes) +
+                           ", once more; if it was brought there, plugs were exchanged",
                 .found = {}};
     }
     return {.refused = "the device is back. Bring the handle to the second mark " + mark +

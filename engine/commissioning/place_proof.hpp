@@ -6,19 +6,11 @@
 /// Is a free handle where its encoders say? Between trials, without a force.
 namespace palpate::engine {
 
-/// m by which a person misses a place that has no hole for the handle.
-inline constexpr double kAtPlace = 0.002;
 /// An encoder at rest may flicker by one count.
 inline constexpr double kStillCounts = 1.0;
 /// s of a look, and looks at a handle that rests elsewhere until its home is not believed any more.
 inline constexpr double kLook = 0.25;
 inline constexpr int kAstray = 5;
-
-/// The device takes the pose in which it is opened for home.
-[[nodiscard]] bool starts_at_home(const Calibration& calibration);
-/// m, where the handle rests when the device is switched on: the calibration's home, or where its
-/// counts are 0 on a Haply or open board, or a place in the middle of the workspace.
-[[nodiscard]] Vec3 home_of(const Calibration& calibration);
 
 /// A handle at a place where it should be, as its encoders say.
 struct Sight {

@@ -32,18 +32,6 @@ std::span<const double> pulse_forces(std::size_t axes) noexcept {
     return std::span(kForces).first(axes > 2 ? 5 : 3);
 }
 
-std::string place_text(const Vec3& place, std::size_t axes) {
-    const auto text = [](double metres) {
-        return number_text(std::round(metres * 1e4) / 10.0 + 0.0);
-    };
-    std::string said(1, '(');
-    said.append(text(place.x)).append(", ").append(text(place.y));
-    if (axes > 2) {
-        said.append(", ").append(text(place.z));
-    }
-    return said.append(") mm");
-}
-
 std::span<const Vec3> pulse_directions(std::size_t axes) noexcept {
     return std::span(kDirections).first(2 * axes);
 }
@@ -69,6 +57,7 @@ PulseRunner::~PulseRunner() {
 PulseRunner::Tick PulseRunner::tick(const Vec3& force) {
     const bool in_time = wait_();
     Tick tick{.reading = device_->read(), .in_time = in_time};
+    here_ = tick.reading.ok() ? tick.reading.hip : here_;
     tick.command = make_safe(safety_, limits_,
                              {.force = force,
                               .hip = tick.reading.hip,
@@ -138,7 +127,7 @@ Pulse PulseRunner::give_once(const Vec3& direction, const PulsePlan& plan) {
         late_ticks += now.in_time ? 0 : 1;
         pulse.steady = pulse.steady && late_ticks <= kLateTicks && late_answers <= kLateAnswers;
         if (k == 0) {
-            pulse.place = now.reading.hip;
+            pulse.place = here_;
         }
         const Machine::Counts& counts = now.reading.counts;
         const auto place = machine_.locate(counts);

@@ -96,12 +96,10 @@ private:
     SafetyLimits limits_{};
     SafetyState safety_{};
     Vec3 load_{};
+    Vec3 here_{};  ///< m, as the device said it last
     std::int64_t ticks_ = 0;
     bool reconnected_ = false;
 };
-
-/// "(0, 89.3) mm", or of three axes "(0, 0, 40) mm".
-[[nodiscard]] std::string place_text(const Vec3& place, std::size_t axes);
 
 /// The directions of the pulses at a place: to the right, left, away, near; in space also up, down.
 [[nodiscard]] std::span<const Vec3> pulse_directions(std::size_t axes) noexcept;

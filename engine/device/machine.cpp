@@ -135,4 +135,33 @@ std::optional<double> Machine::reading_error(const Vec3& hip) const noexcept {
                              : std::get_if<Pantograph>(&parts_)->reading_error(Vec2(hip));
 }
 
+bool starts_at_home(const Calibration& calibration) {
+    return calibration.home || calibration.haply || calibration.board;
+}
+
+Vec3 home_of(const Calibration& calibration) {
+    if (calibration.gantry) {
+        return calibration.gantry->home();
+    }
+    if (calibration.home) {
+        return {*calibration.home, 0.0};
+    }
+    const Pantograph machine(calibration.pantograph);
+    const auto fix =
+        starts_at_home(calibration) ? machine.locate(machine.angles({0, 0})) : std::nullopt;
+    return {fix ? fix->hip : Vec2{0.0, 0.020}, 0.0};
+}
+
+std::string place_text(const Vec3& place, std::size_t axes) {
+    const auto text = [](double metres) {
+        return number_text(std::round(metres * 1e4) / 10.0 + 0.0);
+    };
+    std::string said(1, '(');
+    said.append(text(place.x)).append(", ").append(text(place.y));
+    if (axes > 2) {
+        said.append(", ").append(text(place.z));
+    }
+    return said.append(") mm");
+}
+
 }  // namespace palpate::engine

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <variant>
 
 #include "engine/device/calibration.hpp"
@@ -92,5 +93,14 @@ private:
     std::variant<Pantograph, Gantry> parts_;
     Counts home_{};
 };
+
+/// The device takes the pose in which it is opened for home.
+[[nodiscard]] bool starts_at_home(const Calibration& calibration);
+/// m, where the handle rests when the device is switched on: the calibration's home, or where its
+/// counts are 0 on a Haply or open board, or a place in the middle of the workspace.
+[[nodiscard]] Vec3 home_of(const Calibration& calibration);
+
+/// "(0, 89.3) mm", or of three axes "(0, 0, 40) mm".
+[[nodiscard]] std::string place_text(const Vec3& place, std::size_t axes);
 
 }  // namespace palpate::engine

@@ -319,3 +319,42 @@ TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioni
                                  Vec3(0.06), desk_of(device)),
                       Has("do not tell how the encoders are connected"));
 }
+
+TEST_CASE("of the marks of a commissioning the one that tells more alone is kept for openings",
+          "[commissioning][law]") {
+    for (const char* name : {"gen3", "gen2", "haplet"}) {
+        const Calibration machine{.pantograph = plant_of(name).machine};
+        const Pantograph linkage(machine.pantograph);
+        const auto home = linkage.counts(*linkage.reach(kHome));
+        Random random(5);
+        int told = 0;
+        for (int i = 0; i < 60; ++i) {
+            std::vector<Vec3> places{Vec3(kHome, 0.0)};
+            while (places.size() < 3) {
+                const Vec2 place{random.in(-0.04, 0.04), random.in(0.0, 0.06)};
+                if (linkage.reach(place)) {
+                    places.emplace_back(place, 0.0);
+                }
+            }
+            CAPTURE(name, i);
+            Vec3 mark;
+            try {
+                mark = second_mark(machine, places);
+            } catch (const std::invalid_argument&) {
+                continue;
+            }
+            ++told;
+            const auto there = linkage.counts(*linkage.reach(Vec2(mark)));
+            const std::array<int, 2> turned{there[0] - home[0], there[1] - home[1]};
+            for (unsigned k = 1; k < 8; ++k) {  // exchanged, and each reversed
+                Pantograph::Counts said = home;
+                for (unsigned joint = 0; joint < 2; ++joint) {
+                    said[joint] += ((k >> joint & 1U) != 0 ? -1 : 1) * turned[(k >> 2U) ^ joint];
+                }
+                const auto fix = linkage.locate(linkage.angles(said));
+                CHECK((!fix || glm::length(fix->hip - Vec2(mark)) > 0.0065));
+            }
+        }
+        CHECK(told > 20);
+    }
+}

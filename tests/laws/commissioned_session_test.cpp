@@ -1,3 +1,5 @@
+#include <csignal>
+
 #include "data/store/database.hpp"
 #include "tests/support/free_board.hpp"
 #include "tests/support/program.hpp"
@@ -192,6 +194,52 @@ TEST_CASE("weak pulses of a break end by Escape at the window, and prove nothing
     CHECK(count("key = 'rig check' AND value != 'refused'") == 0);
     end_session(hand, run);
     CHECK(run.program().wait().code == 3);
+}
+
+TEST_CASE("an opening that lost home says so, and blames no motor and no operator",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    const std::string rig = commissioned_rig(folder, board.word());
+    const auto asks = [](TypedTo& run, const std::string& what) {
+        CHECK(eventually(
+            [&] { return times(run.program().out(), what) > 0 || !run.program().running(); }));
+    };
+    /// @param brings  the operator does what is asked   @param stalls  the board, during a pulse
+    const auto opened = [&](bool brings, bool stalls) {
+        static int number = 0;
+        board.bring("0,89.3");
+        TypedTo run(folder, fmt::format("opening{}", ++number), real_words(folder, board, rig),
+                    {"SDL_VIDEODRIVER=dummy"});
+        asks(run, "Type yes:");
+        run.type("yes");
+        asks(run, "Bring the handle to");
+        if (brings && run.program().running()) {
+            board.bring(last_place(run.program().out()));
+        }
+        run.type("");
+        if (stalls) {
+            CHECK(eventually([&] { return board.motors() != "0, 0" || !run.program().running(); }));
+            board.signal(SIGSTOP);
+            pause(0.15);
+            board.signal(SIGCONT);
+            asks(run, "If it ends early");  // it stalled between pulses
+            run.program().signal(SIGINT);
+        }
+        return run.program().wait().error;
+    };
+    std::string said;
+    for (int i = 0; i < 8 && (i == 0 || starved(said)); ++i) {
+        said = opened(false, false);
+    }
+    CHECK_THAT(said, Has("the encoders say that the handle is still at home, (0, 89.3) mm"));
+    bool lost = false;
+    for (int i = 0; i < 12 && !lost; ++i) {
+        said = opened(true, true);
+        CHECK_THAT(said, !Has("times what it did"));
+        lost = said.find("was set up anew where it stood: its home is lost") != std::string::npos;
+    }
+    CHECK(lost);
 }
 
 TEST_CASE(

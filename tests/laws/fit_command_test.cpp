@@ -146,7 +146,7 @@ TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[f
     const TemporaryFolder folder;
     write(folder.file("steep.csv"), "stimulus,n,k\n1,10,0\n2,10,0\n3,10,10\n");
     const Finished steep = ran({"fit", folder.file("steep.csv"), "--lapse", "0"});
-    CHECK_THAT(steep.out, Has("slope b", "unbounded: ", "no level lies on the rise",
+    CHECK_THAT(steep.out, Has("slope b", "unbounded: ", "at most one level lies on the rise",
                               "maximum likelihood, no priors"));
     const Finished bounded =
         palpate_command({"fit", folder.file("steep.csv"), "--lapse", "free", "--prior",

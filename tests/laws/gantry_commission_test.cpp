@@ -143,7 +143,8 @@ TEST_CASE("commissioning of three axes that is stopped or killed leaves no force
 TEST_CASE("three axes are commissioned by an operator, and then a real session is felt on them",
           "[commission][open][gantry][window][law]") {
     const TemporaryFolder folder;
-    FreeBoard board(folder, board_words(kExample));
+    auto right = std::make_unique<FreeBoard>(folder, board_words(kExample));
+    FreeBoard& board = *right;
     board.bring("friction 0.3");  // 0.5 N move it, and 1 N tell its numbers
     board.bring("weight 0.15");
     std::string text = slurp(PALPATE_SOURCE_DIR "/protocols/library/patch_friction.toml");
@@ -238,6 +239,21 @@ TEST_CASE("three axes are commissioned by an operator, and then a real session i
     CHECK(times(row.text(1), " % at ") == 6);
     CHECK(row.text(2) == "real");
     ran({"verify", db});
+
+    // Plugs of two axes that are exchanged, motors and encoders alike: the pulses cannot tell.
+    const std::string words = session(file);
+    right.reset();
+    for (const char* name : {"hand", "board"}) {
+        std::filesystem::remove(folder.file(name));
+    }
+    std::string plugs = slurp(kExample);
+    std::swap(plugs[plugs.find("channel_x = ") + 12], plugs[plugs.find("channel_y = ") + 12]);
+    write(folder.file("plugs.toml"), plugs);
+    FreeBoard wrong(folder, board_words(folder.file("plugs.toml")));
+    wrong.bring("friction 0.3");
+    const Finished believed = operated(folder, wrong, words, kAtHome);
+    CHECK(believed.code != 0);
+    CHECK_THAT(believed.error, Has("the handle is at the second mark", "its plugs were exchanged"));
 }
 
 TEST_CASE("what moves is weighed in the words of its kind of machine, or named and refused",

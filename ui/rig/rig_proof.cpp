@@ -17,6 +17,7 @@
 #include "engine/commissioning/short_form.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/session/trust.hpp"
+#include "ui/rig/device_choice.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
@@ -107,12 +108,18 @@ OpeningFact prove_mark(engine::PulseRunner& runner,
                             "gives your word instead");
     }
     const engine::Sight seen = engine::look_for(runner, calibration, mark);
+    const engine::Vec3 home = engine::home_of(calibration);
+    refuse_if<std::runtime_error>(
+        seen.place && glm::length(*seen.place - home) <= engine::kAtPlace,
+        "the encoders say that the handle is still at home, {}: run the same command again, and "
+        "bring it to the second mark {} before you press Enter",
+        engine::place_text(home, calibration.axes()), aim);
     refuse_if<std::runtime_error>(
         !seen.there(),
         "the handle is at the second mark {}, and the encoders say {}: it did not rest at home {} "
-        "when the device was opened. Put it there and run the same command again",
-        aim, seen.text(calibration.axes()),
-        engine::place_text(engine::home_of(calibration), calibration.axes()));
+        "when the device was opened, or its plugs were exchanged. Put it there and run the same "
+        "command again; if it was there, commission the rig anew",
+        aim, seen.text(calibration.axes()), engine::place_text(home, calibration.axes()));
     return {
         .key = std::string(protocols::kStartPose),
         .value = fmt::format("second mark met to {:.1f} mm", 1e3 * seen.off),
@@ -244,11 +251,7 @@ engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopp
     };
 }
 
-OpeningFact prove_motors(engine::PulseRunner& runner,
-                         const engine::Calibration& calibration,
-                         const engine::RigRecord& record,
-                         double delay) {
-    const engine::ShortForm form = prove_again(runner, calibration, record, delay);
+OpeningFact moves_as_it_did(const engine::ShortForm& form) {
     refuse_if<std::runtime_error>(
         !form.refused.empty(),
         "{}. No session was begun; if nobody held the handle, commission the rig again",
@@ -288,6 +291,7 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
     const auto prove = [&] {
         engine::PulseRunner runner(device, engine::Machine(calibration), period,
                                    ticks_until(period, interrupted));
+        const std::size_t homings = device.homings();
         {
             const TypedAnswer early;  // Enter before it is asked for answers the next question
             prove_rest(runner, calibration);
@@ -298,8 +302,14 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
                                           .value = "the operator's word",
                                           .text = "the handle rested; that it was at home is the "
                                                   "operator's word"});
-        facts.push_back(
-            prove_motors(runner, calibration, record, device.traits().delay_ticks * period));
+        const engine::ShortForm form =
+            prove_again(runner, calibration, record, device.traits().delay_ticks * period);
+        refuse_if<std::runtime_error>(
+            device.homings() != homings,
+            "the device fell silent while weak pulses moved the handle, and was set up anew where "
+            "it stood: its home is lost, and nothing is said of its motors. Check its cable and "
+            "what else this machine does, put the handle at home and run the same command again");
+        facts.push_back(moves_as_it_did(form));
     };
     try {
         in_real_time(prove);

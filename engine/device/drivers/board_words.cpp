@@ -18,23 +18,6 @@ std::string BoardDevice::warning() const {
     return force_unproved() ? std::string(kForceUnproved) + ". Then: " : "";
 }
 
-namespace {
-
-std::string home_pose_text(const Calibration& machine) {
-    std::string pose = "its home pose";
-    if (machine.gantry) {
-        const Vec3 home = 1e3 * machine.gantry->home();
-        pose += " (" + number_text(home.x) + ", " + number_text(home.y) + ", " +
-                number_text(home.z) + ") mm";
-    } else if (machine.home) {
-        pose += " (" + number_text(1e3 * machine.home->x) + ", " +
-                number_text(1e3 * machine.home->y) + ") mm";
-    }
-    return pose;
-}
-
-}  // namespace
-
 std::string BoardDevice::explained(DeviceFault fault) const {
     if (fault == DeviceFault::none) {
         return {};
@@ -62,9 +45,11 @@ std::string BoardDevice::explained(DeviceFault fault) const {
         case DeviceFault::unreachable:
             break;
     }
-    return board + " is back, but where the handle was is lost: put the handle at " +
-           home_pose_text(machine_.calibration()) + " and let it rest there for " +
-           number_text(timing_.still) + " s";
+    return board +
+           " is back, but where the handle was is lost: put the handle at "
+           "its home pose " +
+           place_text(home_of(machine_.calibration()), machine_.axes()) +
+           " and let it rest there for " + number_text(timing_.still) + " s";
 }
 
 }  // namespace palpate::engine
