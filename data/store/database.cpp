@@ -236,10 +236,6 @@ void Database::check_identity(Access access) {
     if (id.application != kApplicationId || id.version < 1) {
         not_ours(connection_.file);
     }
-    if (id.version < kSchemaVersion && access == Access::write) {
-        migrate(connection_, migration_steps());
-        id = identity();
-    }
     refuse_if<WrongFile>(id.version != kSchemaVersion,
                          "{}: made by another palpate (schema {}, this program knows {}); use that "
                          "one for it, or choose another file name",

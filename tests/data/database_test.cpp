@@ -3,6 +3,7 @@
 #include "protocols/design/counterbalance.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/reader.hpp"
+#include "data/store/row.hpp"
 #include "data/store/uuid.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/program.hpp"
@@ -241,4 +242,18 @@ TEST_CASE(
                      "(SELECT * FROM picture ORDER BY session_id, picture_place) GROUP BY "
                      "session_id)") == rigs);
     }
+}
+
+TEST_CASE("a row is written by the names of its columns, and no other name", "[store]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    data::Row("participant").set("participant_code", "P1").set("subject", 7).insert(database);
+    CHECK_THROWS_WITH(data::Row("participant").set("mood", "calm"),
+                      Has("no column participant.mood"));
+    CHECK(data::Row("participant")
+              .set("participant_code", "P1")
+              .set("consent", true)
+              .update(database, {"participant_code"}) == 1);
+    CHECK(database.first("SELECT consent || subject FROM participant").text(0) == "17");
+    CHECK_THROWS_AS(data::Row("participant").set("subject", 8).insert(database), data::StoreError);
 }
