@@ -90,11 +90,8 @@ void write_motion(std::span<const TickRecord> ticks, const std::filesystem::path
 
 void write_channels(double rate_hz, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::tsv);
-    for (const char* name : {"name", "component", "type", "tracked_point", "units",
-                             "reference_frame", "sampling_frequency", "description"}) {
-        file.text(name);
-    }
-    file.end_row();
+    file.row({"name", "component", "type", "tracked_point", "units", "reference_frame",
+              "sampling_frequency", "description"});
     for (const Channel& channel : channels()) {
         const std::string_view unit = channel.column->unit;
         for (const std::string_view word :
@@ -172,15 +169,17 @@ std::string bids_stem(const ChosenSession& session) {
     return fmt::format("{}_ses-{:02}_task-{}", session.subject, session.number, session.label);
 }
 
-std::string bids_run(std::int64_t number) {
-    return fmt::format("{:04}", number);
+namespace fs = std::filesystem;
+
+void write_json(const fs::path& path, const Json& members) {
+    write_whole(path, json_text(members) + "\n");
 }
 
 void write_bids_run(Database& database,
                     const ChosenSession& session,
                     std::int64_t trial,
                     std::int64_t number,
-                    const std::filesystem::path& session_folder) {
+                    const fs::path& session_folder) {
     TraceReader traces(database);
     for (const std::int64_t interval : {1, 2}) {
         const Ticks ticks = traces.stored(trial, interval);
@@ -188,26 +187,19 @@ void write_bids_run(Database& database,
             continue;
         }
         const std::string run =
-            fmt::format("{}_run-{}", interval == 1 ? "" : "_acq-interval2", bids_run(number));
+            fmt::format("{}_run-{:04}", interval == 1 ? "" : "_acq-interval2", number);
         const std::string motion = bids_stem(session) + "_tracksys-handle" + run;
-        const std::filesystem::path folder = session_folder / "motion";
-        std::filesystem::create_directories(folder);
+        const fs::path folder = session_folder / "motion";
+        fs::create_directories(folder);
         write_motion(ticks, folder / (motion + "_motion.tsv"));
-        write_whole(folder / (motion + "_motion.json"),
-                    json_text(motion_json(session, ticks)) + "\n");
+        write_json(folder / (motion + "_motion.json"), motion_json(session, ticks));
         write_channels(session.rate_hz, folder / (motion + "_channels.tsv"));
-        write_whole(folder / (motion + "_channels.json"), json_text(channels_json()) + "\n");
-        const std::filesystem::path stim =
+        write_json(folder / (motion + "_channels.json"), channels_json());
+        const fs::path stim =
             session_folder / "beh" / (bids_stem(session) + run + "_recording-force_stim");
         write_stim(ticks, stim.string() + ".tsv.gz");
-        write_whole(stim.string() + ".json", json_text(stim_json(session)) + "\n");
+        write_json(stim.string() + ".json", stim_json(session));
     }
-}
-
-namespace fs = std::filesystem;
-
-void write_json(const fs::path& path, const Json& members) {
-    write_whole(path, json_text(members) + "\n");
 }
 
 Json described(const ExportColumn& column) {
@@ -225,14 +217,18 @@ Json described(const char* words) {
     return {{"Description", words}};
 }
 
-const ExportColumn& trials_column(std::string_view name) {
-    const auto& columns = export_table("trials").columns;
-    return *std::find_if(columns.begin(), columns.end(),
-                         [name](const ExportColumn& column) { return column.name == name; });
+/// The rows, and what their columns are: members of `sidecar`.
+void write_described(const std::string& stem, Statement rows, const Json& sidecar) {
+    DelimitedFile file(stem + ".tsv", TableStyle::tsv);
+    for (const auto& [name, words] : sidecar.items()) {
+        file.text(name);
+    }
+    file.end_row();
+    write_rows(std::move(rows), file);
+    write_json(stem + ".json", sidecar);
 }
 
 void write_participants(Database& database, bool details, const fs::path& folder) {
-    DelimitedFile file(folder / "participants.tsv", TableStyle::tsv);
     Json sidecar{
         {"participant_id", described("the same in every export; it says nothing")},
         {"handedness",
@@ -245,36 +241,29 @@ void write_participants(Database& database, bool details, const fs::path& folder
             described("Edinburgh handedness score, -100 left to 100 right");
         score = ", handedness";
     }
-    for (const auto& [name, words] : sidecar.items()) {
-        file.text(name);
-    }
-    file.end_row();
     // The standard's word for both.
-    write_rows(database.prepare(
-                   fmt::format("SELECT DISTINCT chosen.subject, replace({}, 'both', "
-                               "'ambidextrous'){} FROM chosen JOIN session USING (session_id) JOIN "
-                               "participant USING (participant_id) ORDER BY chosen.subject",
-                               kHandednessSql, score)),
-               file);
-    write_json(folder / "participants.json", sidecar);
+    write_described(folder / "participants",
+                    database.prepare(fmt::format(
+                        "SELECT DISTINCT chosen.subject, replace({}, 'both', 'ambidextrous'){} "
+                        "FROM chosen JOIN session USING (session_id) JOIN participant USING "
+                        "(participant_id) ORDER BY chosen.subject",
+                        kHandednessSql, score)),
+                    sidecar);
 }
 
 void write_sessions(Database& database,
                     const std::string& subject,
                     bool details,
                     const fs::path& folder) {
-    DelimitedFile file(folder / (subject + "_sessions.tsv"), TableStyle::tsv);
+    const auto kind =
+        std::ranges::find(export_table("trials").columns, "session_kind", &ExportColumn::name);
     Json sidecar{{"session_id", described("the same number in every study of the session")},
                  {"studies", described("the tasks of the session")},
-                 {"session_kind", described(trials_column("session_kind"))}};
+                 {"session_kind", described(*kind)}};
     if (details) {
         sidecar["day"] = {{"Description", "since the participant's first session here"},
                           {"Units", "d"}};
     }
-    for (const auto& [name, words] : sidecar.items()) {
-        file.text(name);
-    }
-    file.end_row();
     Statement row = database.prepare(
         fmt::format("SELECT printf('ses-%02d', chosen.session_number), group_concat(label, ' '), "
                     "group_concat(DISTINCT session_kind){} FROM (SELECT * FROM chosen ORDER BY "
@@ -282,8 +271,7 @@ void write_sessions(Database& database,
                     "chosen.session_number ORDER BY chosen.session_number",
                     details ? ", min(day)" : ""),
         subject);
-    write_rows(std::move(row), file);
-    write_json(folder / (subject + "_sessions.json"), sidecar);
+    write_described(folder / (subject + "_sessions"), std::move(row), sidecar);
 }
 
 /// The trials' columns but those that the name of the file says.
@@ -306,15 +294,17 @@ void write_beh(Database& database,
     DelimitedFile file(folder / (stem + ".tsv"), TableStyle::tsv);
     Json sidecar{{"TaskName", session.study}, {"TaskDescription", session.title}};
     for (const ExportColumn& column : columns) {
-        file.text(column.name);
-        sidecar[std::string(column.name)] = described(column);
+        sidecar[column.name] = described(column);
     }
-    file.end_row();
-    Statement row = database.prepare(
-        select_sql(export_table("trials"), columns, "chosen.session_id = ?1"), session.id);
-    write_rows(std::move(row), file);
+    file.head(columns);
+    write_rows(
+        database.prepare(select_sql(export_table("trials"), columns, kOfSession), session.id),
+        file);
     write_json(folder / (stem + ".json"), sidecar);
 }
+
+/// The Brain Imaging Data Structure a dataset is written to.
+constexpr const char* kBidsVersion = "1.9.0";
 
 std::string readme(const Selection& selection, const ExportOptions& options) {
     return fmt::format(

@@ -65,11 +65,8 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
     }
     if (options.traces) {
         row({"ticks", "", "", "", "one row a servo tick, in the object's frame", ""});
-        for (const ExportColumn& key : tick_keys()) {
-            row({"ticks", key.name, key.type, key.unit, key.meaning, key.levels});
-        }
-        for (const TraceColumn& column : trace_columns()) {
-            row({"ticks", column.name, column.type, column.unit, column.meaning, ""});
+        for (const ExportColumn& column : tick_columns()) {
+            row({"ticks", column.name, column.type, column.unit, column.meaning, column.levels});
         }
     }
     file.close();
@@ -91,17 +88,6 @@ std::string words(const Selection& selection, const ExportOptions& options) {
                           "not know them.\n"
                         : "De-identified: codes, operators, wall clock, notes and details of "
                           "participants left out.\n");
-}
-
-void write_rows(Statement row,
-                const std::vector<ExportColumn>& columns,
-                const std::filesystem::path& path) {
-    DelimitedFile file(path, TableStyle::csv);
-    for (const ExportColumn& column : columns) {
-        file.text(column.name);
-    }
-    file.end_row();
-    write_rows(std::move(row), file);
 }
 
 }  // namespace
@@ -187,6 +173,20 @@ void DelimitedFile::end_row() {
     }
 }
 
+void DelimitedFile::row(std::initializer_list<std::string_view> words) {
+    for (const std::string_view word : words) {
+        text(word);
+    }
+    end_row();
+}
+
+void DelimitedFile::head(std::span<const ExportColumn> columns) {
+    for (const ExportColumn& column : columns) {
+        text(column.name);
+    }
+    end_row();
+}
+
 void DelimitedFile::flush() {
     const auto size = static_cast<unsigned>(pending_.size());
     if (size > 0 && gzwrite(static_cast<gzFile>(file_), pending_.data(), size) <= 0) {
@@ -212,28 +212,18 @@ void write_rows(Statement row, DelimitedFile& file) {
     file.close();
 }
 
-std::string trial_name(const ChosenSession& session, std::int64_t trial) {
-    return fmt::format("{}_{}_ses-{:02}_trial-{:04}", session.subject, session.label,
-                       session.number, trial);
-}
-
 void write_table(Database& database,
                  const ExportTable& table,
                  const ExportOptions& options,
-                 const std::filesystem::path& path) {
+                 const std::filesystem::path& path,
+                 const ChosenSession* session) {
     const auto columns = visible_columns(table, options.details);
-    write_rows(database.prepare(select_sql(table, columns)), columns, path);
-}
-
-void write_session_table(Database& database,
-                         const ExportTable& table,
-                         const ExportOptions& options,
-                         const ChosenSession& session,
-                         const std::filesystem::path& path) {
-    const auto columns = visible_columns(table, options.details);
-    Statement row =
-        database.prepare(select_sql(table, columns, "chosen.session_id = ?1"), session.id);
-    write_rows(std::move(row), columns, path);
+    DelimitedFile file(path, TableStyle::csv);
+    file.head(columns);
+    write_rows(session == nullptr
+                   ? database.prepare(select_sql(table, columns))
+                   : database.prepare(select_sql(table, columns, kOfSession), session->id),
+               file);
 }
 
 void write_ticks(Database& database,
@@ -242,13 +232,7 @@ void write_ticks(Database& database,
                  const ChosenSession& session,
                  const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::csv);
-    for (const ExportColumn& key : tick_keys()) {
-        file.text(key.name);
-    }
-    for (const TraceColumn& column : trace_columns()) {
-        file.text(column.name);
-    }
-    file.end_row();
+    file.head(tick_columns());
     TraceReader traces(database);
     for (const std::int64_t interval : {1, 2}) {
         for (const engine::TickRecord& tick : traces.stored(trial, interval)) {
@@ -268,17 +252,11 @@ void write_ticks(Database& database,
 
 void write_codes(Database& database, const std::filesystem::path& path) {
     DelimitedFile file(path, TableStyle::csv);
-    file.text("subject");
-    file.text("participant_code");
-    file.end_row();
-    for (const Statement& row : database.prepare(
-             "SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN session USING "
-             "(session_id) JOIN participant USING (participant_id) ORDER BY chosen.subject")) {
-        file.text(row.text(0));
-        file.text(row.text(1));
-        file.end_row();
-    }
-    file.close();
+    file.row({"subject", "participant_code"});
+    write_rows(database.prepare("SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN "
+                                "session USING (session_id) JOIN participant USING "
+                                "(participant_id) ORDER BY chosen.subject"),
+               file);
 }
 
 void export_csv(const Exporting& to) {
@@ -300,7 +278,9 @@ void export_csv(const Exporting& to) {
     for (const ChosenSession& session : selection.sessions()) {
         each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {
             write_ticks(database, trial, number, session,
-                        folder / "ticks" / (trial_name(session, number) + ".csv.gz"));
+                        folder / "ticks" /
+                            fmt::format("{}_{}_ses-{:02}_trial-{:04}.csv.gz", session.subject,
+                                        session.label, session.number, number));
         });
     }
 }

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -42,6 +44,10 @@ public:
     /// Column `column` of a query's row.
     void value(const Statement& row, int column);
     void end_row();
+    /// A row of texts.
+    void row(std::initializer_list<std::string_view> words);
+    /// The head: the columns' names.
+    void head(std::span<const ExportColumn> columns);
     /// What was not closed is not whole.
     void close();
 
@@ -70,12 +76,8 @@ void export_csv(const Exporting& to);
 void write_table(Database& database,
                  const ExportTable& table,
                  const ExportOptions& options,
-                 const std::filesystem::path& file);
-void write_session_table(Database& database,
-                         const ExportTable& table,
-                         const ExportOptions& options,
-                         const ChosenSession& session,
-                         const std::filesystem::path& file);
+                 const std::filesystem::path& file,
+                 const ChosenSession* session = nullptr);
 
 /// All ticks of a trial, lost ones left out. @param number  of the trial in its session
 void write_ticks(Database& database,
@@ -86,10 +88,6 @@ void write_ticks(Database& database,
 
 /// Which code of the lab each subject is.
 void write_codes(Database& database, const std::filesystem::path& file);
-
-/// Name of the ticks' files of a trial, without an ending:
-/// "sub-001_shapefriction_ses-01_trial-0001".
-[[nodiscard]] std::string trial_name(const ChosenSession& session, std::int64_t trial);
 
 /// For every trial of the session with ticks: its id and its number. @param visit  (id, number)
 template <class Visit>

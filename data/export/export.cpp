@@ -18,7 +18,6 @@
 #include "data/export/duckdb.hpp"
 #include "data/export/tables.hpp"
 #include "data/store/stored_progress.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -93,17 +92,20 @@ private:
 
 namespace fs = std::filesystem;
 
-using Types = std::vector<std::pair<std::string, std::string>>;
-
 std::string type_of(std::string_view type) {
     return type == "integer" ? "BIGINT" : type == "real" ? "DOUBLE" : "VARCHAR";
 }
 
-void convert(DuckDb& duck, const std::string& from, const fs::path& to, const Types& types) {
+void convert(DuckDb& duck,
+             const std::string& from,
+             const fs::path& to,
+             std::span<const ExportColumn> kept) {
     constexpr std::string_view kMarked = "'^''(''*[-=+@\t\r])'";
     std::string columns;
     std::string texts;
-    for (const auto& [name, type] : types) {
+    for (const ExportColumn& column : kept) {
+        const std::string& name = column.name;
+        const std::string type = type_of(column.type);
         columns += fmt::format("{}{}: {}", columns.empty() ? "" : ", ", quoted_text(name),
                                quoted_text(type));
         if (type == "VARCHAR") {  // no spreadsheet opens it: the mark of csv_field() goes again
@@ -117,17 +119,6 @@ void convert(DuckDb& duck, const std::string& from, const fs::path& to, const Ty
         "parquet, COMPRESSION zstd)",
         texts.empty() ? "" : " REPLACE (" + texts + ")", quoted_text(from), columns,
         quoted_text(to.string())));
-}
-
-Types tick_types() {
-    Types types;
-    for (const ExportColumn& key : tick_keys()) {
-        types.emplace_back(std::string(key.name), type_of(key.type));
-    }
-    for (const TraceColumn& column : trace_columns()) {
-        types.emplace_back(std::string(column.name), type_of(column.type));
-    }
-    return types;
 }
 
 /// A pattern of files could mean more than this folder, whose name is not ours: from inside there
@@ -151,16 +142,13 @@ void export_parquet(const Exporting& to) {
         if (!fs::exists(from)) {
             continue;
         }
-        Types types;
-        for (const ExportColumn& column : visible_columns(table, options.details)) {
-            types.emplace_back(std::string(column.name), type_of(column.type));
-        }
-        convert(duck, from.string(), folder / (std::string(table.name) + ".parquet"), types);
+        convert(duck, from.string(), folder / (std::string(table.name) + ".parquet"),
+                visible_columns(table, options.details));
         fs::remove(from);
     }
     if (options.traces) {
         if (!fs::is_empty(folder / "ticks")) {
-            convert(duck, all_ticks(folder), folder / "ticks.parquet", tick_types());
+            convert(duck, all_ticks(folder), folder / "ticks.parquet", tick_columns());
         }
         fs::remove_all(folder / "ticks");
     }

@@ -39,13 +39,6 @@ void each_count(Database& database, const std::function<void(const GradedCount&)
               "format, as csv or psychopy");
 }
 
-void write_words(DelimitedFile& file, std::initializer_list<std::string_view> words) {
-    for (const std::string_view word : words) {
-        file.text(word);
-    }
-    file.end_row();
-}
-
 constexpr std::string_view kPsignifitText =
     "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
     "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
@@ -65,7 +58,7 @@ constexpr std::string_view kPsychopyText =
 void export_quickpsy(const Exporting& to) {
     const auto& [database, selection, options, folder] = to;
     DelimitedFile file(folder / "quickpsy.csv", TableStyle::csv);
-    write_words(file, {"participant", "study", "kind", "condition", "x", "k", "n"});
+    file.row({"participant", "study", "kind", "condition", "x", "k", "n"});
     each_count(database, [&](const GradedCount& one) {
         file.text(one.subject);
         file.text(one.study);
@@ -88,7 +81,7 @@ void export_quickpsy(const Exporting& to) {
 void export_psignifit(const Exporting& to) {
     const auto& [database, selection, options, folder] = to;
     DelimitedFile index(folder / "index.csv", TableStyle::csv);
-    write_words(index, {"file", "participant", "study", "kind", "condition"});
+    index.row({"file", "participant", "study", "kind", "condition"});
     std::string before;
     std::string lines;
     std::string name;
@@ -105,7 +98,7 @@ void export_psignifit(const Exporting& to) {
         if (whose != before) {
             keep();
             name = fmt::format("{}_{}_{}_{:03}.csv", one.subject, one.study, one.kind, ++files);
-            write_words(index, {name, one.subject, one.study, one.kind, one.condition});
+            index.row({name, one.subject, one.study, one.kind, one.condition});
             before = whose;
         }
         lines += fmt::format("{},{},{}\n", one.stimulus, one.k, one.n);
@@ -126,10 +119,10 @@ void export_psychopy(const Exporting& to) {
         DelimitedFile file(folder / fmt::format("{}_{}_ses-{:02}.csv", session.subject,
                                                 session.label, session.number),
                            TableStyle::csv);
-        write_words(file, {"trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase",
-                           "planned_object", "friction", "curvature_per_m", "run_name", "stimulus",
-                           "key_resp.keys", "key_resp.corr", "key_resp.rt", "confidence", "counts",
-                           "participant", "session", "expName"});
+        file.row({"trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase", "planned_object",
+                  "friction", "curvature_per_m", "run_name", "stimulus", "key_resp.keys",
+                  "key_resp.corr", "key_resp.rt", "confidence", "counts", "participant", "session",
+                  "expName"});
         row.bind(1, session.id);
         for (std::int64_t n = 0; row.step(); ++n) {
             file.integer(n);

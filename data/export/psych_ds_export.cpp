@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,7 +10,6 @@
 #include "data/export/csv_export.hpp"
 #include "data/export/selection.hpp"
 #include "data/export/tables.hpp"
-#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -50,18 +50,10 @@ Json variables(const ExportOptions& options) {
         }
     };
     for (const char* table : {"trials", "participants"}) {
-        for (const ExportColumn& column : visible_columns(export_table(table), options.details)) {
-            add(column);
-        }
+        std::ranges::for_each(visible_columns(export_table(table), options.details), add);
     }
     if (options.traces) {
-        for (const ExportColumn& key : tick_keys()) {
-            add(key);
-        }
-        for (const TraceColumn& column : trace_columns()) {
-            add({std::string(column.name), std::string(column.type), std::string(column.unit),
-                 std::string(column.meaning), ""});
-        }
+        std::ranges::for_each(tick_columns(), add);
     }
     return all;
 }
@@ -104,7 +96,7 @@ void export_psych_ds(const Exporting& to) {
     const ExportTable& trials = export_table("trials");
     for (const ChosenSession& session : selection.sessions()) {
         const std::string stem = stem_of(session);
-        write_session_table(database, trials, options, session, data / (stem + "_data.csv"));
+        write_table(database, trials, options, data / (stem + "_data.csv"), &session);
         if (options.traces) {
             each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {
                 write_ticks(

@@ -66,9 +66,6 @@ struct Exporting {
 
 // Every form of an export but the plain tables. Each writes into a folder that is there and empty.
 
-/// The Brain Imaging Data Structure a dataset is written to.
-inline constexpr const char* kBidsVersion = "1.9.0";
-
 /// A BIDS dataset (bids-specification.readthedocs.io, 1.9.0: the first with Motion-BIDS).
 /// tests/data/export_clients_test.cpp runs bids-validator over it where one is installed.
 ///

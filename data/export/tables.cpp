@@ -8,6 +8,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "data/schema/catalogue.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -229,9 +230,15 @@ const std::vector<ExportTable>& export_tables() {
     return all;
 }
 
-const std::vector<ExportColumn>& tick_keys() {
-    static const std::vector<ExportColumn> all =
-        columns_of("subject study_label session_number trial_number interval");
+const std::vector<ExportColumn>& tick_columns() {
+    static const std::vector<ExportColumn> all = [] {
+        auto made = columns_of("subject study_label session_number trial_number interval");
+        for (const TraceColumn& column : trace_columns()) {
+            made.push_back({std::string(column.name), std::string(column.type),
+                            std::string(column.unit), std::string(column.meaning), ""});
+        }
+        return made;
+    }();
     return all;
 }
 

@@ -39,8 +39,8 @@ inline constexpr const char* kHandednessSql =
 [[nodiscard]] const std::vector<ExportTable>& export_tables();
 [[nodiscard]] const ExportTable& export_table(std::string_view name);
 
-/// What a row of ticks begins with: whose they are. The sql is not used.
-[[nodiscard]] const std::vector<ExportColumn>& tick_keys();
+/// Of a row of ticks: whose they are, then the trace's columns. They have no sql.
+[[nodiscard]] const std::vector<ExportColumn>& tick_columns();
 
 /// The words that may stand in a column, and what each means; none where any text or number may.
 [[nodiscard]] std::vector<std::pair<std::string_view, std::string_view>> levels_of(
@@ -49,7 +49,9 @@ inline constexpr const char* kHandednessSql =
 /// The columns of a table that a reader may see.
 [[nodiscard]] std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details);
 
-/// SELECT of these columns. @param where  of one session, e.g. "chosen.session = ?1"; empty: all
+inline constexpr const char* kOfSession = "chosen.session_id = ?1";
+
+/// SELECT of these columns. @param where  kOfSession; empty: all
 [[nodiscard]] std::string select_sql(const ExportTable& table,
                                      std::span<const ExportColumn> columns,
                                      std::string_view where = {});
