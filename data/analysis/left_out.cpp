@@ -52,8 +52,7 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
 /// The picture that whoever attends chooses for an object that is not pictured. All are of two
 /// curves, as catch_correct_min needs it.
 std::string outermost(const Protocol& protocol, const std::string& felt) {
-    const auto object = std::find_if(protocol.objects.begin(), protocol.objects.end(),
-                                     [&](const auto& one) { return one.name == felt; });
+    const auto object = std::ranges::find(protocol.objects, felt, &protocols::ObjectSpec::name);
     if (object == protocol.objects.end()) {
         return {};
     }
@@ -221,9 +220,7 @@ Exclusions judge(Database& database, std::string_view study, std::string_view ki
             found.all.push_back(std::move(one));
         }
     }
-    std::stable_sort(
-        found.all.begin(), found.all.end(),
-        [](const Judgement& a, const Judgement& b) { return a.participant < b.participant; });
+    std::ranges::stable_sort(found.all, {}, &Judgement::participant);
     return found;
 }
 
@@ -245,12 +242,9 @@ LeftOut left_out_of(Database& database, std::string_view study, std::string_view
         "FROM main.session JOIN study USING (study_id) WHERE study_name <> ?1 OR session_kind <> "
         "?2 GROUP BY 1, 2 ORDER BY 1, 2",
         study, kind);
-    while (other.step()) {
-        account.elsewhere.push_back({.study = other.text(0),
-                                     .protocol_sha256 = other.text(3),
-                                     .kind = other.text(1),
-                                     .people = other.integer(2)});
-    }
+    account.elsewhere = other.all([](const Statement& row) {
+        return StudyVersion{row.text(0), row.text(3), row.text(1), row.integer(2)};
+    });
     return account;
 }
 

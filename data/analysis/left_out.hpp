@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +81,16 @@ struct LeftOut {
 
     [[nodiscard]] bool leaves_out(std::string_view person) const;
 };
+
+/// Whom the protocol's rules leave out, and why.
+[[nodiscard]] inline std::map<std::string, std::string> whys_of(const LeftOut& account) {
+    std::map<std::string, std::string> whys;
+    for (const auto& [person, rule] : account.broken) {
+        std::string& why = whys[person];
+        why += (why.empty() ? "" : "; ") + rule;
+    }
+    return whys;
+}
 
 /// @param study  as this connection calls it (analyse())
 /// @param codes  people by the lab's codes, not by their numbers in exports

@@ -37,12 +37,10 @@ std::vector<Run> runs_of(Database& database, const Group& group) {
         "session_kind = ?2 AND run_trial_number IS NOT NULL GROUP BY session_id, run_number ORDER "
         "BY participant_code, session_number, run_number",
         group.study, group.kind);
-    std::vector<Run> all;
-    while (row.step()) {
-        all.push_back({row.text(0), row.integer(1), row.integer(2), row.integer(3), row.text(4),
-                       row.integer(5), row.integer(6), row.integer(7)});
-    }
-    return all;
+    return row.all([](const Statement& one) {
+        return Run{one.text(0), one.integer(1), one.integer(2), one.integer(3),
+                   one.text(4), one.integer(5), one.integer(6), one.integer(7)};
+    });
 }
 
 std::optional<Protocol> protocol_of(Database& database, std::int64_t session) {

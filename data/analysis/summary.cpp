@@ -18,17 +18,13 @@ namespace palpate::data {
 namespace {
 
 std::vector<Group> groups(Database& database) {
-    std::vector<Group> all;
     Statement row = database.prepare(
         "SELECT study_name, session_kind FROM main.session AS one JOIN study USING (study_id) "
         "WHERE EXISTS (SELECT 1 FROM main.trial JOIN main.plan USING (session_id, plan_position) "
         "JOIN main.response USING (trial_id) WHERE trial.session_id = one.session_id AND phase = "
         "'main') GROUP BY study_name, session_kind ORDER BY session_kind, substr(study_name, 1, "
         "instr(study_name || '@', '@')), min(study_id)");
-    while (row.step()) {
-        all.push_back({row.text(0), row.text(1)});
-    }
-    return all;
+    return row.all([](const Statement& one) { return Group{one.text(0), one.text(1)}; });
 }
 
 std::string title(const Group& group) {

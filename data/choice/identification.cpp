@@ -157,13 +157,6 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
     return person;
 }
 
-/// Of one person: a number, or its rank alone (infinite), or neither and why.
-struct Score {
-    double value = std::nan("");
-    double rank = std::nan("");
-    std::string why{};
-};
-
 void add_number(IdentificationReport& report,
                 std::string what,
                 const std::function<Score(const IdentifiedPerson&)>& number,
@@ -172,29 +165,12 @@ void add_number(IdentificationReport& report,
     if (report.people.size() < 2) {
         return;
     }
-    OverPeople made{.what = std::move(what), .ratio = ratio};
-    std::vector<double> values;
-    std::vector<double> ranks;
+    std::vector<Score> all;
     for (const IdentifiedPerson& person : report.people) {
-        const Score known = number(person);
-        if (std::isfinite(known.value)) {
-            values.push_back(known.value);
-            ranks.push_back(known.value);
-        } else {
-            made.left_out.push_back({person.name, known.why});
-            if (!std::isnan(known.rank)) {
-                ranks.push_back(known.rank);
-            }
-        }
+        all.push_back(number(person));
+        all.back().name = person.name;
     }
-    made.mean = values.empty() ? PeopleMean{.mean = std::nan("")} : mean_over_people(values);
-    if (ranks.size() == report.people.size()) {
-        made.median = median_of(ranks);
-    }
-    if (test && values.size() > 1) {
-        made.test = sign_flip(values);
-    }
-    report.over_people.push_back(std::move(made));
+    report.over_people.push_back(over_people(std::move(what), all, test, ratio));
 }
 
 /// ln sigma, and on which side it has no end.

@@ -90,8 +90,6 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
 }  // namespace
 
 Figure fit_figure(const FitReport& report) {
-    constexpr std::array kInks{Ink::blue,   Ink::vermillion, Ink::green,
-                               Ink::purple, Ink::orange,     Ink::sky};
     const CurveSpec& spec = report.options.spec;
     Figure figure{.id = "fit",
                   .title = fmt::format("Psychometric functions ({})", word_of(spec.family))};
@@ -109,7 +107,7 @@ Figure fit_figure(const FitReport& report) {
         const auto condition = std::ranges::find(report.conditions, curve.answers.condition) -
                                report.conditions.begin();
         add_curve(figure.panels[static_cast<std::size_t>(found - people.begin())], spec, curve,
-                  kInks.at(static_cast<std::size_t>(condition) % kInks.size()));
+                  ink_of(static_cast<std::size_t>(condition)));
     }
     figure.columns = people.size() > 1 ? 2 : 1;
     figure.caption =

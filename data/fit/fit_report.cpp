@@ -245,14 +245,6 @@ void compare(FitReport& report, const std::string& condition) {
     }
 }
 
-/// Of one person for an average: a number, or its rank alone (infinite), or neither (NaN).
-struct Score {
-    std::string name{};
-    double value = 0.0;
-    double rank = 0.0;
-    std::string why{};
-};
-
 /// Of the curve of a condition; without a name where the person gave no answers in it.
 Score score_of(const FitReport& report,
                const std::string& person,
@@ -262,14 +254,14 @@ Score score_of(const FitReport& report,
         return one.participant == person && one.condition == condition;
     });
     if (missing != report.left_out.end()) {
-        return {person, kNoValue, kNoValue, "cannot be fitted"};
+        return {.why = "cannot be fitted", .name = person};
     }
     const FittedCurve* curve = find_curve(report, person, condition);
     if (curve == nullptr) {
-        return {"", kNoValue, kNoValue, "no answers"};
+        return {.why = "no answers"};
     }
     const FitEstimate& estimate = estimate_in(*curve, quantity);
-    Score known{person, estimate.value, estimate.value, estimate.why};
+    Score known{estimate.value, estimate.value, estimate.why, person};
     if (std::isnan(estimate.value)) {
         const bool jnd = quantity == Quantity::jnd;
         known.rank = estimate.why.starts_with(kNotDetermined) ? kNoValue
@@ -283,8 +275,9 @@ Score score_of(const FitReport& report,
 
 /// The second less the first; without a name where the person has neither.
 Score difference_of(const Score& first, const Score& second) {
-    Score made{first.name.empty() ? second.name : first.name, second.value - first.value, kNoValue,
-               first.why.empty() || first.why == second.why ? second.why : first.why};
+    Score made{.value = second.value - first.value,
+               .why = first.why.empty() || first.why == second.why ? second.why : first.why,
+               .name = first.name.empty() ? second.name : first.name};
     if (first.name.empty() != second.name.empty()) {
         made.why = "one condition alone";
     }
@@ -293,30 +286,9 @@ Score difference_of(const Score& first, const Score& second) {
 
 void add_people(FitReport& report, std::string what, std::vector<Score> all, bool test) {
     std::erase_if(all, [](const Score& one) { return one.name.empty(); });
-    std::vector<double> known;
-    std::vector<double> ranks;
-    OverPeople made{.what = std::move(what)};
-    for (const Score& one : all) {
-        if (std::isfinite(one.value)) {
-            known.push_back(one.value);
-        } else {
-            made.left_out.push_back({one.name, one.why});
-        }
-        if (!std::isnan(one.rank)) {
-            ranks.push_back(one.rank);
-        }
+    if (all.size() > 1) {
+        report.people.push_back(over_people(std::move(what), all, test));
     }
-    if (all.size() < 2) {
-        return;
-    }
-    made.mean = known.empty() ? PeopleMean{.mean = kNoValue} : mean_over_people(known);
-    if (!test && ranks.size() == all.size()) {
-        made.median = median_of(ranks);
-    }
-    if (test && known.size() > 1) {
-        made.test = sign_flip(known);
-    }
-    report.people.push_back(std::move(made));
 }
 
 void over_people(FitReport& report, const std::vector<std::string>& people) {

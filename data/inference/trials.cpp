@@ -131,16 +131,6 @@ std::optional<double> above_zero(const Statement& row, int column) {
     return row.real(column) > 0.0 ? row.real_or_none(column) : std::nullopt;
 }
 
-/// Whom the protocol's rules leave out, and why.
-std::map<std::string, std::string> whys_of(const LeftOut& account) {
-    std::map<std::string, std::string> whys;
-    for (const auto& [person, rule] : account.broken) {
-        std::string& why = whys[person];
-        why += (why.empty() ? "" : "; ") + rule;
-    }
-    return whys;
-}
-
 /// By the least static friction of the conditions' plans, as everywhere.
 std::string least_friction(Database& database, const AnswerChoice& choice) {
     Statement row = database.first(

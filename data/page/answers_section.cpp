@@ -168,17 +168,8 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
                       .title = stats.right_known ? "Share correct by friction, within person"
                                                  : "Share of yes by friction, within person",
                       .data = study.ask(page_query("shares"))};
-    PairedPanel pairs{.title = share->title,
-                      .label = share->title,
-                      .frictions = stats.table.frictions,
-                      .means = share->means,
-                      .height = 260.0};
-    for (const auto& row : share->values) {
-        auto& values = pairs.people.emplace_back();
-        for (const auto& value : row) {
-            values.push_back(value.value_or(kNone));
-        }
-    }
+    PairedPanel pairs = pairs_of(*share, stats.table.frictions);
+    pairs.height = 260.0;
     pairs.left_out = shares_left_out(study, figure.data, stats.table.frictions);
     Panel panel = paired_panel(pairs);
     if (stats.table.alternatives > 0) {
@@ -224,17 +215,7 @@ void add_sensitivity(PageWriter& page, const Study& study, const PageNumbers& nu
         if (measure == nullptr) {
             return;
         }
-        PairedPanel pairs{.title = measure->title,
-                          .label = measure->title,
-                          .frictions = stats.table.frictions,
-                          .means = measure->means};
-        for (const auto& row : measure->values) {
-            auto& values = pairs.people.emplace_back();
-            for (const auto& value : row) {
-                values.push_back(value.value_or(kNone));
-            }
-        }
-        figure.panels.push_back(paired_panel(pairs));
+        figure.panels.push_back(paired_panel(pairs_of(*measure, stats.table.frictions)));
     }
     figure.caption = fmt::format(
         "Yes is right for {}. d': how well they are distinguished from the others; c: above 0 "

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -38,39 +37,6 @@ ORDER BY felt_object, friction, segment, x_m, y_m)",
         page_query("felt"), kPeopleOfMaps);
 }
 
-/// Means of people for each friction, as pairs.
-Panel paired_column(const Rows& rows,
-                    const std::vector<std::string>& frictions,
-                    const std::string& column,
-                    const std::string& title,
-                    const std::string& unit,
-                    double factor) {
-    PairedPanel pairs{
-        .title = title, .label = "", .unit = unit, .frictions = frictions, .height = 150.0};
-    std::map<std::string, std::vector<double>> people;
-    std::vector<std::vector<double>> values(frictions.size());
-    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
-        const auto found = std::ranges::find(frictions, rows.text(row, "friction"));
-        if (found == frictions.end() || rows.number(row, "left_out") != 0.0) {
-            continue;
-        }
-        const auto f = static_cast<std::size_t>(found - frictions.begin());
-        auto& mine = people[rows.text(row, "person")];
-        mine.resize(frictions.size(), std::nan(""));
-        mine[f] = factor * rows.number(row, column);
-        if (std::isfinite(mine[f])) {
-            values[f].push_back(mine[f]);
-        }
-    }
-    for (auto& [person, mine] : people) {
-        pairs.people.push_back(std::move(mine));
-    }
-    for (const auto& of : values) {
-        pairs.means.push_back(of.empty() ? std::nullopt : std::optional(mean_over_people(of)));
-    }
-    return paired_panel(pairs);
-}
-
 void add_hands(PageWriter& page, const Study& study, const std::vector<std::string>& frictions) {
     PageFigure figure{.id = "hand",
                       .title = "What the hand did",
@@ -97,8 +63,13 @@ void add_hands(PageWriter& page, const Study& study, const std::vector<std::stri
         {"normal_force_p90_n", "normal force, 90 %", "N", 1.0},
     };
     for (const Column& one : kColumns) {
-        figure.panels.push_back(
-            paired_column(figure.data, frictions, one.name, one.title, one.unit, one.factor));
+        PairedPanel pairs =
+            pairs_of(figure.data, one.name, frictions, Scale::numbers, "", one.factor);
+        pairs.title = one.title;
+        pairs.unit = one.unit;
+        pairs.left_out.clear();
+        pairs.height = 150.0;
+        figure.panels.push_back(paired_panel(pairs));
     }
     figure.caption =
         "A mean a trial of each person, as pairs; bars: means over people with 95 % "

@@ -52,13 +52,8 @@ std::string flow_html(const Study& study, const Rows& rows) {
     std::vector<std::string> unseen;
     add_gone(unseen, account.no_consent.people, "noted as not consenting");
     add_gone(unseen, account.withdrawn.people, "all of whose sessions were withdrawn");
-    std::map<std::string, std::string> rules;  // by person
-    for (const auto& [person, why] : account.broken) {
-        std::string& all = rules[person];
-        all += (all.empty() ? "" : "; ") + why;
-    }
     std::vector<std::string> left;
-    for (const auto& [person, why] : rules) {
+    for (const auto& [person, why] : whys_of(account)) {
         left.push_back(fmt::format("less person {}: {}", person, why));
     }
     if (left.empty()) {
@@ -125,6 +120,16 @@ std::string minus(std::string text) {
         text.replace(at, 1, "\u2212");
     }
     return text;
+}
+
+/// On the scale of the page: exp() of a logarithm.
+PeopleMean as_exp(const PeopleMean& mean) {
+    PeopleMean out = mean;
+    out.mean = std::exp(mean.mean);
+    if (out.interval) {
+        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
+    }
+    return out;
 }
 
 }  // namespace
@@ -234,31 +239,31 @@ std::vector<std::string> frictions_of(const Study& study) {
     return names;
 }
 
-Ink ink_of(std::size_t friction) {
-    constexpr Ink kInks[] = {Ink::blue,   Ink::vermillion, Ink::green,
-                             Ink::purple, Ink::orange,     Ink::sky};
-    return kInks[friction % std::size(kInks)];
-}
-
 const Measure* find_measure(const StatsPart& part, std::string_view key) {
     const auto found = std::ranges::find(part.measures, key, &Measure::key);
     return found == part.measures.end() ? nullptr : &*found;
 }
 
-PeopleMean as_exp(const PeopleMean& mean) {
-    PeopleMean out = mean;
-    out.mean = std::exp(mean.mean);
-    if (out.interval) {
-        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
+PairedPanel pairs_of(const Measure& measure, const std::vector<std::string>& frictions) {
+    PairedPanel all{.title = measure.title,
+                    .label = measure.title,
+                    .frictions = frictions,
+                    .means = measure.means};
+    for (const auto& row : measure.values) {
+        auto& mine = all.people.emplace_back();
+        for (const auto& value : row) {
+            mine.push_back(value.value_or(std::nan("")));
+        }
     }
-    return out;
+    return all;
 }
 
 PairedPanel pairs_of(const Rows& rows,
                      std::string_view column,
                      const std::vector<std::string>& frictions,
                      Scale scale,
-                     std::string_view felt) {
+                     std::string_view felt,
+                     double factor) {
     std::map<std::string, std::vector<double>> people;
     std::map<std::string, std::vector<double>> left_out;
     for (std::size_t row = 0; row < rows.cells.size(); ++row) {
@@ -267,7 +272,8 @@ PairedPanel pairs_of(const Rows& rows,
             auto& mine =
                 (rows.number(row, "left_out") == 0.0 ? people : left_out)[rows.text(row, "person")];
             mine.resize(frictions.size(), std::nan(""));
-            mine[static_cast<std::size_t>(found - frictions.begin())] = rows.number(row, column);
+            mine[static_cast<std::size_t>(found - frictions.begin())] =
+                factor * rows.number(row, column);
         }
     }
     PairedPanel all{.frictions = frictions};

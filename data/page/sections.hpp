@@ -39,8 +39,6 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
 
 /// The protocol's frictions, the least first.
 [[nodiscard]] std::vector<std::string> frictions_of(const Study& study);
-/// The frictions' colours, in their order.
-[[nodiscard]] Ink ink_of(std::size_t friction);
 
 /// A number a person and friction, people as paired lines, the means with their intervals beside
 /// them.
@@ -65,10 +63,12 @@ enum class Scale { numbers, logarithms };
                                    std::string_view column,
                                    const std::vector<std::string>& frictions,
                                    Scale scale = Scale::numbers,
-                                   std::string_view felt = "");
+                                   std::string_view felt = "",
+                                   double factor = 1.0);
 
-/// The mean of a measure on the scale of the page: exp() of a logarithm.
-[[nodiscard]] PeopleMean as_exp(const PeopleMean& mean);
+/// A measure of people, by friction.
+[[nodiscard]] PairedPanel pairs_of(const Measure& measure,
+                                   const std::vector<std::string>& frictions);
 /// The measure of a key; nothing if there is none.
 [[nodiscard]] const Measure* find_measure(const StatsPart& part, std::string_view key);
 

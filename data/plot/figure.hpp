@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,6 +23,11 @@ enum class Ink : std::uint8_t {
     black,
     grey,
 };
+
+/// The colour of one of several, by its place among them.
+[[nodiscard]] constexpr Ink ink_of(std::size_t place) {
+    return static_cast<Ink>(1 + place % 6);
+}
 
 enum class Stroke : std::uint8_t { solid, dashed, dotted };
 

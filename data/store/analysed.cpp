@@ -115,11 +115,9 @@ std::vector<StudyVersion> versions_of(Database& database) {
         "session_kind, people FROM ({}) WHERE several) JOIN study USING (study_id) ORDER BY "
         "study_id, session_kind",
         kVersions));
-    std::vector<StudyVersion> all;
-    while (row.step()) {
-        all.push_back({row.text(0), row.text(1), row.text(2), row.integer(3)});
-    }
-    return all;
+    return row.all([](const Statement& one) {
+        return StudyVersion{one.text(0), one.text(1), one.text(2), one.integer(3)};
+    });
 }
 
 std::string versions_text(const std::vector<StudyVersion>& versions) {

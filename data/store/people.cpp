@@ -255,13 +255,11 @@ std::vector<NoteBreak> note_breaks(Database& database) {
         "AND moved.key = ?1)) WHERE back = 1 AND stored IS NOT value AND NOT coalesce(stored_utc > "
         "word_utc OR (stored = 'no' AND stored_utc <> word_utc), 0) ORDER BY 1, 2",
         kIsReally);
-    std::vector<NoteBreak> breaks;
-    while (row.step()) {
-        breaks.push_back({.what = fmt::format("participant {} {}", row.text(0), row.text(1)),
-                          .stored = row.null(2) ? "NULL" : row.text(2),
-                          .noted = row.text(3)});
-    }
-    return breaks;
+    return row.all([](const Statement& one) {
+        return NoteBreak{.what = fmt::format("participant {} {}", one.text(0), one.text(1)),
+                         .stored = one.null(2) ? "NULL" : one.text(2),
+                         .noted = one.text(3)};
+    });
 }
 
 std::vector<SessionRow> sessions_of(Database& database,
@@ -274,14 +272,12 @@ std::vector<SessionRow> sessions_of(Database& database,
         "USING (participant_id) WHERE participant_code = ?1 AND (?2 IS NULL OR session_number = "
         "?2) AND ?3 IN ('', study_name, version) ORDER BY session.session_id DESC",
         code, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt, study);
-    std::vector<SessionRow> all;
-    while (row.step()) {
-        all.push_back({.id = row.integer(0),
-                       .study = row.text(1),
-                       .version = row.text(2),
-                       .number = row.integer(3)});
-    }
-    return all;
+    return row.all([](const Statement& one) {
+        return SessionRow{.id = one.integer(0),
+                          .study = one.text(1),
+                          .version = one.text(2),
+                          .number = one.integer(3)};
+    });
 }
 
 std::string add_note(Database& database,

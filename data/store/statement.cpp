@@ -160,20 +160,4 @@ std::span<const std::byte> Statement::blob(int column) const {
     return {static_cast<const std::byte*>(data), data == nullptr ? 0 : size};
 }
 
-std::vector<std::string> texts(Statement row) {
-    std::vector<std::string> all;
-    while (row.step()) {
-        all.push_back(row.text(0));
-    }
-    return all;
-}
-
-std::vector<std::int64_t> integers(Statement row) {
-    std::vector<std::int64_t> all;
-    while (row.step()) {
-        all.push_back(row.integer(0));
-    }
-    return all;
-}
-
 }  // namespace palpate::data

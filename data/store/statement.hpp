@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 struct sqlite3;
@@ -137,6 +138,16 @@ public:
         return null(column) ? std::nullopt : std::optional(text(column));
     }
 
+    /// What `make` makes of each row that is left.
+    template <class Make>
+    [[nodiscard]] auto all(const Make& make) {
+        std::vector<std::invoke_result_t<Make, const Statement&>> made;
+        while (step()) {
+            made.push_back(make(*this));
+        }
+        return made;
+    }
+
 private:
     Statement& bound(int code);
 
@@ -145,7 +156,11 @@ private:
 };
 
 /// The first column of each row that is left.
-[[nodiscard]] std::vector<std::string> texts(Statement row);
-[[nodiscard]] std::vector<std::int64_t> integers(Statement row);
+[[nodiscard]] inline std::vector<std::string> texts(Statement row) {
+    return row.all([](const Statement& one) { return one.text(0); });
+}
+[[nodiscard]] inline std::vector<std::int64_t> integers(Statement row) {
+    return row.all([](const Statement& one) { return one.integer(0); });
+}
 
 }  // namespace palpate::data

@@ -101,20 +101,18 @@ std::vector<StoredEvent> stored_events(Database& database, std::int64_t session)
         "SELECT trials_begun, event_kind, text, trial_id, plan_position, part, count, duration_s, "
         "coalesce(key, ''), coalesce(value, '') FROM event WHERE session_id = ?1 ORDER BY event_id",
         session);
-    std::vector<StoredEvent> events;
-    while (row.step()) {
-        events.push_back({row.integer(0),
-                          {.kind = protocols::event_kind(row.text(1)),
-                           .text = row.text(2),
-                           .trial = row.integer_or_none(3),
-                           .position = index(row, 4),
-                           .part = index(row, 5),
-                           .count = row.integer_or_none(6),
-                           .duration_s = row.real_or_none(7),
-                           .key = row.text(8),
-                           .value = row.text(9)}});
-    }
-    return events;
+    return row.all([](const Statement& one) {
+        return StoredEvent{one.integer(0),
+                           {.kind = protocols::event_kind(one.text(1)),
+                            .text = one.text(2),
+                            .trial = one.integer_or_none(3),
+                            .position = index(one, 4),
+                            .part = index(one, 5),
+                            .count = one.integer_or_none(6),
+                            .duration_s = one.real_or_none(7),
+                            .key = one.text(8),
+                            .value = one.text(9)}};
+    });
 }
 
 std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t session) {

@@ -71,20 +71,17 @@ std::string rows_of(Database& database,
 }
 
 std::vector<TrialVersion> trials_of(Database& database, std::int64_t session) {
-    std::vector<TrialVersion> trials;
-    Statement ids = database.prepare(
+    Statement row = database.prepare(
         "SELECT trial_id, outcome, coalesce(invalid_reason, ''), (SELECT "
         "coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk WHERE trace_chunk.trial_id = "
         "trial.trial_id) FROM trial WHERE session_id = ?1 ORDER BY trial_id",
         session);
-    while (ids.step()) {
-        TrialVersion& trial = trials.emplace_back();
-        trial.id = ids.integer(0);
-        trial.outcome = ids.text(1);
-        trial.invalid = ids.text(2);
-        trial.ticks = ids.integer(3);
-    }
-    return trials;
+    return row.all([](const Statement& one) {
+        return TrialVersion{.id = one.integer(0),
+                            .outcome = one.text(1),
+                            .invalid = one.text(2),
+                            .ticks = one.integer(3)};
+    });
 }
 
 void hash_trials(Database& database, const Layout& layout, std::vector<TrialVersion>& trials) {

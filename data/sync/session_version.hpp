@@ -45,11 +45,11 @@ void bind_row(const Statement& from, Statement& to, int first);
 
 /// One attempt as a file has it.
 struct TrialVersion {
-    std::int64_t id = 0;  ///< in its file
-    std::string key;      ///< hash of what was there when it began
-    std::string content;  ///< hash of all but `invalid`, with the rows that belong to it
-    std::string outcome;
-    std::string invalid;     ///< why it does not count; empty: it does
+    std::int64_t id = 0;    ///< in its file
+    std::string key{};      ///< hash of what was there when it began
+    std::string content{};  ///< hash of all but `invalid`, with the rows that belong to it
+    std::string outcome{};
+    std::string invalid{};   ///< why it does not count; empty: it does
     std::int64_t ticks = 0;  ///< stored
 };
 

@@ -12,6 +12,11 @@
 namespace palpate::data {
 namespace {
 
+/// In the fewest digits that read back to the same bits; empty for what is not finite.
+std::string all_digits(double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : "";
+}
+
 std::string field_of(const Cell& cell) {
     if (const auto* named = std::get_if<Named>(&cell)) {
         return named->shown;
@@ -150,10 +155,6 @@ Cell cell_of(std::size_t count) {
     return static_cast<std::int64_t>(count);
 }
 
-std::string all_digits(double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : "";
-}
-
 Fields fields_of(const Table& table) {
     Fields fields{.names = {}, .rows = {table.rows.size(), std::vector<std::string>()}};
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
@@ -192,6 +193,30 @@ std::string table_csv(const Fields& fields) {
         csv += '\n';
     }
     return csv;
+}
+
+OverPeople over_people(std::string what, std::span<const Score> all, bool test, bool ratio) {
+    OverPeople made{.what = std::move(what), .ratio = ratio};
+    std::vector<double> known;
+    std::vector<double> ranks;
+    for (const Score& one : all) {
+        if (std::isfinite(one.value)) {
+            known.push_back(one.value);
+        } else {
+            made.left_out.push_back({one.name, one.why});
+        }
+        if (!std::isnan(one.rank)) {
+            ranks.push_back(one.rank);
+        }
+    }
+    made.mean = known.empty() ? PeopleMean{.mean = std::nan("")} : mean_over_people(known);
+    if (ranks.size() == all.size()) {
+        made.median = median_of(ranks);
+    }
+    if (test && known.size() > 1) {
+        made.test = sign_flip(known);
+    }
+    return made;
 }
 
 Table over_people_table(std::string place, std::span<const OverPeople> all) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -90,9 +91,6 @@ struct Fields {
 /// These as CSV with a head.
 [[nodiscard]] std::string table_csv(const Fields& fields);
 
-/// A number in the fewest digits that read back to the same bits; empty for what is not finite.
-[[nodiscard]] std::string all_digits(double value);
-
 /// A number a person, over people: of those in whom it has an end.
 struct OverPeople {
     std::string what{};
@@ -102,6 +100,20 @@ struct OverPeople {
     std::optional<SignFlip> test{};  ///< of a difference or the logarithm of a ratio
     std::vector<LeftOutPerson> left_out{};
 };
+
+/// What one person has to say of it.
+struct Score {
+    double value = std::numeric_limits<double>::quiet_NaN();  ///< not finite: `why`
+    double rank =
+        std::numeric_limits<double>::quiet_NaN();  ///< infinite: unbounded; NaN: not known
+    std::string why{};
+    std::string name{};  ///< of the person
+};
+/// @param test  of no difference
+[[nodiscard]] OverPeople over_people(std::string what,
+                                     std::span<const Score> all,
+                                     bool test,
+                                     bool ratio = false);
 
 /// A row a number; who is left out stands below.
 [[nodiscard]] Table over_people_table(std::string place, std::span<const OverPeople> all);
