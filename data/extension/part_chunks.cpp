@@ -122,7 +122,7 @@ private:
     bool begins_before(std::size_t i) {
         const PartChunk chunk = chunks_.at(i);
         std::vector<std::int64_t> times(chunk.view.ticks);
-        read_stored(chunk.view, ColumnId::time_ns, times);
+        ChunkReader(chunk.view).read(ColumnId::time_ns, times);
         return times.size() > 1 && seconds_of(times[1]) < range_.from_s;
     }
 

@@ -123,13 +123,9 @@ struct FitReport {
 [[nodiscard]] std::string_view word_of(protocols::Family family);
 /// "threshold", "slope b"; of at_share "stimulus at a share".
 [[nodiscard]] std::string_view word_of(Quantity quantity);
-/// "free", "0.02 (given)".
-[[nodiscard]] std::string rate_text(bool free, double value);
-/// "free, one for all conditions of a person" too, as the next.
+/// "free", "0.02 (given)", "free, one for all conditions of a person".
 [[nodiscard]] std::string guess_text(const CurveSpec& spec);
 [[nodiscard]] std::string lapse_text(const CurveSpec& spec);
-/// "threshold ~ normal: mean, sd (5, 2), lapse ~ beta(2, 50)"; empty without priors.
-[[nodiscard]] std::string priors_text(const CurveSpec& spec);
 [[nodiscard]] std::int64_t answers_of(const FittedCurve& curve);
 /// Half of the answers or more stand alone at their stimulus: then the deviance is of the fitted
 /// chances alone.

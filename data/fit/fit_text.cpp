@@ -25,6 +25,28 @@ std::string_view core_of(Family family) {
     return kWords[static_cast<std::size_t>(family)];
 }
 
+std::string rate_text(bool free, double value) {
+    return free ? std::string("free") : fmt::format("{:.4g} (given)", value);
+}
+
+/// "threshold ~ normal: mean, sd (5, 2), lapse ~ beta(2, 50)"; empty without priors.
+std::string priors_text(const CurveSpec& spec) {
+    std::vector<std::string> all;
+    const auto add = [&](const char* what, const char* density, const std::optional<Prior>& prior) {
+        if (prior) {
+            all.push_back(
+                fmt::format("{} ~ {}({:g}, {:g})", what, density, prior->first, prior->second));
+        }
+    };
+    add("threshold",
+        spec.family == Family::weibull ? "lognormal: median, sd of ln " : "normal: mean, sd ",
+        spec.threshold_prior);
+    add("slope b", "lognormal: median, sd of ln ", spec.slope_prior);
+    add("guess", "beta", spec.guess_prior);
+    add("lapse", "beta", spec.lapse_prior);
+    return fmt::format("{}", fmt::join(all, ", "));
+}
+
 std::string head_text(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
     std::string text = fmt::format(
@@ -115,10 +137,6 @@ std::string_view word_of(Quantity quantity) {
     return kWords[static_cast<std::size_t>(quantity)];
 }
 
-std::string rate_text(bool free, double value) {
-    return free ? std::string("free") : fmt::format("{:.4g} (given)", value);
-}
-
 std::string guess_text(const CurveSpec& spec) {
     return spec.two_sided    ? "as the lapse rate"
          : spec.guess_shared ? "free, one for all conditions of a person"
@@ -128,23 +146,6 @@ std::string guess_text(const CurveSpec& spec) {
 std::string lapse_text(const CurveSpec& spec) {
     return spec.lapse_shared ? "free, one for all conditions of a person"
                              : rate_text(spec.lapse_free, spec.lapse);
-}
-
-std::string priors_text(const CurveSpec& spec) {
-    std::vector<std::string> all;
-    const auto add = [&](const char* what, const char* density, const std::optional<Prior>& prior) {
-        if (prior) {
-            all.push_back(
-                fmt::format("{} ~ {}({:g}, {:g})", what, density, prior->first, prior->second));
-        }
-    };
-    add("threshold",
-        spec.family == Family::weibull ? "lognormal: median, sd of ln " : "normal: mean, sd ",
-        spec.threshold_prior);
-    add("slope b", "lognormal: median, sd of ln ", spec.slope_prior);
-    add("guess", "beta", spec.guess_prior);
-    add("lapse", "beta", spec.lapse_prior);
-    return fmt::format("{}", fmt::join(all, ", "));
 }
 
 std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve& curve) {

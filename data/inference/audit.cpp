@@ -160,6 +160,14 @@ double bound_of(Scale scale, const AuditBounds& bounds) {
     return std::log(bounds.ratio);
 }
 
+std::string_view verdict_text(const std::optional<Equivalence>& found) {
+    return !found                              ? "too few people"
+         : found->verdict == Sameness::same    ? "the same"
+         : found->verdict == Sameness::within  ? "differs, within bounds"
+         : found->verdict == Sameness::differs ? "DIFFERS"
+                                               : "not known: more people";
+}
+
 }  // namespace
 
 std::optional<Equivalence> equivalence(std::span<const double> differences, double bound) {
@@ -190,14 +198,6 @@ std::optional<Equivalence> equivalence(std::span<const double> differences, doub
 
 std::span<const AuditedQuantity> audited_quantities() {
     return kAudited;
-}
-
-std::string_view verdict_text(const std::optional<Equivalence>& found) {
-    return !found                              ? "too few people"
-         : found->verdict == Sameness::same    ? "the same"
-         : found->verdict == Sameness::within  ? "differs, within bounds"
-         : found->verdict == Sameness::differs ? "DIFFERS"
-                                               : "not known: more people";
 }
 
 Audit audit_of(Database& database, const AnswerChoice& choice, const AuditBounds& bounds) {

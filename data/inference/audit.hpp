@@ -104,9 +104,6 @@ struct Audit {
                              const AnswerChoice& choice,
                              const AuditBounds& bounds);
 
-/// In words for people.
-[[nodiscard]] std::string_view verdict_text(const std::optional<Equivalence>& found);
-
 /// Who is in no difference, and why, in one line.
 [[nodiscard]] std::string gap_text(const AuditGap& gap);
 

@@ -63,6 +63,11 @@ std::vector<ExcludedTrials> excluded_of(const TrialTable& table) {
 
 using Of = std::optional<double> (*)(const PersonCell&);
 
+template <std::optional<double> PersonCell::*Member>
+std::optional<double> own(const PersonCell& cell) {
+    return cell.*Member;
+}
+
 struct Kind {
     const char* key;
     const char* title;
@@ -76,30 +81,15 @@ constexpr Kind kKinds[] = {
                   ? std::optional(static_cast<double>(cell.k) / static_cast<double>(cell.n))
                   : std::nullopt;
      }},
-    {"d_prime", "d'",
-     [](const PersonCell& cell) {
-         return cell.alike_d_prime;
-     }},
-    {"criterion", "criterion c",
-     [](const PersonCell& cell) {
-         return cell.alike_criterion;
-     }},
+    {"d_prime", "d'", own<&PersonCell::alike_d_prime>},
+    {"criterion", "criterion c", own<&PersonCell::alike_criterion>},
     {"bits", "transmitted bits (Miller-Madow)",
      [](const PersonCell& cell) {
          return cell.bits ? std::optional(cell.bits->bits.corrected) : std::nullopt;
      }},
-    {"log_rt", "ln of response time in s",
-     [](const PersonCell& cell) {
-         return cell.log_rt;
-     }},
-    {"log_explore", "ln of felt s (first contact to done)",
-     [](const PersonCell& cell) {
-         return cell.log_explore;
-     }},
-    {"confidence", "confidence",
-     [](const PersonCell& cell) {
-         return cell.confidence;
-     }},
+    {"log_rt", "ln of response time in s", own<&PersonCell::log_rt>},
+    {"log_explore", "ln of felt s (first contact to done)", own<&PersonCell::log_explore>},
+    {"confidence", "confidence", own<&PersonCell::confidence>},
 };
 
 Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind& kind) {

@@ -12,12 +12,6 @@ namespace palpate::data {
 /// "on - off": a friction against the first.
 [[nodiscard]] std::string comparison_text(const StatsReport& report, std::size_t friction);
 
-/// A test of one number a person each: its name, people, mean, interval, t, df, p, dz, the p of
-/// sign-flip and Wilcoxon, the Bayes factor. To these columns come `index` more in front.
-[[nodiscard]] Table tests_table(std::string place, std::string title, std::vector<Column> index);
-/// @param name  of the index
-void add_test(Table& table, std::vector<Cell> name, const PeopleTest& test);
-
 /// Means over people, a row a measure and friction.
 [[nodiscard]] Table means_table(const StatsReport& report, const StatsPart& part);
 /// What friction changes within person, a row a measure and friction but the first.

@@ -56,12 +56,8 @@ void add_method(Table& table,
                           fit.converged});
 }
 
-}  // namespace
-
-std::string comparison_text(const StatsReport& report, std::size_t friction) {
-    return fmt::format("{} - {}", report.table.frictions[friction], report.table.frictions[0]);
-}
-
+/// A test of one number a person each: its name, people, mean, interval, t, df, p, dz, the p of
+/// sign-flip and Wilcoxon, the Bayes factor. To these columns come `index` more in front.
 Table tests_table(std::string place, std::string title, std::vector<Column> index) {
     Table table{.place = std::move(place),
                 .title = std::move(title),
@@ -78,6 +74,7 @@ Table tests_table(std::string place, std::string title, std::vector<Column> inde
     return table;
 }
 
+/// @param name  of the index
 void add_test(Table& table, std::vector<Cell> name, const PeopleTest& test) {
     const char* none =
         test.values.size() < 2 ? "one person: nothing follows for others" : "all the same: no t";
@@ -100,6 +97,12 @@ void add_test(Table& table, std::vector<Cell> name, const PeopleTest& test) {
     };
     say(!test.flip.exact, "p of sign-flip: of patterns drawn by chance, not of all.");
     say(!test.rank.exact, "p of Wilcoxon: by the normal distribution.");
+}
+
+}  // namespace
+
+std::string comparison_text(const StatsReport& report, std::size_t friction) {
+    return fmt::format("{} - {}", report.table.frictions[friction], report.table.frictions[0]);
 }
 
 Table means_table(const StatsReport& report, const StatsPart& part) {

@@ -160,22 +160,16 @@ std::size_t pictures_of(Database& database, const AnswerChoice& choice) {
     return static_cast<std::size_t>(row.integer(0));
 }
 
-NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
-    NamedTrial one{.subject = codes ? row.text(1) : fmt::format("sub-{:010}", row.integer(2)),
-                   .shape = row.text(3),
-                   .friction = row.text(4),
-                   .response = row.text(5)};
-    one.trial = {.number = number,
-                 .rt_s = above_zero(row, 6),
-                 .explore_s = above_zero(row, 7),
-                 .confidence = row.real_or_none(8),
-                 .since_break = row.real_or_none(9),
-                 .excluded = row.text(10)};
-    return one;
-}
+/// A trial before its names have places.
+struct NamedTrial {
+    std::string subject;
+    std::string shape;
+    std::string friction;
+    std::string response;
+    Trial trial{};
+};
 
-}  // namespace
-
+/// The table, every list of names sorted; without source.
 TrialTable table_of_names(std::vector<NamedTrial> all) {
     TrialTable table;
     const auto list = [&](std::vector<std::string>& names, std::string NamedTrial::*member) {
@@ -211,6 +205,22 @@ TrialTable table_of_names(std::vector<NamedTrial> all) {
     }
     return table;
 }
+
+NamedTrial trial_of(const Statement& row, bool codes, std::int64_t number) {
+    NamedTrial one{.subject = codes ? row.text(1) : fmt::format("sub-{:010}", row.integer(2)),
+                   .shape = row.text(3),
+                   .friction = row.text(4),
+                   .response = row.text(5)};
+    one.trial = {.number = number,
+                 .rt_s = above_zero(row, 6),
+                 .explore_s = above_zero(row, 7),
+                 .confidence = row.real_or_none(8),
+                 .since_break = row.real_or_none(9),
+                 .excluded = row.text(10)};
+    return one;
+}
+
+}  // namespace
 
 TrialTable read_trials(const RereadableText& text, bool others) {
     constexpr std::array<std::string_view, 1> kNumbers{"trial"};

@@ -49,18 +49,6 @@ struct TrialTable {
     std::vector<Trial> trials{};           ///< by subject, then by number
 };
 
-/// A trial before its names have places.
-struct NamedTrial {
-    std::string subject;
-    std::string shape;
-    std::string friction;
-    std::string response;
-    Trial trial{};
-};
-
-/// The table, every list of names sorted; without source.
-[[nodiscard]] TrialTable table_of_names(std::vector<NamedTrial> all);
-
 /// Columns subject,trial,shape,friction,response and, if they are there, rt_s, confidence,
 /// explore_s, since_break and excluded (why a trial does not count; empty, 0, NA or False: it
 /// does). Numbers that are not known are empty, or NA. Answers of yes and no alone are those of

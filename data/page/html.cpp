@@ -57,6 +57,25 @@ std::string data_address(std::string_view type, std::string_view text) {
     return out;
 }
 
+/// RFC 4648, with its padding.
+std::string base64(std::string_view bytes) {
+    constexpr std::string_view kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    out.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::string_view three = bytes.substr(i, 3);
+        std::uint32_t bits = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            bits = bits << 8U | (k < three.size() ? static_cast<unsigned char>(three[k]) : 0U);
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            out += k <= three.size() ? kDigits[bits >> (18U - 6U * k) & 63U] : '=';
+        }
+    }
+    return out;
+}
+
 /// What a page's policy calls the one script that may run.
 std::string script_hash(std::string_view script) {
     const Sha256 hash = sha256(script);
@@ -331,24 +350,6 @@ std::string PageWriter::page(const PageFrame& frame) const {
         contents_, numbered(body_), open_ ? "</section>\n" : "", html_text(frame.footer));
     out += frame.script.empty() ? "" : fmt::format("<script>{}</script>\n", frame.script);
     return out + "</body>\n</html>\n";
-}
-
-std::string base64(std::string_view bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::string_view three = bytes.substr(i, 3);
-        std::uint32_t bits = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            bits = bits << 8U | (k < three.size() ? static_cast<unsigned char>(three[k]) : 0U);
-        }
-        for (std::size_t k = 0; k < 4; ++k) {
-            out += k <= three.size() ? kDigits[bits >> (18U - 6U * k) & 63U] : '=';
-        }
-    }
-    return out;
 }
 
 std::string tick_text(std::span<const std::int64_t> values) {

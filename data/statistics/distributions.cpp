@@ -21,14 +21,6 @@ double chi_square_p(double x, int df) {
     return boost::math::cdf(complement(boost::math::chi_squared(df), std::max(x, 0.0)));
 }
 
-double beta_quantile(double a, double b, double p) {
-    return boost::math::ibeta_inv(a, b, p);
-}
-
-double beta_upper_quantile(double a, double b, double p) {
-    return boost::math::ibetac_inv(a, b, p);
-}
-
 Interval wilson(std::int64_t k, std::int64_t n, double z) {
     if (n <= 0) {
         return {};
@@ -48,10 +40,10 @@ Interval clopper_pearson(std::int64_t k, std::int64_t n, double confidence) {
     const auto hits = static_cast<double>(k);
     const auto misses = static_cast<double>(n - k);
     if (k > 0) {  // P(X >= k) = I_p(k, n - k + 1)
-        interval.low = beta_quantile(hits, misses + 1.0, tail);
+        interval.low = boost::math::ibeta_inv(hits, misses + 1.0, tail);
     }
     if (k < n) {  // P(X <= k) = 1 - I_p(k + 1, n - k)
-        interval.high = beta_upper_quantile(hits + 1.0, misses, tail);
+        interval.high = boost::math::ibetac_inv(hits + 1.0, misses, tail);
     }
     return interval;
 }

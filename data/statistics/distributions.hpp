@@ -16,11 +16,6 @@ namespace palpate::data {
 /// P(chi-square of `df` > x); 1 for x below 0. @pre df > 0
 [[nodiscard]] double chi_square_p(double x, int df);
 
-/// x with I_x(a, b) = p, I being the incomplete beta function. @pre a, b > 0, 0 <= p <= 1
-[[nodiscard]] double beta_quantile(double a, double b, double p);
-/// x with 1 - I_x(a, b) = p, without loss where p is small. @pre the same
-[[nodiscard]] double beta_upper_quantile(double a, double b, double p);
-
 /// From low to high, both included.
 struct Interval {
     double low = 0.0;

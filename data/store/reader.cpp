@@ -52,7 +52,7 @@ std::vector<std::int64_t> TraceReader::column(std::int64_t trial,
     std::vector<std::int64_t> all;
     for (const ChunkView& chunk : chunks.views) {
         all.resize(all.size() + chunk.ticks);
-        read_stored(chunk, column, std::span(all).last(chunk.ticks));
+        ChunkReader(chunk).read(column, std::span(all).last(chunk.ticks));
     }
     return all;
 }

@@ -220,9 +220,7 @@ private:
     }
 
     void push_session(const SessionVersion& session) {
-        Statement line = database_.first(
-            fmt::format("SELECT {} FROM session WHERE session_id = ?1", layout_.session.list()),
-            session.id);
+        Statement line = database_.first(layout_.session.select("session_id"), session.id);
         PostgresRow row;
         row.text(session.uuid);
         add_values(line, row);
@@ -295,9 +293,7 @@ private:
     }
 
     void push_trial(const TrialVersion& trial, const PostgresRow& key) {
-        Statement line = database_.first(
-            fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout_.trial.list()),
-            trial.id);
+        Statement line = database_.first(layout_.trial.select("trial_id"), trial.id);
         PostgresRow row = key;
         add_values(line, row);
         row.text(trial.content).integer(kSchemaVersion);
@@ -322,8 +318,7 @@ private:
     void push_events(const SessionVersion& session) {
         Statement trial = database_.prepare(
             "SELECT event_id, trial_id FROM event WHERE session_id = ?1 ORDER BY event_id");
-        Statement line = database_.prepare(
-            fmt::format("SELECT {} FROM event WHERE event_id = ?1", layout_.event.list()));
+        Statement line = database_.prepare(layout_.event.select("event_id"));
         trial.bind(1, session.id);
         for (std::int64_t number = 1; trial.step(); ++number) {
             PostgresRow row;
@@ -352,10 +347,7 @@ private:
         if (session.finished) {
             PostgresRow row;
             row.text(session.uuid);
-            Statement line =
-                database_.first(fmt::format("SELECT {} FROM session WHERE session_id = ?1",
-                                            layout_.session_end.list()),
-                                session.id);
+            Statement line = database_.first(layout_.session_end.select("session_id"), session.id);
             add_values(line, row);
             send("session_end", row);
             flush();

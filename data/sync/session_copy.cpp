@@ -45,17 +45,12 @@ std::int64_t study_of(const SessionVersion& from, Database& out) {
 std::int64_t copy_session_row(const SessionVersion& from, Database& out, const Layout& layout) {
     const OwnedTable& table = layout.session;
     const std::int64_t study = study_of(from, out);
-    Statement row = from.database->first(
-        fmt::format("SELECT {} FROM session WHERE session_id = ?1", table.list()), from.id);
-    std::string places;
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-        places += fmt::format(", ?{}", i + 4);
-    }
+    Statement row = from.database->first(table.select("session_id"), from.id);
     Statement add = out.prepare(
         fmt::format(
             "INSERT INTO session (study_id, participant_id, session_number, {}) VALUES (?1, "
-            "(SELECT participant_id FROM participant WHERE participant_code = ?2), ?3{})",
-            table.list(), places),
+            "(SELECT participant_id FROM participant WHERE participant_code = ?2), ?3, {})",
+            table.list(), table.places(4)),
         study, from.participant, from.number);
     bind_row(row, add, 4);
     add.run();
@@ -69,23 +64,11 @@ std::int64_t copy_trial_row(const SessionVersion& from,
                             const Layout& layout,
                             std::int64_t session,
                             std::int64_t id) {
-    const OwnedTable& table = layout.trial;
-    Statement row = from.database->first(
-        fmt::format("SELECT {}, invalid_reason FROM trial WHERE trial_id = ?1", table.list()),
-        trial.id);
-    std::string places;
-    std::string set;
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-        places += fmt::format("?{}, ", i + 2);
-        set += fmt::format("{} = ?{}, ", table.columns[i], i + 2);
-    }
-    const std::size_t last = table.columns.size() + 2;
-    Statement write = out.prepare(
-        id == 0
-            ? fmt::format("INSERT INTO trial (session_id, {}, invalid_reason) VALUES (?1, {}?{})",
-                          table.list(), places, last)
-            : fmt::format("UPDATE trial SET {}invalid_reason = ?{} WHERE trial_id = ?1", set, last),
-        id == 0 ? session : id);
+    OwnedTable table = layout.trial;
+    table.columns.emplace_back("invalid_reason");
+    Statement row = from.database->first(table.select("trial_id"), trial.id);
+    Statement write =
+        out.prepare(id == 0 ? table.insert("session_id") : table.update(), id == 0 ? session : id);
     bind_row(row, write, 2);
     write.run();
     return id == 0 ? out.last_row() : id;
@@ -142,14 +125,8 @@ void copy_end(const SessionVersion& from,
     OwnedTable end = layout.session_end;
     end.columns.insert(end.columns.end(), layout.session_repairs.columns.begin(),
                        layout.session_repairs.columns.end());
-    Statement row = from.database->first(
-        fmt::format("SELECT {} FROM session WHERE session_id = ?1", end.list()), from.id);
-    std::string set;
-    for (std::size_t i = 0; i < end.columns.size(); ++i) {
-        set += fmt::format("{}{} = ?{}", i == 0 ? "" : ", ", end.columns[i], i + 2);
-    }
-    Statement write =
-        out.prepare(fmt::format("UPDATE session SET {} WHERE session_id = ?1", set), session);
+    Statement row = from.database->first(end.select("session_id"), from.id);
+    Statement write = out.prepare(end.update(), session);
     bind_row(row, write, 2);
     write.run();
     const std::string head = chain_head(*from.database, from.id);
@@ -201,16 +178,13 @@ void replace_session(const SessionVersion& from,
 
 void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file) {
     for (const OwnedTable& table : layout.of_file) {
-        std::string places;
-        std::string same;
-        for (std::size_t i = 1; i <= table.columns.size(); ++i) {
-            places += fmt::format("{}?{}", i == 1 ? "" : ", ", i);
-            same += fmt::format("{}{} IS ?{}", i == 1 ? "" : " AND ", table.columns[i - 1], i);
-        }
-        Statement row = from.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
-        Statement add = out.prepare(fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})",
-                                                table.name, table.list(), places));
-        Statement there = out.prepare(fmt::format("SELECT 1 FROM {} WHERE {}", table.name, same));
+        const std::string list = table.list();
+        const std::string places = table.places(1);
+        Statement row = from.prepare(fmt::format("SELECT {} FROM {}", list, table.name));
+        Statement add = out.prepare(
+            fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})", table.name, list, places));
+        Statement there = out.prepare(
+            fmt::format("SELECT 1 FROM {} WHERE ({}) IS ({})", table.name, list, places));
         while (row.step()) {
             bind_row(row, add, 1);
             add.run();

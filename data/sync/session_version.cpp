@@ -87,8 +87,7 @@ std::vector<TrialVersion> trials_of(Database& database, std::int64_t session) {
 void hash_trials(Database& database, const Layout& layout, std::vector<TrialVersion>& trials) {
     Statement row = database.prepare(
         "SELECT plan_position, attempt, started_utc FROM trial WHERE trial_id = ?1");
-    Statement all = database.prepare(
-        fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout.trial.list()));
+    Statement all = database.prepare(layout.trial.select("trial_id"));
     for (TrialVersion& trial : trials) {
         row.bind(1, trial.id).step();
         trial.key = sha256_hex(row_bytes(row));
@@ -112,8 +111,7 @@ void hash_events(Database& database, const Layout& layout, SessionVersion& sessi
     Statement trial = database.prepare(
         "SELECT event_id, coalesce(trial_id, 0), at_utc || ' ' || at_ns FROM event WHERE "
         "session_id = ?1 ORDER BY event_id");
-    Statement row = database.prepare(
-        fmt::format("SELECT {} FROM event WHERE event_id = ?1", layout.event.list()));
+    Statement row = database.prepare(layout.event.select("event_id"));
     trial.bind(1, session.id);
     while (trial.step()) {
         row.bind(1, trial.integer(0)).step();
@@ -125,8 +123,7 @@ void hash_events(Database& database, const Layout& layout, SessionVersion& sessi
 }
 
 std::string session_row(Database& database, const OwnedTable& part, std::int64_t id) {
-    return row_bytes(database.first(
-        fmt::format("SELECT {} FROM session WHERE session_id = ?1", part.list()), id));
+    return row_bytes(database.first(part.select("session_id"), id));
 }
 
 std::string head_of(Database& database, const Layout& layout, const SessionVersion& session) {
@@ -176,11 +173,19 @@ std::string OwnedTable::select(std::string_view owner) const {
 }
 
 std::string OwnedTable::insert(std::string_view owner) const {
-    std::string places = "?1";
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-        places += fmt::format(", ?{}", i + 2);
+    return fmt::format("INSERT INTO {} ({}, {}) VALUES (?1, {})", name, owner, list(), places(2));
+}
+
+std::string OwnedTable::update() const {
+    return fmt::format("UPDATE {0} SET ({1}) = ({2}) WHERE {0}_id = ?1", name, list(), places(2));
+}
+
+std::string OwnedTable::places(std::size_t first) const {
+    std::string all;
+    for (std::size_t i = first; i < first + columns.size(); ++i) {
+        all += fmt::format("{}?{}", i == first ? "" : ", ", i);
     }
-    return fmt::format("INSERT INTO {} ({}, {}) VALUES ({})", name, owner, list(), places);
+    return all;
 }
 
 Layout catalogue_layout() {

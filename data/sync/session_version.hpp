@@ -22,6 +22,10 @@ struct OwnedTable {
     [[nodiscard]] std::string select(std::string_view owner) const;
     /// INSERT of the owner ?1 and list() from ?2 on.
     [[nodiscard]] std::string insert(std::string_view owner) const;
+    /// UPDATE of the row ?1, likewise.
+    [[nodiscard]] std::string update() const;
+    /// "?3, ?4, ?5": a place for each column, from `first` on.
+    [[nodiscard]] std::string places(std::size_t first) const;
 };
 
 /// What belongs to what, so that it can be copied into another file.

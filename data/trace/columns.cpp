@@ -233,10 +233,6 @@ std::span<const TraceColumn> trace_columns() noexcept {
     return kColumns;
 }
 
-std::size_t bytes_per_tick() noexcept {
-    return total_bytes();
-}
-
 std::span<const StoredColumn> stored_columns() noexcept {
     return kStored;
 }

@@ -35,9 +35,6 @@ struct TraceColumn {
     return static_cast<double>(ns) / 1e9;
 }
 
-/// Bytes of one tick over all columns.
-[[nodiscard]] std::size_t bytes_per_tick() noexcept;
-
 // -------------------------------------------------------------------------------------------------
 // What of a tick is written into a chunk. The table trace_column of every database repeats this,
 // so that the file explains itself.

@@ -68,10 +68,6 @@ void find_closest_points(const engine::SceneView& scene,
     }
 }
 
-void read_stored(const ChunkView& chunk, ColumnId column, std::span<std::int64_t> values) {
-    ChunkReader(chunk).read(column, values);
-}
-
 std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {
     if (calibration.empty()) {
         return std::nullopt;
@@ -87,16 +83,10 @@ std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {
 }
 
 SessionTraces::SessionTraces(std::string_view protocol_toml, std::string_view calibration)
-    : SessionTraces(protocols::stored_protocol(protocol_toml), machine_of(calibration)) {}
-
-SessionTraces::SessionTraces(protocols::Protocol protocol,
-                             std::optional<engine::PantographSpec> machine)
-    : protocol_(std::move(protocol)), machine_(std::move(machine)) {}
+    : protocol_(protocols::stored_protocol(protocol_toml)), machine_(machine_of(calibration)) {}
 
 std::shared_ptr<const engine::FeltScene> SessionTraces::scene_of(const TraceTrial& trial) {
-    const Felt key(trial.object, trial.friction, trial.slip_decay, trial.heal_decay,
-                   trial.curvature, trial.mu_s, trial.mu_d, trial.stimulus);
-    auto found = scenes_.find(key);
+    auto found = scenes_.find(trial);
     if (found == scenes_.end()) {
         protocols::Presentation felt{
             .object = protocol_.objects[index_of(protocol_.objects, trial.object, "object")],
@@ -117,7 +107,7 @@ std::shared_ptr<const engine::FeltScene> SessionTraces::scene_of(const TraceTria
         if (scenes_.size() >= kMaxScenes) {
             scenes_.clear();
         }
-        found = scenes_.emplace(key, scene).first;
+        found = scenes_.emplace(trial, scene).first;
     }
     return found->second;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -7,7 +8,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 
 #include "engine/device/calibration.hpp"
 #include "engine/realtime/scene_view.hpp"
@@ -31,6 +31,8 @@ struct TraceTrial {
     std::optional<double> mu_s{};
     std::optional<double> mu_d{};
     std::optional<double> stimulus{};  ///< what a rule chose, where it chose the compliance
+
+    friend auto operator<=>(const TraceTrial&, const TraceTrial&) = default;
 };
 
 /// The ticks of a trial again, and from where on they may differ.
@@ -58,8 +60,6 @@ public:
     /// @throws protocols::ProtocolError if the protocol cannot be read. A calibration that cannot
     ///         be read is none: no chunk that needs it reproduces its hash
     SessionTraces(std::string_view protocol_toml, std::string_view calibration);
-    explicit SessionTraces(protocols::Protocol protocol,
-                           std::optional<engine::PantographSpec> machine = std::nullopt);
 
     /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was:
     /// without closest points, which no servo needs.
@@ -81,16 +81,7 @@ public:
 private:
     protocols::Protocol protocol_;
     std::optional<engine::PantographSpec> machine_;
-    /// By object, friction, decays and what is felt of them.
-    using Felt = std::tuple<std::string,
-                            std::string,
-                            double,
-                            double,
-                            std::optional<double>,
-                            std::optional<double>,
-                            std::optional<double>,
-                            std::optional<double>>;
-    std::map<Felt, std::shared_ptr<const engine::FeltScene>> scenes_;
+    std::map<TraceTrial, std::shared_ptr<const engine::FeltScene>> scenes_;
 };
 
 /// The pantograph of a canonical calibration text, if it is one; of three straight axes HIP follows
@@ -111,10 +102,5 @@ private:
 void find_closest_points(const engine::SceneView& scene,
                          engine::FeltTrack& track,
                          std::span<engine::TickRecord> ticks) noexcept;
-
-/// One column of every chunk without any replay. 10 to 100 times as fast.
-/// @param values  of the chunk's ticks
-/// @throws TraceError if the chunk is damaged
-void read_stored(const ChunkView& chunk, ColumnId column, std::span<std::int64_t> values);
 
 }  // namespace palpate::data

@@ -29,12 +29,6 @@ bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
 
 HipFromCounts::HipFromCounts(const engine::PantographSpec& machine) : machine_(machine) {}
 
-engine::Vec2 HipFromCounts::at(const engine::Pantograph::Counts& counts) noexcept {
-    engine::Vec2 hip{};
-    at(std::span(&counts, 1), std::span(&hip, 1));
-    return hip;
-}
-
 void HipFromCounts::at(std::span<const engine::Pantograph::Counts> counts,
                        std::span<engine::Vec2> hips) noexcept {
     machine_.of(counts, hips);
@@ -91,7 +85,7 @@ void Retrace::parts(std::span<const TickRecord> ticks, std::span<std::uint8_t> p
         };
         parts[i] = static_cast<std::uint8_t>(
             part(same(hip_of(tick, i), tick.hip), part_hip) |
-            part(has_scene() && same_contact(again_[i], tick), part_contact) |
+            part(scene_.any() && same_contact(again_[i], tick), part_contact) |
             part(same(tick.command, tick.force), part_command) |
             part(same(lateness_us(in_steps(us, kLatenessSteps)), tick.lateness_us), part_lateness));
     }

@@ -19,9 +19,7 @@ class HipFromCounts {
 public:
     /// @param machine  linkage, zeros and counts per turn of the readings
     explicit HipFromCounts(const engine::PantographSpec& machine);
-    /// The next tick's HIP, m, object frame.
-    [[nodiscard]] engine::Vec2 at(const engine::Pantograph::Counts& counts) noexcept;
-    /// The next ticks at once. @param hips  as many as `counts`
+    /// Of the next ticks, m, object frame. @param hips  as many as `counts`
     void at(std::span<const engine::Pantograph::Counts> counts,
             std::span<engine::Vec2> hips) noexcept;
 
@@ -46,9 +44,6 @@ public:
 
     /// The contacts of the next ticks, after HIP is known. Every tick, in order.
     void contacts(std::span<engine::TickRecord> ticks) noexcept;
-
-    /// It knows the scene, and contacts() computes something.
-    [[nodiscard]] bool has_scene() const noexcept { return scene_.any(); }
 
 private:
     [[nodiscard]] engine::Vec3 hip_of(const engine::TickRecord& tick, std::size_t i) const noexcept;

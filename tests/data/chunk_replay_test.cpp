@@ -33,8 +33,8 @@ std::vector<TickRecord> by_scalar_ticks(const Recorded& recorded) {
     for (const data::ChunkView& view : recorded.chunks.views) {
         std::vector<std::int64_t> one(view.ticks);
         std::vector<std::int64_t> two(view.ticks);
-        data::read_stored(view, data::ColumnId::count_1, one);
-        data::read_stored(view, data::ColumnId::count_2, two);
+        data::ChunkReader(view).read(data::ColumnId::count_1, one);
+        data::ChunkReader(view).read(data::ColumnId::count_2, two);
         for (std::size_t i = 0; i < view.ticks; ++i) {
             TickRecord& tick = ticks.emplace_back();
             tick.counts = {static_cast<std::int32_t>(one[i]), static_cast<std::int32_t>(two[i])};

@@ -39,7 +39,7 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
     CHECK_FALSE(back.differs_from);
     REQUIRE(back.ticks.size() == ticks.size());
     std::vector<std::int64_t> hip(ticks.size());
-    data::read_stored(view, data::ColumnId::hip_x, hip);
+    data::ChunkReader(view).read(data::ColumnId::hip_x, hip);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         REQUIRE(same_bits(ticks[i], back.ticks[i]));
         REQUIRE(hip[i] == data::in_steps(ticks[i].hip.x, data::kHipSteps));
@@ -120,20 +120,23 @@ TEST_CASE("no flipped bit, cut or extra byte of a chunk is decoded", "[trace][la
         std::vector<std::byte> damaged = chunk.data;
         damaged[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
         view.data = damaged;
-        REQUIRE_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
+        REQUIRE_THROWS_AS(data::ChunkReader(view).read(data::ColumnId::tick, values),
+                          data::TraceError);
     }
     for (std::size_t cut = 0; cut < chunk.data.size(); cut += 7) {
         view.data = std::span(chunk.data).first(cut);
-        REQUIRE_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
+        REQUIRE_THROWS_AS(data::ChunkReader(view).read(data::ColumnId::tick, values),
+                          data::TraceError);
     }
     view.data = chunk.data;
     view.crc32 ^= 1U;
-    CHECK_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
+    CHECK_THROWS_AS(data::ChunkReader(view).read(data::ColumnId::tick, values), data::TraceError);
     view.crc32 ^= 1U;
     for (const std::uint8_t parts :
          {std::uint8_t{0}, std::uint8_t{7}}) {  // says that it holds less
         view.parts = parts;
-        CHECK_THROWS_AS(data::read_stored(view, data::ColumnId::tick, values), data::TraceError);
+        CHECK_THROWS_AS(data::ChunkReader(view).read(data::ColumnId::tick, values),
+                        data::TraceError);
     }
 }
 
