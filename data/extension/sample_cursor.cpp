@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -12,13 +11,10 @@
 #include "data/extension/part_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/chunk_replay.hpp"
-#include "data/trace/replay.hpp"
 
 namespace palpate::data {
 
 using engine::TickRecord;
-
-namespace {
 
 /// The ticks of a part that follow from the hand's path from tick 0 on, replayed as far as somebody
 /// asks.
@@ -80,6 +76,8 @@ private:
     bool given_up_ = false;
 };
 
+namespace {
+
 /// Chunk by chunk, while those to come are worked on.
 class ReplayedBlocks : public TickBlocks {
 public:
@@ -111,27 +109,8 @@ private:
 
 }  // namespace
 
-struct TickStore::State {
-    explicit State(sqlite3* database) : db(database) {}
-
-    struct Context {
-        TraceTrial trial;
-        SessionTraces* session = nullptr;
-    };
-    Context context_of(const TrialPart& part);
-    std::shared_ptr<PartReplay> replayed(const TrialPart& part);
-    Ticks make_room();
-    void require_one_study();
-
-    StatementCache db;
-    /// By protocol and calibration, so that nothing here can be out of date.
-    std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
-    /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
-    std::vector<std::shared_ptr<PartReplay>> kept;
-};
-
-TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
-    Query row(db,
+TickStore::Context TickStore::context_of(const TrialPart& part) {
+    Query row(db_,
               "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
               "plan.friction), coalesce(felt.slip_decay, 0), "
               "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
@@ -148,9 +127,9 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
         return row.null(column) ? std::nullopt : std::optional(row.real(column));
     };
     const std::pair key(row.text(8), row.text(9));
-    auto session = sessions.find(key);
-    if (session == sessions.end()) {
-        session = sessions.emplace(key, SessionTraces(key.first, key.second)).first;
+    auto session = sessions_.find(key);
+    if (session == sessions_.end()) {
+        session = sessions_.emplace(key, SessionTraces(key.first, key.second)).first;
     }
     return {.trial = {.object = row.text(0),
                       .friction = row.text(1),
@@ -163,8 +142,8 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
             .session = &session->second};
 }
 
-std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
-    PartChunks rows(db, part);
+std::shared_ptr<PartReplay> TickStore::replayed(const TrialPart& part) {
+    PartChunks rows(db_, part);
     std::vector<std::vector<std::byte>> bytes;
     std::vector<ChunkView> views;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -173,52 +152,49 @@ std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
         bytes.push_back(std::move(chunk.bytes));  // the view looks at the same bytes
     }
     const auto same =
-        std::ranges::find_if(kept, [&](const auto& one) { return one->is_of(part, bytes); });
-    if (same != kept.end()) {
-        std::rotate(same, same + 1, kept.end());
-        return kept.back();
+        std::ranges::find_if(kept_, [&](const auto& one) { return one->is_of(part, bytes); });
+    if (same != kept_.end()) {
+        std::rotate(same, same + 1, kept_.end());
+        return kept_.back();
     }
     Ticks room = make_room();
     const Context context = context_of(part);
-    kept.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
-                                                context.session->scene_of(context.trial),
-                                                context.session->machine(), std::move(room)));
-    return kept.back();
+    kept_.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
+                                                 context.session->scene_of(context.trial),
+                                                 context.session->machine(), std::move(room)));
+    return kept_.back();
 }
 
 /// For one more: of a long trial none is kept beside it. @return the memory of one that went
-Ticks TickStore::State::make_room() {
+Ticks TickStore::make_room() {
     constexpr std::size_t kMaxParts = 4;
     constexpr std::size_t kMaxTicks = 400'000;  // 60 MB
     const auto ticks = [this] {
         std::size_t sum = 0;
-        for (const auto& one : kept) {
+        for (const auto& one : kept_) {
             sum += one->ticks();
         }
         return sum;
     };
     Ticks room;
-    while (kept.size() >= kMaxParts || ticks() > kMaxTicks) {
-        if (kept.front().use_count() == 1) {
-            room = kept.front()->take_room();
+    while (kept_.size() >= kMaxParts || ticks() > kMaxTicks) {
+        if (kept_.front().use_count() == 1) {
+            room = kept_.front()->take_room();
         }
-        kept.erase(kept.begin());
+        kept_.erase(kept_.begin());
     }
     return room;
 }
 
-TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
-TickStore::~TickStore() = default;
-
 /// SQLite does not tell a table of this kind which database was named: b.sample would be main's
 /// ticks.
-void TickStore::State::require_one_study() {
+void TickStore::require_one_study() {
     // Statements: a table of the file may be called pragma_database_list.
-    for (Query others(db, "PRAGMA database_list"); others.step();) {
+    for (Query others(db_, "PRAGMA database_list"); others.step();) {
         const std::string name = others.text(1);
         refuse_if<SampleError>(
             name != "main" && name != "temp" &&
-                Query(db, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
+                Query(db_, "PRAGMA " + in_quotes(name) + ".table_info(trace_chunk)").step(),
             "sample is of the file that was opened first, and another palpate database is "
             "attached: DETACH {}, and ask each by itself",
             name);
@@ -226,10 +202,10 @@ void TickStore::State::require_one_study() {
 }
 
 std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
-    state_->require_one_study();
+    require_one_study();
     // A part whose chunks are gone is one too: it is refused.
     std::vector<TrialPart> parts;
-    Query query(state_->db,
+    Query query(db_,
                 "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
                 "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
                 "AND ?2 AND ticks > 0 ORDER BY 1, 2");
@@ -243,22 +219,18 @@ std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
 std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
                                               SampleColumns columns,
                                               const TickRange& range) {
-    State& state = *state_;
     if ((columns & kReplayedColumns) != 0) {
         const bool closest = (columns & kClosestColumns) != 0;
-        return std::make_unique<ReplayedBlocks>(
-            part, of_part(part, [&] { return state.replayed(part); }), closest, range);
+        return std::make_unique<ReplayedBlocks>(part, of_part(part, [&] { return replayed(part); }),
+                                                closest, range);
     }
     HipSource source;
     if ((columns & kHipColumns) != 0) {
-        const SessionTraces& session =
-            *of_part(part, [&] { return state.context_of(part).session; });
+        const SessionTraces& session = *of_part(part, [&] { return context_of(part).session; });
         source = {.machine = session.machine(), .in_space = session.in_space()};
     }
-    return stored_blocks(state.db, part, columns, range, source);
+    return stored_blocks(db_, part, columns, range, source);
 }
-
-using engine::TickRecord;
 
 void SampleCursor::start(const SampleScan& scan) {
     scan_ = scan;

@@ -1,26 +1,29 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "data/extension/query.hpp"
+#include "data/trace/replay.hpp"
 #include "data/trace/sample_columns.hpp"
 
 struct sqlite3;
 namespace palpate::data {
+
+class PartReplay;
 
 /// The ticks in a database that somebody else opened: main of `db`. Reads only. Refuses while
 /// another database with ticks is attached.
 class TickStore {
 public:
     /// @param db  stays the caller's, and outlives this
-    explicit TickStore(sqlite3* db);
-    TickStore(const TickStore&) = delete;
-    TickStore& operator=(const TickStore&) = delete;
-    ~TickStore();
+    explicit TickStore(sqlite3* db) : db_(db) {}
 
     /// Parts with ticks, or of which ticks are counted, in order.
     [[nodiscard]] std::vector<TrialPart> parts(const TrialRange& trials);
@@ -32,8 +35,20 @@ public:
                                                      const TickRange& range);
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    struct Context {
+        TraceTrial trial;
+        SessionTraces* session = nullptr;
+    };
+    Context context_of(const TrialPart& part);
+    std::shared_ptr<PartReplay> replayed(const TrialPart& part);
+    Ticks make_room();
+    void require_one_study();
+
+    StatementCache db_;
+    /// By protocol and calibration, so that nothing here can be out of date.
+    std::map<std::pair<std::string, std::string>, SessionTraces> sessions_;
+    /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
+    std::vector<std::shared_ptr<PartReplay>> kept_;
 };
 
 /// What one scan of `sample` is to give.

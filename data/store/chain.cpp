@@ -316,27 +316,15 @@ std::string add_event(Database& database,
     return head;
 }
 
-std::string add_mark(Database& database,
-                     std::int64_t session,
-                     std::int64_t trial,
-                     const Reason& why) {
-    database.run("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1", trial, why.text);
-    return add_event(
-        database, session,
-        {.kind = protocols::EventKind::mark, .text = std::string(why.text), .trial = trial},
-        why.operator_name);
-}
-
-std::string undo_mark(Database& database,
-                      std::int64_t session,
-                      std::int64_t trial,
-                      const Reason& why) {
-    database.run("UPDATE trial SET invalid_reason = NULL WHERE trial_id = ?1", trial);
+std::string add_mark(
+    Database& database, std::int64_t session, std::int64_t trial, const Reason& why, bool undone) {
+    database.run("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1", trial,
+                 undone ? std::nullopt : std::optional(why.text));
     return add_event(database, session,
                      {.kind = protocols::EventKind::mark,
                       .text = std::string(why.text),
                       .trial = trial,
-                      .key = std::string(protocols::kUndone)},
+                      .key = std::string(undone ? protocols::kUndone : "")},
                      why.operator_name);
 }
 

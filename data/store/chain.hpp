@@ -48,17 +48,12 @@ struct Reason {
 
 /// The answer of `trial` does not count for this reason: its row and an event say so. In the
 /// caller's transaction. @return the new head
+/// @param undone  the mark is taken back: the answer counts again
 std::string add_mark(Database& database,
                      std::int64_t session,
                      std::int64_t trial,
-                     const Reason& why);
-
-/// Takes the mark of a trial back: its answer counts again. In the caller's transaction. @return
-/// the new head
-std::string undo_mark(Database& database,
-                      std::int64_t session,
-                      std::int64_t trial,
-                      const Reason& why);
+                     const Reason& why,
+                     bool undone = false);
 
 /// The reason that a mark noted of a trial; none: it has no mark, or its last one was taken back.
 [[nodiscard]] std::optional<std::string> mark_reason(Database& database, std::int64_t trial);

@@ -322,7 +322,7 @@ MarkResult undo_mark(Database& database, std::int64_t trial, const Reason& why) 
     }
     refuse_running(database, trial, found.session);
     MarkResult undone{.finished = found.finished,
-                      .head = undo_mark(database, found.session, trial, why)};
+                      .head = add_mark(database, found.session, trial, why, true)};
     all.commit();
     return undone;
 }

@@ -36,13 +36,10 @@ Ticks TraceReader::stored(std::int64_t trial, std::int64_t interval) {
         session =
             sessions_.emplace(context.session, session_traces(database_, context.session)).first;
     }
-    ReplayResult all = session->second.replay(context.trial, chunks.views);
-    if (all.differs_from) {
-        throw ReplayError(replay_sentence(trial, *all.differs_from));
-    }
+    Ticks ticks = session->second.replay(trial, context.trial, chunks.views);
     engine::FeltTrack track;
-    find_closest_points(*session->second.scene_of(context.trial), track, all.ticks);
-    return std::move(all.ticks);
+    find_closest_points(*session->second.scene_of(context.trial), track, ticks);
+    return ticks;
 }
 
 std::vector<std::int64_t> TraceReader::column(std::int64_t trial,

@@ -31,8 +31,7 @@ public:
     /// All stored ticks of an interval of a trial, each chunk checked, every field to the bit as
     /// the servo had it; empty for one without ticks. Where a full ring lost ticks the tick numbers
     /// jump, which only evidence may do: for replay take read().
-    /// @throws TraceError if a chunk is damaged, ReplayError if what was not stored does not come
-    /// back
+    /// @throws TraceError if a chunk is damaged, or what was not stored does not come back
     /// @throws std::invalid_argument if there is no such trial
     [[nodiscard]] Ticks stored(std::int64_t trial, std::int64_t interval = 1);
 

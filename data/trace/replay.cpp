@@ -112,9 +112,14 @@ std::shared_ptr<const engine::FeltScene> SessionTraces::scene_of(const TraceTria
     return found->second;
 }
 
-ReplayResult SessionTraces::replay(const TraceTrial& trial, std::span<const ChunkView> chunks) {
-    const std::shared_ptr<const engine::FeltScene> scene = scene_of(trial);
-    return data::replay(scene.get(), machine_, chunks);
+Ticks SessionTraces::replay(std::int64_t id,
+                            const TraceTrial& trial,
+                            std::span<const ChunkView> chunks) {
+    ReplayResult all = data::replay(scene_of(trial).get(), machine_, chunks);
+    if (all.differs_from) {
+        throw TraceError(replay_sentence(id, *all.differs_from));
+    }
+    return std::move(all.ticks);
 }
 
 }  // namespace palpate::data

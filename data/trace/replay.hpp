@@ -44,12 +44,8 @@ struct ReplayResult {
     std::optional<std::int64_t> differs_from;
 };
 
-/// The replay gives other numbers than the servo had.
-class ReplayError : public TraceError {
-public:
-    using TraceError::TraceError;
-};
-/// What a person reads then: of which trial and tick, and the remedy.
+/// What a person reads where it gives other numbers than the servo had: of which trial and tick, and
+/// the remedy.
 [[nodiscard]] std::string replay_sentence(std::int64_t trial, std::int64_t tick);
 
 /// The trials of one session.
@@ -63,8 +59,12 @@ public:
 
     /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was:
     /// without closest points, which no servo needs.
-    /// @throws TraceError if a chunk is damaged, std::invalid_argument if the scene cannot be built
-    [[nodiscard]] ReplayResult replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
+    /// @param id  of the trial
+    /// @throws TraceError if a chunk is damaged, or a column that was not stored does not come out
+    ///         as it was; std::invalid_argument if the scene cannot be built
+    [[nodiscard]] Ticks replay(std::int64_t id,
+                               const TraceTrial& trial,
+                               std::span<const ChunkView> chunks);
 
     /// The scene of the trial, with the decays that were recorded.
     /// @throws std::invalid_argument if it cannot be built
