@@ -142,7 +142,7 @@ std::vector<std::vector<double>> shares_left_out(const Study& study,
                                                  const std::vector<std::string>& frictions) {
     std::vector<std::vector<double>> all;
     std::set<std::string> left_out;
-    for (const LeftOut::Reason& one : study.left_out().broken) {
+    for (const LeftOut::Reason& one : study.left_out.broken) {
         left_out.insert(one.person);
     }
     for (const std::string& person : left_out) {

@@ -83,14 +83,14 @@ Panel map_panel(const Study& study,
                 const std::string& friction,
                 std::size_t friction_place,
                 const Rows& rows) {
-    const std::string& name = study.protocol().objects[object].name;
+    const std::string& name = study.protocol.objects[object].name;
     Panel panel{.title = name + ", friction " + friction,
                 .x = {},
                 .y = {},
                 .equal_aspect = true,
                 .height = 165.0};
     Series outline{.ink = Ink::black, .width = 1.0};
-    for (const engine::Vec2& point : protocols::plan_of(study.protocol(), object)) {
+    for (const engine::Vec2& point : protocols::plan_of(study.protocol, object)) {
         outline.x.push_back(1e3 * point.x);
         outline.y.push_back(1e3 * point.y);
     }
@@ -122,9 +122,9 @@ void add_maps(PageWriter& page, const Study& study, const std::vector<std::strin
         return;
     }
     const auto felt = figure.data.levels("felt");
-    for (std::size_t object = 0; object < study.protocol().objects.size(); ++object) {
+    for (std::size_t object = 0; object < study.protocol.objects.size(); ++object) {
         for (std::size_t f = 0;
-             std::ranges::find(felt, study.protocol().objects[object].name) != felt.end() &&
+             std::ranges::find(felt, study.protocol.objects[object].name) != felt.end() &&
              f < frictions.size();
              ++f) {
             figure.panels.push_back(map_panel(study, object, frictions[f], f, figure.data));
@@ -202,7 +202,7 @@ void add_each_trial(PageWriter& page, const Study& study) {
     panel.caption = fmt::format(
         "Answered main trials that count, also of people who are left out. One with its path and "
         "every tick: palpate report {} --trial {} -o trial.html",
-        study.file(), rows.cells.empty() ? "7" : rows.text(0, "trial_id"));
+        study.file, rows.cells.empty() ? "7" : rows.text(0, "trial_id"));
     page.figure(panel);
 }
 

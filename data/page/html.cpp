@@ -240,9 +240,9 @@ std::string PageWriter::sources(std::string_view id,
                                 std::string_view title,
                                 const Rows& rows,
                                 Folding shown) const {
-    const std::string name = study_->options().kind == "real"
+    const std::string name = study_->options.kind == "real"
                                ? std::string(id)
-                               : fmt::format("{}-{}", study_->options().kind, id);
+                               : fmt::format("{}-{}", study_->options.kind, id);
     const std::string table =
         html_table(rows.names, rows.cells, fmt::format("{}: the data", title));
     std::string out = shown == Folding::open ? table : "";
@@ -259,7 +259,7 @@ std::string PageWriter::sources(std::string_view id,
 }
 
 void PageWriter::add_results(const Results& results, const std::string& id) {
-    const std::string& kind = study_->options().kind;
+    const std::string& kind = study_->options.kind;
     const Fields fields = fields_of(results.table);
     const std::string captions =
         html_table(fields.names, fields.rows, results.caption) +
@@ -275,7 +275,7 @@ void PageWriter::add_results(const Results& results, const std::string& id) {
 }
 
 void PageWriter::figure(const PageFigure& figure) {
-    const std::string& kind = study_->options().kind;
+    const std::string& kind = study_->options.kind;
     const std::string mark = kind == "real" ? "" : kind + " data";
     body_ += fmt::format(
         "<figure id=\"{0}\" aria-labelledby=\"{0}-h\">\n<h3 id=\"{0}-h\">Figure {1}. {2}</h3>\n",

@@ -56,9 +56,9 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
     figure.panels = fit_figure(fit).panels;
     for (Panel& panel : figure.panels) {
         panel.title = "person " + panel.title;
-        panel.x.label = stimulus_axis(study.protocol()).label;
-        panel.x.unit = stimulus_axis(study.protocol()).unit;
-        panel.y.label = study.protocol().response.kind == protocols::ResponseKind::two_interval
+        panel.x.label = stimulus_axis(study.protocol).label;
+        panel.x.unit = stimulus_axis(study.protocol).unit;
+        panel.y.label = study.protocol.response.kind == protocols::ResponseKind::two_interval
                           ? "share, comparison named"
                           : "share of yes";
     }
@@ -104,7 +104,7 @@ void add_tracks(PageWriter& page, const Study& study, const FitReport& fit) {
         Panel& panel = figure.panels.emplace_back();
         panel = {.title = "person " + person,
                  .x = {.label = "answer of the run"},
-                 .y = stimulus_axis(study.protocol()),
+                 .y = stimulus_axis(study.protocol),
                  .height = 170.0};
         for (std::size_t run = 0; run < runs.size(); ++run) {
             Series track{.name = runs[run], .ink = ink_of(run), .mark = Mark::both, .width = 1.0};
@@ -144,7 +144,7 @@ void add_levels(PageWriter& page, const Study& study, const PageNumbers& numbers
     }
     page.section("levels", "Psychometric functions and tracks");
     add_curves(page, study, numbers);
-    if (study.protocol().procedure) {
+    if (study.protocol.procedure) {
         add_tracks(page, study, *numbers.fit);
     }
 }

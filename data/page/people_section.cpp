@@ -48,7 +48,7 @@ void add_gone(std::vector<std::string>& gone, std::int64_t count, const std::str
 }
 
 std::string flow_html(const Study& study, const Rows& rows) {
-    const LeftOut& account = study.left_out();
+    const LeftOut& account = study.left_out;
     std::vector<std::string> unseen;
     add_gone(unseen, account.no_consent.people, "noted as not consenting");
     add_gone(unseen, account.withdrawn.people, "all of whose sessions were withdrawn");
@@ -73,7 +73,7 @@ std::string flow_html(const Study& study, const Rows& rows) {
              "answers of people left out");
     std::string out = "<div class=\"flow\">\n<div>\n<h4>People</h4>\n<ol>\n";
     out += step(account.in_file.people,
-                fmt::format("with a {} session of the study", study.options().kind), unseen);
+                fmt::format("with a {} session of the study", study.options.kind), unseen);
     out += step(account.in_file.people - account.no_consent.people - account.withdrawn.people,
                 "whose answers may be looked at", left);
     out += step(account.analysed.people, "analysed, exclusions applied");
@@ -137,8 +137,8 @@ PeopleMean as_exp(const PeopleMean& mean) {
 void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     std::string out = "<dl class=\"facts\">\n";
     out += html_fact(
-        "People", fmt::format("{}", study.people()),
-        fmt::format("{} left out by the protocol's rules", study.left_out().by_rule.people));
+        "People", fmt::format("{}", study.people),
+        fmt::format("{} left out by the protocol's rules", study.left_out.by_rule.people));
     if (numbers.stats) {
         const StatsReport& stats = *numbers.stats;
         out += html_fact("Answers analysed", fmt::format("{}", stats.applied.trials),
@@ -182,9 +182,9 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
 
 void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     page.section("people", "Participants and exclusions");
-    if (!study.versions().empty()) {
+    if (!study.versions.empty()) {
         std::string versions;
-        for (const StudyVersion& one : study.versions()) {
+        for (const StudyVersion& one : study.versions) {
             versions += fmt::format("{}{} by {} ({})", versions.empty() ? "" : ", ",
                                     one.study + (one.study.find('@') == std::string::npos
                                                      ? '@' + one.protocol_sha256.substr(0, 8)
@@ -193,9 +193,9 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
         }
         page.paragraph(
             fmt::format("The file holds several versions of a protocol: {}. {}", versions,
-                        study.seen() == " --versions together"
+                        study.seen == " --versions together"
                             ? "CAUTION: this page takes them as one."
-                            : "They are kept apart: this page is of " + study.name() + " alone."));
+                            : "They are kept apart: this page is of " + study.name + " alone."));
     }
     PageFigure flow{.id = "flow",
                     .title = "From planned trials to analysed answers",
@@ -208,7 +208,7 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
         flow.results.push_back(both_ways(numbers));
     }
     page.figure(flow);
-    LeftOut named = study.left_out();
+    LeftOut named = study.left_out;
     for (auto* reasons : {&named.broken, &named.withdrawals}) {
         for (LeftOut::Reason& one : *reasons) {
             one.person = fmt::format("person {}:", one.person);
@@ -220,8 +220,8 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
         account.replace(at, 1, "<br>");
     }
     page.html(fmt::format("<p class=\"account\" data-left-out=\"{}\">{}</p>\n",
-                          html_text(json_text(left_out_json(study.left_out()))), account));
-    page.paragraph(study.options().codes
+                          html_text(json_text(left_out_json(study.left_out))), account));
+    page.paragraph(study.options.codes
                        ? "People are called by the laboratory's codes, as was asked for: this page "
                          "is not for strangers."
                        : "People are numbered for this page, from 1; the column subject is their "
@@ -230,7 +230,7 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
 }
 
 std::vector<std::string> frictions_of(const Study& study) {
-    std::vector<protocols::FrictionSpec> all = study.protocol().frictions;
+    std::vector<protocols::FrictionSpec> all = study.protocol.frictions;
     std::ranges::stable_sort(all, {}, &protocols::FrictionSpec::mu_s);
     std::vector<std::string> names;
     for (const auto& one : all) {

@@ -119,7 +119,7 @@ void add_provenance(PageWriter& page, const Study& study) {
                     "it, and nothing that ended is without one. This is a look, no proof: palpate "
                     "verify {} computes every seal, plan and force again. A seal in the lab book "
                     "that is the same shows that nothing before it was changed.",
-                    good, counted(seals.cells.size(), "session"), study.file()));
+                    good, counted(seals.cells.size(), "session"), study.file));
     page.table("sessions", "Newest seals", "One row a session.", seals);
     page.table("made", "Made with",
                "Versions and hashes of the sessions' programs and calibrations. What tells a "
@@ -129,7 +129,7 @@ void add_provenance(PageWriter& page, const Study& study) {
 
 void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     page.section("methods", "Methods");
-    const protocols::Protocol& protocol = study.protocol();
+    const protocols::Protocol& protocol = study.protocol;
     const auto& apparatus = protocol.apparatus;
     std::vector<std::string> frictions;
     for (const auto& one : protocol.frictions) {
@@ -139,7 +139,7 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
         "{} explored objects that they could not see through a handle with {} degrees of freedom; "
         "the contact force was rendered at {:g} kHz on the exact {} with a stiffness of {:g} N/m "
         "and limited to {:g} N. Objects were {}; friction was {}. {} {}",
-        study.options().kind == "simulated" ? "Simulated hands" : "Participants",
+        study.options.kind == "simulated" ? "Simulated hands" : "Participants",
         protocol.surface ? "three" : "two", apparatus.rate_hz / 1000.0,
         protocol.surface ? "surfaces" : "curves", apparatus.stiffness, apparatus.force_limit,
         objects_text(protocol), list_of(frictions), task_text(protocol), design_text(protocol)));
@@ -148,7 +148,7 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
                     "rules for a trial, were run again later in the session. People were left out "
                     "by rules in the protocol, written before anybody ran; each result is given "
                     "with and without these exclusions. {} had a session.",
-                    counted(study.people(), "person", "people")));
+                    counted(study.people, "person", "people")));
     if (numbers.stats) {
         add_tests(page, numbers.stats->options);
     }
@@ -170,11 +170,11 @@ void add_methods(PageWriter& page, const Study& study, const PageNumbers& number
     page.html(
         fmt::format("<p>All numbers can be had again from the file: each figure's SQL with "
                     "<code>palpate sql {0}{2} --csv</code>, the tests with <code>{1}</code>.</p>\n",
-                    html_text(study.file()),
+                    html_text(study.file),
                     html_text(numbers.stats ? numbers.stats_words
                               : numbers.fit ? numbers.fit_words
                                             : numbers.audit_words),
-                    study.seen()));
+                    study.seen));
 }
 
 }  // namespace palpate::data

@@ -72,7 +72,7 @@ void add_means(PageWriter& page,
     Results results{
         .table = {.columns = heads(
                       {"felt|", "what|", "people|", "mean|", "interval_95|", "sign_flip_p|"})},
-        .command = fmt::format("palpate summary {}", study.file()),
+        .command = fmt::format("palpate summary {}", study.file),
         .caption = "Means over people and differences within person, with 95 % intervals"};
     for (const std::string& object : felt) {
         PairedPanel pairs = pairs_of(figure.data, "mean_level", frictions, Scale::numbers, object);
@@ -109,7 +109,7 @@ void add_means(PageWriter& page,
 }  // namespace
 
 void add_ratings(PageWriter& page, const Study& study) {
-    const protocols::ResponseSpec& asked = study.protocol().response;
+    const protocols::ResponseSpec& asked = study.protocol.response;
     if (asked.kind != protocols::ResponseKind::rating) {
         return;
     }

@@ -109,9 +109,8 @@ std::vector<std::string> Rows::levels(std::string_view name) const {
     return found;
 }
 
-Study::Study(Database& database, const PageOptions& options)
-    : database_(&database), options_(options) {
-    file_ = options.codes ? std::filesystem::path(database.file()).filename().string() : "FILE";
+Study::Study(Database& database, const PageOptions& asked) : options(asked), database_(&database) {
+    file = options.codes ? std::filesystem::path(database.file()).filename().string() : "FILE";
     choose();
     number_people();
 }
@@ -120,36 +119,36 @@ void Study::choose() {
     Statement row = database_->prepare(
         "SELECT DISTINCT study_name FROM study JOIN session USING (study_id) WHERE session_kind = "
         "?1 AND (?2 = '' OR study_name = ?2) ORDER BY 1",
-        options_.kind, options_.study);
+        options.kind, options.study);
     std::set<std::string> names;
     while (row.step()) {
         names.insert(row.text(0));
     }
     if (names.empty()) {
-        const std::string left = none_left_text(*database_, options_.study, options_.kind);
+        const std::string left = none_left_text(*database_, options.study, options.kind);
         throw std::invalid_argument(fmt::format(
-            "{} has no {} session{}{}: --kind chooses others{}", database_->file(), options_.kind,
-            options_.study.empty() ? "" : fmt::format(" of the study {}", options_.study),
+            "{} has no {} session{}{}: --kind chooses others{}", database_->file(), options.kind,
+            options.study.empty() ? "" : fmt::format(" of the study {}", options.study),
             left.empty() ? "" : " that may be shown", left));
     }
     if (names.size() > 1) {
         throw std::invalid_argument(several_studies(*database_, names));
     }
-    name_ = *names.begin();
-    words_ = options_.kind == "real" ? "" : " --kind " + options_.kind;
-    words_ += options_.study.empty() ? "" : " --study " + options_.study;
-    versions_ = versions_of(*database_);
-    if (!versions_.empty() || hides(*database_)) {
-        seen_ = name_.find('@') == std::string::npos && !versions_.empty() ? " --versions together"
-                                                                           : " --versions apart";
-        words_ += seen_;
+    name = *names.begin();
+    words = options.kind == "real" ? "" : " --kind " + options.kind;
+    words += options.study.empty() ? "" : " --study " + options.study;
+    versions = versions_of(*database_);
+    if (!versions.empty() || hides(*database_)) {
+        seen = name.find('@') == std::string::npos && !versions.empty() ? " --versions together"
+                                                                        : " --versions apart";
+        words += seen;
     }
     Statement text = database_->first(
         "SELECT study_title, protocol_toml FROM study JOIN session USING (study_id) WHERE "
         "study_name = ?1 AND session_kind = ?2 ORDER BY session_id DESC LIMIT 1",
-        name_, options_.kind);
-    title_ = text.text(0);
-    protocol_ = protocols::stored_protocol(text.text(1));
+        name, options.kind);
+    title = text.text(0);
+    protocol = protocols::stored_protocol(text.text(1));
 }
 
 void Study::number_people() {
@@ -157,29 +156,28 @@ void Study::number_people() {
         "SELECT participant_code, printf('sub-%010d', subject) FROM participant WHERE "
         "participant_id IN (SELECT participant_id FROM session JOIN study USING (study_id) WHERE "
         "study_name = ?1 AND session_kind = ?2) ORDER BY subject",
-        name_, options_.kind);
+        name, options.kind);
     std::map<std::string, std::size_t> place;
     while (row.step()) {
-        ++people_;
-        const std::string shown = options_.codes ? row.text(0) : fmt::format("{}", people_);
-        place[row.text(0)] = place[row.text(1)] = people_;
+        ++people;
+        const std::string shown = options.codes ? row.text(0) : fmt::format("{}", people);
+        place[row.text(0)] = place[row.text(1)] = people;
         person_[row.text(0)] = person_[row.text(1)] = shown;
     }
-    left_out_ = left_out_of(*database_, name_, options_.kind, options_.codes);
+    left_out = left_out_of(*database_, name, options.kind, options.codes);
     std::set<std::size_t> places;
-    for (LeftOut::Reason& one : left_out_.broken) {
+    for (LeftOut::Reason& one : left_out.broken) {
         places.insert(place.at(one.person));
         one.person = person(one.person);
     }
-    for (LeftOut::Reason& one : left_out_.withdrawals) {
-        one.why = options_.codes
-                    ? one.why
-                    : "the lab's file says why";  // a page is handed on: no lab's words
+    for (LeftOut::Reason& one : left_out.withdrawals) {
+        one.why = options.codes ? one.why
+                                : "the lab's file says why";  // a page is handed on: no lab's words
         const std::size_t end = one.person.find(' ');
         one.person = person(one.person.substr(0, end)) + one.person.substr(end);
     }
-    const std::string study = quoted_text(name_);
-    const std::string kind = quoted_text(options_.kind);
+    const std::string study = quoted_text(name);
+    const std::string kind = quoted_text(options.kind);
     person_sql_ = fmt::format(
         "person AS (\n"
         "    SELECT participant_id, participant_code, {} AS person,\n"
@@ -189,7 +187,7 @@ void Study::number_people() {
         "    WHERE participant_id IN (\n"
         "        SELECT participant_id FROM session JOIN study USING (study_id)\n"
         "        WHERE study_name = {} AND session_kind = {}))",
-        options_.codes ? "participant_code" : "row_number() OVER (ORDER BY subject)",
+        options.codes ? "participant_code" : "row_number() OVER (ORDER BY subject)",
         fmt::join(places, ", "), study, kind);
     main_sql_ = fmt::format(
         "main AS (\n"
@@ -207,7 +205,7 @@ std::string Study::person(const std::string& known_as) const {
 Rows Study::ask(std::string_view sql) const {
     std::string text(sql);
     std::string signals;
-    for (const std::string& one : options_.signals) {
+    for (const std::string& one : options.signals) {
         signals += (signals.empty() ? "" : ", ") + quoted_text(one);
     }
     const std::string signal = fmt::format("planned_object IN ({})", signals);
@@ -216,13 +214,13 @@ Rows Study::ask(std::string_view sql) const {
                            yes_no);
     };
     const std::string said = fmt::format("(answer_code = 1) = ({})", signal);
-    const bool known = !options_.signals.empty();
+    const bool known = !options.signals.empty();
     for (const auto& [word, value] :
          {std::pair{std::string("{hit}"), judged(known ? said : "answer_code = 1")},
           std::pair{std::string("{right}"), judged(known ? said : "NULL")},
           std::pair{std::string("{signal}"), signal},
-          std::pair{std::string("{study}"), quoted_text(name_)},
-          std::pair{std::string("{kind}"), quoted_text(options_.kind)}}) {
+          std::pair{std::string("{study}"), quoted_text(name)},
+          std::pair{std::string("{kind}"), quoted_text(options.kind)}}) {
         for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at)) {
             text.replace(at, word.size(), value);
             at += value.size();

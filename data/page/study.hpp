@@ -63,50 +63,37 @@ public:
     /// @throws StoreError if the file says no
     [[nodiscard]] Rows ask(std::string_view sql) const;
 
-    /// The file, and what was asked; the study's id and title.
-    [[nodiscard]] Database& database() const { return *database_; }
-    [[nodiscard]] const PageOptions& options() const { return options_; }
-    [[nodiscard]] const std::string& name() const { return name_; }
-    [[nodiscard]] const std::string& title() const { return title_; }
-    /// As its newest version says.
-    [[nodiscard]] const protocols::Protocol& protocol() const { return protocol_; }
     /// "3", or the code; of a code, and of a number in exports, either.
     [[nodiscard]] std::string person(const std::string& known_as) const;
-    [[nodiscard]] std::size_t people() const { return people_; }
-    /// People as on the page.
-    [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
     /// Everybody with an answer that counts is left out by rule.
     [[nodiscard]] bool nobody_left() const {
-        return left_out_.by_rule.people > 0 && left_out_.analysed.people == 0;
+        return left_out.by_rule.people > 0 && left_out.analysed.people == 0;
     }
+
+    PageOptions options;
+    std::string name;  ///< the study's id
+    std::string title;
+    protocols::Protocol protocol;  ///< as its newest version says
+    std::size_t people = 0;
+    LeftOut left_out;  ///< people as on the page
     /// " --kind simulated --study x": what other commands need to speak of the same.
-    [[nodiscard]] const std::string& words() const { return words_; }
+    std::string words;
     /// Of which protocols the file has several, and " --versions apart": how they are taken; else
     /// nothing.
-    [[nodiscard]] const std::vector<StudyVersion>& versions() const { return versions_; }
-    [[nodiscard]] const std::string& seen() const { return seen_; }
+    std::vector<StudyVersion> versions;
+    std::string seen;
     /// FILE, since a name may hold a code; where codes are asked for, the file's without its
     /// folder.
-    [[nodiscard]] const std::string& file() const { return file_; }
+    std::string file;
 
 private:
     void choose();
     void number_people();
 
     Database* database_;
-    PageOptions options_;
-    std::string name_;
-    std::string title_;
-    protocols::Protocol protocol_;
     std::map<std::string, std::string> person_;
-    std::size_t people_ = 0;
-    LeftOut left_out_;
     std::string person_sql_;
     std::string main_sql_;
-    std::string words_;
-    std::vector<StudyVersion> versions_;
-    std::string seen_;
-    std::string file_;
 };
 
 }  // namespace palpate::data

@@ -17,7 +17,7 @@ namespace {
 bool any(Database& database, const Study& study, std::string_view from) {
     return !study.nobody_left() &&
            database.first(fmt::format("SELECT EXISTS (SELECT 1 FROM {})", from),
-                          std::string_view(study.name()), std::string_view(study.options().kind))
+                          std::string_view(study.name), std::string_view(study.options.kind))
                    .integer(0) == 1;
 }
 
@@ -28,10 +28,10 @@ std::optional<TrialTable> stats_trials(Database& database, const Study& study) {
                               "phase = 'main' AND answer_code IS NOT NULL AND run_number IS NULL "
                               "AND (chosen_object IS NOT NULL OR study_name IN (SELECT study_name "
                               "FROM study WHERE protocol_toml LIKE '%kind = \"yes_no\"%'))");
-    const PageOptions& options = study.options();
+    const PageOptions& options = study.options;
     return answered
              ? std::optional(stored_trials(
-                   database, {.kind = options.kind, .study = study.name(), .codes = options.codes}))
+                   database, {.kind = options.kind, .study = study.name, .codes = options.codes}))
              : std::nullopt;
 }
 
@@ -42,7 +42,7 @@ StoredAnswers fit_answers(Database& database, const Study& study) {
         return {};
     }
     StoredAnswers answers =
-        stored_answers(database, {.kind = study.options().kind, .study = study.name()});
+        stored_answers(database, {.kind = study.options.kind, .study = study.name});
     for (Answers& one : answers.all) {
         one.participant = study.person(one.participant);
     }
@@ -52,10 +52,10 @@ StoredAnswers fit_answers(Database& database, const Study& study) {
 /// As palpate fit does without other words, then in the page's order of people.
 FitReport fit_numbers(const Study& study, const StoredAnswers& answers) {
     constexpr double kLapse = 0.02;
-    FitOptions options{.bootstrap = study.options().bootstrap, .conditions = answers.conditions};
+    FitOptions options{.bootstrap = study.options.bootstrap, .conditions = answers.conditions};
     options.spec = {.guess = kLapse, .lapse = kLapse, .two_sided = true};
-    FitReport fit = fit_all(study.name(), answers.all, options);
-    if (!study.options().codes) {
+    FitReport fit = fit_all(study.name, answers.all, options);
+    if (!study.options.codes) {
         std::ranges::stable_sort(fit.curves, {}, [](const FittedCurve& curve) {
             return std::stoul(curve.answers.participant);
         });
@@ -69,8 +69,8 @@ std::optional<Audit> audit_numbers(Database& database,
     const bool two = any(database, study,
                          "(SELECT count(DISTINCT friction) AS n FROM exploration WHERE study_name "
                          "= ?1 AND session_kind = ?2 AND phase = 'main' AND counts) WHERE n > 1");
-    return two ? std::optional(audit_of(
-                     database, {.kind = study.options().kind, .study = study.name()}, bounds))
+    return two ? std::optional(
+                     audit_of(database, {.kind = study.options.kind, .study = study.name}, bounds))
                : std::nullopt;
 }
 
@@ -78,14 +78,14 @@ std::optional<Audit> audit_numbers(Database& database,
 PageNumbers commands_of(const Study& study, const PageOptions& options) {
     PageNumbers numbers;
     numbers.stats_words =
-        fmt::format("palpate stats {}{} --simulations {}{} --json", study.file(), study.words(),
+        fmt::format("palpate stats {}{} --simulations {}{} --json", study.file, study.words,
                     options.simulations, options.codes ? " --keep-codes" : "");
     for (const std::string& signal : options.signals) {
         numbers.stats_words += " --signal " + signal;
     }
-    numbers.fit_words = fmt::format("palpate fit {}{} --bootstrap {} --json", study.file(),
-                                    study.words(), options.bootstrap);
-    numbers.audit_words = fmt::format("palpate audit {}{}", study.file(), study.words());
+    numbers.fit_words = fmt::format("palpate fit {}{} --bootstrap {} --json", study.file,
+                                    study.words, options.bootstrap);
+    numbers.audit_words = fmt::format("palpate audit {}{}", study.file, study.words);
     return numbers;
 }
 
@@ -130,16 +130,16 @@ std::string study_page(Database& database, const PageOptions& options) {
     add_times(page, study, numbers);
     add_methods(last, study, numbers);
     page.append(last);
-    const std::string title = study.title().empty() ? study.name() : study.title();
+    const std::string title = study.title.empty() ? study.name : study.title;
     return page.page(
         {.kind = options.kind,
          .version = options.version,
-         .kicker = fmt::format("Protocol {}, {} data", study.name(), options.kind),
+         .kicker = fmt::format("Protocol {}, {} data", study.name, options.kind),
          .title = title,
          .footer = fmt::format(
              "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
              options.codes
-                 ? study.file()
+                 ? study.file
                  : "the study's database, called FILE here, whose newest seals stand above",
              options.codes ? "" : ", no code of a participant and no name of a file")});
 }

@@ -142,7 +142,7 @@ std::string answer_text(const Study& study, const Rows& rows) {
     if (!std::isfinite(code)) {
         return "none";
     }
-    const protocols::ResponseSpec& asked = study.protocol().response;
+    const protocols::ResponseSpec& asked = study.protocol.response;
     switch (asked.kind) {
         case protocols::ResponseKind::two_interval:
             return fmt::format("interval {:.0f}", code + 1.0);
@@ -260,12 +260,12 @@ PageFrame frame_of(const Study& study,
     PageFrame frame{
         .kind = owner.kind,
         .version = options.version,
-        .kicker = fmt::format("Protocol {}, {} data", study.name(), owner.kind),
+        .kicker = fmt::format("Protocol {}, {} data", study.name, owner.kind),
         .title = fmt::format("Trial {}", options.trial),
-        .name = fmt::format("Trial {} of {}", options.trial, study.name()),
+        .name = fmt::format("Trial {} of {}", options.trial, study.name),
         .footer = fmt::format(
             "Made by palpate {} from {}. No day, no name{} is on this page.", options.version,
-            options.codes ? study.file() : "the study's database, called FILE here",
+            options.codes ? study.file : "the study's database, called FILE here",
             options.codes ? "" : ", no code of a participant and no name of a file")};
     if (drawn) {
         frame.footer +=

@@ -295,7 +295,7 @@ void add_strips(PageWriter& page, const Study& study, const TrialTrace& trace) {
         "{}\", or palpate export --traces.",
         times.size(),
         lost == 0 ? "" : fmt::format("; {} more were lost on their way to the disk", lost),
-        has_friction(trace) ? "Triangles: stick events. " : "", study.file(), of);
+        has_friction(trace) ? "Triangles: stick events. " : "", study.file, of);
     page.figure(figure);
 }
 

@@ -24,9 +24,6 @@ std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial) {
     return intervals;
 }
 
-TraceReader::TraceReader(Database& database) : database_(database) {}
-TraceReader::~TraceReader() = default;
-
 Ticks TraceReader::stored(std::int64_t trial, std::int64_t interval) {
     const Snapshot now(database_);
     const TrialContext context = trial_context(database_, trial, interval);

@@ -23,10 +23,7 @@ namespace palpate::data {
 class TraceReader {
 public:
     /// @param database  must outlive this
-    explicit TraceReader(Database& database);
-    TraceReader(const TraceReader&) = delete;
-    TraceReader& operator=(const TraceReader&) = delete;
-    ~TraceReader();
+    explicit TraceReader(Database& database) : database_(database) {}
 
     /// All stored ticks of an interval of a trial, each chunk checked, every field to the bit as
     /// the servo had it; empty for one without ticks. Where a full ring lost ticks the tick numbers
