@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <sqlite3ext.h>
 
-#include "data/extension/functions.hpp"
+#include "data/extension/sample_module.hpp"
 #include "data/statistics/information.hpp"
 #include "data/statistics/paired.hpp"
 

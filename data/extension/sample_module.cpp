@@ -13,7 +13,6 @@
 
 #include <sqlite3ext.h>
 
-#include "data/extension/functions.hpp"
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/sample_cursor.hpp"

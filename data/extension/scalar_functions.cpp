@@ -6,7 +6,7 @@
 #include <sqlite3ext.h>
 
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/extension/functions.hpp"
+#include "data/extension/sample_module.hpp"
 #include "data/statistics/distributions.hpp"
 #include "data/statistics/information.hpp"
 

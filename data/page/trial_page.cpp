@@ -1,5 +1,3 @@
-#include "data/page/trial_page.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -8,6 +6,7 @@
 
 #include "engine/base/refuse.hpp"
 #include "engine/base/text.hpp"
+#include "data/page/study_page.hpp"
 #include "data/page/trial_trace.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -14,10 +16,42 @@
 /// dictionary; of what hands and encoders give it leaves as little.
 namespace palpate::data {
 
+static_assert(std::endian::native == std::endian::little, "bits are copied as they lie in memory");
+
 inline constexpr std::size_t kBlock = 32;
 
 /// Adds the stream of `numbers` to `data`.
-void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>& data);
+inline void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>& data) {
+    for (std::size_t first = 0; first < numbers.size(); first += kBlock) {
+        const auto block = numbers.subspan(first, std::min(kBlock, numbers.size() - first));
+        std::uint64_t all = 0;
+        for (const std::uint64_t number : block) {
+            all |= number;
+        }
+        const auto width = static_cast<std::size_t>(std::bit_width(all));
+        data.push_back(static_cast<std::byte>(width));
+        if (width == 0) {
+            continue;
+        }
+        std::array<std::uint64_t, kBlock + 1> bits;
+        std::size_t whole = 0;
+        std::size_t filled = 0;  // bits of the word that is not whole
+        std::uint64_t word = 0;
+        for (const std::uint64_t number : block) {
+            word |= number << filled;
+            filled += width;
+            if (filled >= 64) {
+                bits[whole++] = word;
+                filled -= 64;
+                word = number >> 1U >> (width - filled - 1);  // a shift by 64 is none in C++
+            }
+        }
+        bits[whole] = word;
+        const std::size_t bit = 64 * whole + filled;
+        const auto* const bytes = reinterpret_cast<const std::byte*>(bits.data());
+        data.insert(data.end(), bytes, bytes + (bit + 7) / 8);
+    }
+}
 
 /// Reads such a stream block by block. `stream` must outlive this.
 class PackedNumbers {
@@ -25,14 +59,8 @@ public:
     /// At the first block.
     explicit PackedNumbers(std::span<const std::byte> stream) noexcept : rest_(stream) {}
 
-    /// The next numbers. @param block  kBlock of them, or what is left
+    /// Gives the next numbers to `use`, one after the other. @param count  kBlock, or what is left
     /// @return false if the stream is too short, or a number does not fit a Word
-    template <class Word>
-    [[nodiscard]] bool next(std::span<Word> block) noexcept {
-        return each<Word>(block.size(),
-                          [at = block.data()](Word number) mutable { *at++ = number; });
-    }
-    /// The same, one after the other to `use`. @param count  kBlock, or what is left
     template <class Word, class Use>
     [[nodiscard]] bool each(std::size_t count, Use use) noexcept {
         if (rest_.empty()) {

@@ -1,5 +1,3 @@
-#include "data/verify/session_check.hpp"
-
 #include <algorithm>
 #include <exception>
 #include <map>

@@ -81,4 +81,11 @@ private:
     SideBySide work_;  ///< the last one: it ends first
 };
 
+/// Checks one session and its trials. @param session the row of the session with those of its study
+/// and its participant: name, title, code, protocol_sha256, protocol_toml
+/// @param rooms  for ticks, of sessions before: for those to come
+[[nodiscard]] SessionReport check_session(Database& database,
+                                          const StoredRow& session,
+                                          TickRooms& rooms);
+
 }  // namespace palpate::data

@@ -15,7 +15,7 @@
 #include "data/store/secret.hpp"
 #include "data/store/written_rows.hpp"
 #include "data/verify/findings.hpp"
-#include "data/verify/session_check.hpp"
+#include "data/verify/trial_check.hpp"
 
 namespace palpate::data {
 namespace {

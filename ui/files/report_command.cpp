@@ -5,7 +5,6 @@
 
 #include "engine/base/files.hpp"
 #include "data/page/study_page.hpp"
-#include "data/page/trial_page.hpp"
 #include "ui/command/command.hpp"
 #include "ui/files/analysed_file.hpp"
 #include "ui/rig/say.hpp"
