@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -26,6 +27,20 @@ std::optional<std::string> after(std::string_view text, std::string_view word) {
     }
     return std::string(text.substr(word.size() + 1));
 }
+
+/// What --device may name, in the order in which they are listed.
+struct DeviceWord {
+    std::string_view name;
+    Kind kind;
+    bool takes_file;
+};
+constexpr std::array<DeviceWord, 7> kDevices{{{"sim", Kind::simulated, false},
+                                              {"mouse", Kind::mouse, false},
+                                              {"haply", Kind::haply, true},
+                                              {"haply-emulator", Kind::haply_emulator, false},
+                                              {"board", Kind::board, true},
+                                              {"comedi", Kind::comedi, true},
+                                              {"replay", Kind::replay, true}}};
 
 DeviceChoice replay_of(std::string file) {
     DeviceChoice choice{.kind = Kind::replay, .file = std::move(file)};
@@ -101,52 +116,31 @@ bool holds(const fs::path& process, const std::string& words) {
 }  // namespace
 
 DeviceChoice parse_device(std::string_view text) {
-    if (text == "sim") {
-        return {};
-    }
-    if (text == "mouse") {
-        return {.kind = Kind::mouse, .file = {}};
-    }
-    if (text == "haply-emulator") {
-        return {.kind = Kind::haply_emulator, .file = {}};
-    }
-    if (auto file = after(text, "replay")) {
-        return replay_of(*std::move(file));
-    }
-    if (auto port = after(text, "haply")) {
-        return {.kind = Kind::haply, .file = *std::move(port)};
-    }
-    if (auto port = after(text, "board")) {
-        if (port->starts_with(engine::kUdp)) {
-            static_cast<void>(engine::udp_address(*port));  // throws before anything is made
+    std::vector<std::string_view> names;
+    for (const DeviceWord& one : kDevices) {
+        names.push_back(one.name);
+        if (!one.takes_file && text == one.name) {
+            return {.kind = one.kind, .file = {}};
         }
-        return {.kind = Kind::board, .file = *std::move(port)};
+        if (auto file = one.takes_file ? after(text, one.name) : std::nullopt) {
+            if (one.kind == Kind::board && file->starts_with(engine::kUdp)) {
+                static_cast<void>(engine::udp_address(*file));  // throws before anything is made
+            }
+            return one.kind == Kind::replay
+                     ? replay_of(*std::move(file))
+                     : DeviceChoice{.kind = one.kind, .file = *std::move(file)};
+        }
     }
-    if (auto file = after(text, "comedi")) {
-        return {.kind = Kind::comedi, .file = *std::move(file)};
-    }
-    constexpr std::array<std::string_view, 7> kNames{"sim",   "mouse",  "haply", "haply-emulator",
-                                                     "board", "comedi", "replay"};
-    const std::string_view name = text.substr(0, text.find(':'));
     throw std::invalid_argument(fmt::format("--device {}: no such device{}; give {}", text,
-                                            suggestion(name, kNames, ""), kDeviceWords));
+                                            suggestion(text.substr(0, text.find(':')), names, ""),
+                                            kDeviceWords));
 }
 
 bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
     using enum protocols::DeviceClass;
-    switch (asked) {
-        case any:
-            return true;
-        case haply:
-            return kind == DeviceChoice::Kind::haply;
-        case board:
-            return kind == DeviceChoice::Kind::board;
-        case comedi:
-            return kind == DeviceChoice::Kind::comedi;
-        case mouse:
-            return kind == DeviceChoice::Kind::mouse;
-    }
-    return false;
+    return asked == any || (asked == haply && kind == Kind::haply) ||
+           (asked == board && kind == Kind::board) || (asked == comedi && kind == Kind::comedi) ||
+           (asked == mouse && kind == Kind::mouse);
 }
 
 void require_fit(const protocols::Protocol& protocol,

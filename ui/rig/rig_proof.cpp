@@ -199,20 +199,6 @@ bool wait_for_enter(const std::string& text) {
     return typed_after(text).has_value();
 }
 
-void ask_for_yes(const std::string& text, bool beforehand) {
-    if (beforehand) {
-        return;
-    }
-    for (std::optional<std::string> line; line != "yes" && line != "y";) {
-        line = typed_after(text + " Type yes: ");
-        refuse_if<std::runtime_error>(
-            !line, "{}",
-            interrupted() ? "stopped at the question; nothing was begun"
-                          : "standard input ended, and nobody said that the handle is free and "
-                            "at home: --handle-free says so beforehand");
-    }
-}
-
 void in_real_time(const std::function<void()>& work) {
     std::exception_ptr thrown;
     std::thread thread([&] {
@@ -230,10 +216,13 @@ void in_real_time(const std::function<void()>& work) {
     }
 }
 
-engine::PulseRunner::Wait wall_ticks(double period) {
+engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped) {
     constexpr std::int64_t kFarBehind = 20'000'000;
     const auto step = static_cast<std::int64_t>(period * 1e9 + 0.5);
-    return [step, due = std::int64_t{0}]() mutable {
+    return [step, due = std::int64_t{0}, stopped = std::move(stopped)]() mutable {
+        if (stopped()) {
+            throw StopDuringPulses{};
+        }
         due += step;
         const std::int64_t now = monotonic_ns();
         const bool behind = now - due >= step;
@@ -242,12 +231,6 @@ engine::PulseRunner::Wait wall_ticks(double period) {
         }
         sleep_until(due);
         return !behind && monotonic_ns() - due < step;
-    };
-}
-
-engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped) {
-    return [tick = wall_ticks(period), stopped = std::move(stopped)]() mutable {
-        return stopped() ? throw StopDuringPulses{} : tick();
     };
 }
 
@@ -264,20 +247,26 @@ OpeningFact moves_as_it_did(const engine::ShortForm& form) {
 std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button) {
     return std::make_unique<StopLines>(
         "", "weak pulses that prove a rig\n", std::move(button),
-        StopLines::Acts{
-            .stop = [](const char*) { interrupt(); }, .bar = [](const char*) {}, .pipes = false});
+        StopLines::Acts{.stop = [](const char*) { interrupt(); }, .pipes = false});
 }
 
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
-    const bool at_home = engine::starts_at_home(calibration);
-    ask_for_yes(fmt::format("Nobody may hold the handle now: weak pulses will move it by some mm, "
-                            "and Escape here stops "
-                            "them. {}",
-                            at_home ? fmt::format("It has to rest at home, {}.",
-                                                  engine::place_text(engine::home_of(calibration),
-                                                                     calibration.axes()))
-                                    : std::string("Let it rest in the middle of the workspace.")),
-                beforehand);
+    const std::string text = fmt::format(
+        "Nobody may hold the handle now: weak pulses will move it by some mm, and Escape here "
+        "stops "
+        "them. {} Type yes: ",
+        engine::starts_at_home(calibration)
+            ? fmt::format("It has to rest at home, {}.",
+                          engine::place_text(engine::home_of(calibration), calibration.axes()))
+            : std::string("Let it rest in the middle of the workspace."));
+    for (std::optional<std::string> line; !beforehand && line != "yes" && line != "y";) {
+        line = typed_after(text);
+        refuse_if<std::runtime_error>(
+            !line, "{}",
+            interrupted() ? "stopped at the question; nothing was begun"
+                          : "standard input ended, and nobody said that the handle is free and "
+                            "at home: --handle-free says so beforehand");
+    }
 }
 
 std::vector<OpeningFact> prove_opening(engine::Device& device,

@@ -37,11 +37,6 @@ struct OpeningFact {
 /// What was commissioned into that file; none: nothing, or there is none that can be read.
 [[nodiscard]] std::optional<engine::RigRecord> record_in(const std::string& file);
 
-/// Says `text` on the terminal and waits for "yes".
-/// @param beforehand  it was said by a word of the command: nobody is asked
-/// @throws std::runtime_error for another answer, at the end of standard input, or once
-/// interrupted()
-void ask_for_yes(const std::string& text, bool beforehand);
 /// Says `text` and waits for Enter. @return false at the end of standard input, or once
 /// interrupted()
 [[nodiscard]] bool wait_for_enter(const std::string& text);
@@ -52,12 +47,10 @@ void ask_for_yes(const std::string& text, bool beforehand);
 /// @throws what it throws
 void in_real_time(const std::function<void()>& work);
 
-/// A tick of a real device: deadlines `period` s apart. One that is far behind begins anew.
-[[nodiscard]] engine::PulseRunner::Wait wall_ticks(double period);
-
 /// Thrown within a pulse, whose motors are then at zero.
 struct StopDuringPulses {};
-/// The same until somebody wants no force: then it throws StopDuringPulses.
+/// A tick of a real device: deadlines `period` s apart. One that is far behind begins anew. Once
+/// somebody wants no force it throws StopDuringPulses.
 [[nodiscard]] engine::PulseRunner::Wait ticks_until(double period, std::function<bool()> stopped);
 
 /// While this lives, before there is a session, Escape or Enter at the terminal, `palpate stop` and
@@ -65,7 +58,9 @@ struct StopDuringPulses {};
 [[nodiscard]] std::unique_ptr<StopLines> stops_of_pulses(std::shared_ptr<StopButton> button);
 
 /// Before the device is opened: the handle has to be free, and at home, which the device takes its
-/// pose for. @throws as ask_for_yes
+/// pose for: asks until "yes" is typed.
+/// @param beforehand  it was said by a word of the command: nobody is asked
+/// @throws std::runtime_error at the end of standard input, or once interrupted()
 void ask_for_home(const engine::Calibration& calibration, bool beforehand);
 
 /// After it was opened: the handle rests, at home; at the second mark the encoders say that it is

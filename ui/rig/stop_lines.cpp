@@ -29,8 +29,6 @@ namespace {
 constexpr int kWaitMs =
     50;  ///< until the thread looks whether it is to end, and for a button that is gone
 
-std::atomic<int> answers{0};
-
 /// A shell's background job may neither read the terminal nor set it.
 bool in_foreground() {
     return tcgetpgrp(STDIN_FILENO) == getpgrp();
@@ -93,14 +91,6 @@ std::string take(int device) {
 
 }  // namespace
 
-TypedAnswer::TypedAnswer() {
-    ++answers;
-}
-
-TypedAnswer::~TypedAnswer() {
-    --answers;
-}
-
 StopLines::StopLines(const std::string& database,
                      std::string label,
                      std::shared_ptr<StopButton> button,
@@ -145,7 +135,8 @@ StopLines::~StopLines() {
 void StopLines::live() noexcept {
     while (!end_) {
         try {
-            const bool types = listens_ && answers == 0 && (!terminal_ || in_foreground());
+            const bool types =
+                listens_ && TypedAnswer::living == 0 && (!terminal_ || in_foreground());
             const auto reads = [](int descriptor) {
                 return pollfd{.fd = descriptor, .events = POLLIN, .revents = 0};
             };
@@ -159,7 +150,7 @@ void StopLines::live() noexcept {
             control_.hear([this](const std::string& line, const std::shared_ptr<Caller>& caller) {
                 obey(line, caller);
             });
-            if (lines[0].revents != 0 && answers == 0) {
+            if (lines[0].revents != 0 && TypedAnswer::living == 0) {
                 look_at_terminal();
             }
             if (button_ && button_->descriptor() < 0) {
@@ -237,41 +228,30 @@ StopButton::StopButton(std::string file) : file_(std::move(file)) {
     }
 }
 
-StopButton::~StopButton() {
-    close_it();
-}
-
 std::string StopButton::open_it() {
-    descriptor_ = open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
-    if (descriptor_ < 0) {
+    button_ = Descriptor(open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
+    if (descriptor() < 0) {
         return fmt::format("{}: plug it in, or give yourself the right to read it",
                            std::strerror(errno));
     }
     down_ = 0;
-    std::string wrong = take(descriptor_);
+    std::string wrong = take(descriptor());
     if (!wrong.empty()) {
-        close_it();
+        button_ = Descriptor();
     }
     return wrong;
-}
-
-void StopButton::close_it() noexcept {
-    if (descriptor_ >= 0) {
-        close(descriptor_);
-        descriptor_ = -1;
-    }
 }
 
 StopButton::ButtonState StopButton::look() noexcept {
     ButtonState seen = ButtonState::nothing;
     std::array<input_event, 16> events{};
     for (;;) {
-        const ssize_t got = read(descriptor_, events.data(), sizeof events);
+        const ssize_t got = read(descriptor(), events.data(), sizeof events);
         if (got < 0 && (errno == EAGAIN || errno == EINTR)) {
             return seen;
         }
         if (got <= 0 || static_cast<std::size_t>(got) % sizeof(input_event) != 0) {
-            close_it();
+            button_ = Descriptor();
             return ButtonState::gone;
         }
         for (std::size_t i = 0; i < static_cast<std::size_t>(got) / sizeof(input_event); ++i) {

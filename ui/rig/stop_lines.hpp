@@ -29,12 +29,9 @@ public:
     /// @throws std::invalid_argument if it is not there, is no such device, is pressed, or belongs
     /// to another program
     explicit StopButton(std::string file);
-    StopButton(const StopButton&) = delete;
-    StopButton& operator=(const StopButton&) = delete;
-    ~StopButton();
 
     /// To be polled for reading; -1: gone.
-    [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+    [[nodiscard]] int descriptor() const noexcept { return button_.get(); }
     /// Never waits. Of several, what matters most.
     [[nodiscard]] ButtonState look() noexcept;
     /// A key of it is held down.
@@ -46,11 +43,22 @@ public:
 private:
     /// @return what is wrong; empty: it is open
     [[nodiscard]] std::string open_it();
-    void close_it() noexcept;
 
     std::string file_;
-    int descriptor_ = -1;
+    Descriptor button_{};
     int down_ = 0;  ///< keys that are
+};
+
+/// While one of these lives what is typed answers a question, and stops nothing.
+class TypedAnswer {
+public:
+    /// Several may live at a time: the last one to go ends it.
+    TypedAnswer() { ++living; }
+    TypedAnswer(const TypedAnswer&) = delete;
+    TypedAnswer& operator=(const TypedAnswer&) = delete;
+    ~TypedAnswer() { --living; }
+
+    static inline std::atomic<int> living{0};
 };
 
 inline constexpr std::string_view kStopButtonWords =
@@ -74,8 +82,9 @@ class StopLines {
 public:
     struct Acts {
         std::function<void(const char*)> stop;  ///< on the thread; by which way
-        std::function<void(const char*)>
-            bar;  ///< no force while this sentence stands; none: nothing any more
+        /// No force while this sentence stands; none: nothing any more.
+        std::function<void(const char*)> bar = [](const char*) {
+        };
         std::function<bool()> doubts{};  ///< nothing proves that the force is off; none: never
         bool types = true;           ///< somebody feels it: Enter and Escape at the terminal stop
         bool pipes = true;           ///< a line stops where standard input is a pipe, too
@@ -108,16 +117,6 @@ private:
     termios before_{};
     std::atomic<bool> end_{false};
     std::thread thread_;
-};
-
-/// While one of these lives what is typed answers a question, and stops nothing.
-class TypedAnswer {
-public:
-    /// Several may live at a time: the last one to go ends it.
-    TypedAnswer();
-    TypedAnswer(const TypedAnswer&) = delete;
-    TypedAnswer& operator=(const TypedAnswer&) = delete;
-    ~TypedAnswer();
 };
 
 }  // namespace palpate::ui
